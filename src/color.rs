@@ -1,0 +1,42 @@
+//! sRGB encoding and decoding (IEC 61966-2-1).
+
+/// Linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
+pub fn decode_srgb(encoded: f32) -> f32 {
+    decode_srgb_f64(f64::from(encoded)) as f32
+}
+
+/// sRGB-encoded value of a linear one. Negative values stay on the linear part.
+pub fn encode_srgb(linear: f32) -> f32 {
+    encode_srgb_f64(f64::from(linear)) as f32
+}
+
+/// As [`decode_srgb`], in float64.
+pub fn decode_srgb_f64(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// As [`encode_srgb`], in float64.
+pub fn encode_srgb_f64(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_two_are_inverse_on_every_8_bit_value() {
+        for byte in 0..=255u16 {
+            let encoded = f32::from(byte) / 255.0;
+            let back = encode_srgb(decode_srgb(encoded));
+            // Two roundings to float32 of values of at most 1, amplified by the slope 12.92 near black.
+            assert!((back - encoded).abs() < 13.0 * f32::EPSILON, "{byte}: {back} != {encoded}");
+        }
+    }
+
+    #[test]
+    fn known_values() {
+        assert!((decode_srgb(0.5) - 0.214_041_14).abs() < 1e-7);
+        assert!((encode_srgb(0.5) - 0.735_356_98).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,27 @@
+//! The rendered image: linear, float32, before and after the background.
+
+use glam::Vec3;
+
+/// What a method yields: premultiplied linear color without background, coverage and depth, row 0 at the top.
+///
+/// With `color = "encoded"` the colors are encoded (sRGB) values; whoever writes the file decodes or encodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Premultiplied R, G, B and A = 1 − T per pixel, row by row.
+    pub rgba: Vec<[f32; 4]>,
+    /// z of the first fragment with α > 0, +inf where there is none.
+    pub depth: Vec<f32>,
+    /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
+    pub fragments: Option<Vec<u32>>,
+}
+
+impl Image {
+    /// The image over a background: C + (1 − A)·background.
+    pub fn composed(&self, background: Vec3) -> Vec<[f32; 3]> {
+        self.rgba.iter().map(|&[r, g, b, a]| (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()).collect()
+    }
+}

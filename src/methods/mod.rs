@@ -1,0 +1,6 @@
+//! (in work)
+
+/// (in work)
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {}
