@@ -7,12 +7,14 @@ pub mod camera;
 pub mod cloud;
 pub mod color;
 pub mod error;
+#[allow(unsafe_code)]
 pub mod gpu;
 pub mod image;
 pub mod io;
 pub mod methods;
 pub mod metrics;
 pub mod output;
+pub mod passes;
 pub mod points;
 pub mod prepare;
 pub mod reference;

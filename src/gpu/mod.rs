@@ -1,6 +1,27 @@
-//! (in work)
+//! The device layer: everything that talks to Vulkan, and the only place with `unsafe`.
+//!
+//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`shader`] turns WGSL into SPIR-V,
+//! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
 
-/// (in work)
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {}
+mod buffer;
+mod cache;
+mod context;
+mod device;
+mod error;
+mod instance;
+pub mod layout;
+mod pass;
+mod pipeline;
+mod recorder;
+pub mod shader;
+mod spirv;
+
+pub use buffer::{Buffer, Memory, RawSlice, Slice};
+pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
+pub use error::Error;
+pub use layout::{GpuType, Shape};
+pub use pass::{Access, Binding, Pass};
+pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted};
+pub use shader::Variant;
+
+pub(crate) use context::Context;

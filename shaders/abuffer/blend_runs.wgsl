@@ -1,0 +1,32 @@
+// abuffer/blend-runs: composes each run of a sorted long list by itself. One invocation per run.
+#import compose
+#import long_list
+#import dispatch
+
+@group(0) @binding(13) var<storage, read_write> work: LongWork;
+@group(0) @binding(14) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(15) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(16) var<storage, read_write> partials: array<Partial>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let first = run.start + run.run * RUN_LENGTH;
+    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    for (var i = first; i < last; i++) {
+        let fragment = fragments[i];
+        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+    }
+    partials[item] = Partial(sum.rgba, vec4<u32>(sum.key, 0u, 0u, 0u));
+}

@@ -1,0 +1,35 @@
+// abuffer/combine: composes the runs of each long list, front to back: composition is associative. One invocation per list.
+#import view
+#import splat
+#import long_list
+#import dispatch
+
+@group(0) @binding(0) var<storage, read_write> work: LongWork;
+@group(0) @binding(1) var<storage, read> lists: array<LongList>;
+@group(0) @binding(2) var<storage, read> partials: array<Partial>;
+@group(0) @binding(3) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> depths: array<f32>;
+
+const NOTHING = 0xffffffffu;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.list_count) {
+        return;
+    }
+    let list = lists[item];
+    var rgba = vec4<f32>(0.0);
+    var key = NOTHING;
+    for (var k = 0u; k < list.runs; k++) {
+        let part = partials[list.first_run + k];
+        rgba += (1.0 - rgba.a) * part.rgba;
+        key = select(key, part.key.x, key == NOTHING);
+    }
+    image[list.pixel] = rgba;
+    depths[list.pixel] = bitcast<f32>(select(bitcast<u32>(key_depth(key)), 0x7f800000u, key == NOTHING));
+}

@@ -1,0 +1,42 @@
+// abuffer/measure: the longest list, and how many fragments lie in long ones. One invocation per run of RUN pixels, so
+// that few atomics meet.
+#import dispatch
+#import long_list
+
+struct Lengths {
+    longest: atomic<u32>,
+    in_long_lists: atomic<u32>,
+}
+
+struct Push {
+    count: u32,
+}
+
+@group(0) @binding(0) var<storage, read> counts: array<u32>;
+@group(0) @binding(1) var<storage, read_write> lengths: Lengths;
+var<immediate> push: Push;
+override RUN: u32 = 64u;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let start = invocation_index(workgroup, groups, local) * RUN;
+    if start >= push.count {
+        return;
+    }
+    let end = min(start + RUN, push.count);
+    var most = 0u;
+    var in_long = 0u;
+    for (var i = start; i < end; i++) {
+        let count = counts[i];
+        most = max(most, count);
+        in_long += select(0u, count, count > RUN_LENGTH);
+    }
+    atomicMax(&lengths.longest, most);
+    if in_long > 0u {
+        atomicAdd(&lengths.in_long_lists, in_long);
+    }
+}

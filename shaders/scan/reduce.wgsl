@@ -1,0 +1,38 @@
+// scan/reduce: sums of runs of RUN elements. One invocation per run. A sum over 32 bits sets the flag.
+// First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without barriers or forward progress between workgroups.
+#import dispatch
+
+struct Push {
+    count: u32,
+}
+
+@group(0) @binding(0) var<storage, read> values: array<u32>;
+@group(0) @binding(1) var<storage, read_write> sums: array<u32>;
+@group(0) @binding(2) var<storage, read_write> overflow: array<atomic<u32>>;
+var<immediate> push: Push;
+override RUN: u32 = 64u;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let run = invocation_index(workgroup, groups, local);
+    let start = run * RUN;
+    if start >= push.count {
+        return;
+    }
+    let end = min(start + RUN, push.count);
+    var sum = 0u;
+    var carried = false;
+    for (var i = start; i < end; i++) {
+        let next = sum + values[i];
+        carried = carried || next < sum;
+        sum = next;
+    }
+    sums[run] = sum;
+    if carried {
+        atomicOr(&overflow[0], 1u);
+    }
+}

@@ -1,0 +1,96 @@
+// Front-to-back composition of fragments: color and opacity of a splat by index, and the running sum.
+#import splat
+
+// Splats' colors (linear or encoded RGB, opacity) and footprints. A binding is limited (128 MiB on lavapipe), so each
+// array is bound as four windows of 2^WINDOW_SHIFT elements.
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> colors_0: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> colors_1: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> colors_2: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> colors_3: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> splats_0: array<Splat>;
+@group(0) @binding(6) var<storage, read> splats_1: array<Splat>;
+@group(0) @binding(7) var<storage, read> splats_2: array<Splat>;
+@group(0) @binding(8) var<storage, read> splats_3: array<Splat>;
+@group(0) @binding(9) var<storage, read> tilts_0: array<Tilt>;
+@group(0) @binding(10) var<storage, read> tilts_1: array<Tilt>;
+@group(0) @binding(11) var<storage, read> tilts_2: array<Tilt>;
+@group(0) @binding(12) var<storage, read> tilts_3: array<Tilt>;
+
+override WINDOWS: u32 = 1u;
+override WINDOW_SHIFT: u32 = 23u;
+const FALLOFF_FLAT = 0u;
+const FALLOFF_GAUSSIAN = 1u;
+override FALLOFF: u32 = 0u;
+
+fn color_at(i: u32) -> vec4<f32> {
+    if WINDOWS == 1u {
+        return colors_0[i];
+    }
+    let k = i & ((1u << WINDOW_SHIFT) - 1u);
+    switch i >> WINDOW_SHIFT {
+        case 0u: { return colors_0[k]; }
+        case 1u: { return colors_1[k]; }
+        case 2u: { return colors_2[k]; }
+        default: { return colors_3[k]; }
+    }
+}
+
+fn splat_at(i: u32) -> Splat {
+    if WINDOWS == 1u {
+        return splats_0[i];
+    }
+    let k = i & ((1u << WINDOW_SHIFT) - 1u);
+    switch i >> WINDOW_SHIFT {
+        case 0u: { return splats_0[k]; }
+        case 1u: { return splats_1[k]; }
+        case 2u: { return splats_2[k]; }
+        default: { return splats_3[k]; }
+    }
+}
+
+fn tilt_at(i: u32) -> Tilt {
+    if SHAPE != SHAPE_ORIENTED {
+        return Tilt(vec4<f32>(0.0));
+    }
+    if WINDOWS == 1u {
+        return tilts_0[i];
+    }
+    let k = i & ((1u << WINDOW_SHIFT) - 1u);
+    switch i >> WINDOW_SHIFT {
+        case 0u: { return tilts_0[k]; }
+        case 1u: { return tilts_1[k]; }
+        case 2u: { return tilts_2[k]; }
+        default: { return tilts_3[k]; }
+    }
+}
+
+// Color and opacity of a splat's fragment in a pixel.
+fn fragment_color(i: u32, pixel: vec2<u32>) -> vec4<f32> {
+    var color = color_at(i);
+    if FALLOFF == FALLOFF_GAUSSIAN {
+        let rho = cover(splat_at(i), tilt_at(i), pixel, view).rho;
+        color.a *= exp(-2.0 * rho * rho);
+    }
+    return color;
+}
+
+// Premultiplied color and A = 1 - T of what lies in front, and the depth key of its first fragment with opacity.
+// A is summed as it is, not as one minus a product: a thousand fragments of 1e-7 would round away in the product.
+struct Composed {
+    rgba: vec4<f32>,
+    key: u32,
+}
+
+const NOTHING = 0xffffffffu;
+
+fn behind(front: Composed, key: u32, color: vec4<f32>) -> Composed {
+    let weight = (1.0 - front.rgba.a) * color.a;
+    let first = front.key == NOTHING && color.a > 0.0;
+    return Composed(front.rgba + weight * vec4<f32>(color.rgb, 1.0), select(front.key, key, first));
+}
+
+// Depth of a key, +inf for nothing.
+fn composed_depth(key: u32) -> f32 {
+    return bitcast<f32>(select(bitcast<u32>(key_depth(key)), 0x7f800000u, key == NOTHING));
+}

@@ -1,0 +1,40 @@
+// What every stage that visits the pixels of splats binds. The stage defines
+// visit(splat's index in the chunk, splat, tilt, pixel); a walker calls it for each pixel that may be covered.
+#import splat
+
+struct RasterPush {
+    // Splats of this chunk.
+    count: u32,
+    // Index of the chunk's first splat among all.
+    first: u32,
+    large_count: u32,
+    tiles: u32,
+    // The band of pixels in work: [band_start, band_end) in the order of window_index.
+    band_start: u32,
+    band_end: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> splats: array<Splat>;
+@group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
+@group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
+@group(0) @binding(4) var<storage, read> large: array<u32>;
+@group(0) @binding(5) var<storage, read> tile_offsets: array<u32>;
+var<immediate> push: RasterPush;
+
+fn tilt_of(i: u32) -> Tilt {
+    if SHAPE == SHAPE_ORIENTED {
+        return tilts[i];
+    }
+    return Tilt(vec4<f32>(0.0));
+}
+
+// Whether a rectangle has pixels in the band; false for an empty one.
+fn in_band(low: vec2<u32>, high: vec2<u32>) -> bool {
+    if any(low >= high) {
+        return false;
+    }
+    let first = window_index(low, view.window);
+    let last = window_index(high - 1u, view.window);
+    return first < push.band_end && last >= push.band_start;
+}

@@ -1,0 +1,28 @@
+// Walker: one invocation per splat of a chunk walks its whole rectangle, at most SMALL_AREA pixels.
+#import dispatch
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = invocation_index(workgroup, groups, local);
+    if i >= push.count {
+        return;
+    }
+    let rect = bounds[i];
+    let low = bounds_min(rect);
+    let high = bounds_max(rect);
+    let extent = high - low;
+    if extent.x * extent.y > SMALL_AREA || !in_band(low, high) {
+        return;
+    }
+    let splat = splats[i];
+    let tilt = tilt_of(i);
+    for (var y = low.y; y < high.y; y++) {
+        for (var x = low.x; x < high.x; x++) {
+            visit(i, splat, tilt, vec2<u32>(x, y));
+        }
+    }
+}

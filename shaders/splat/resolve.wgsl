@@ -1,0 +1,36 @@
+// splat/resolve: index of the nearest splat to color and depth. One invocation per pixel.
+#import compose
+#import dispatch
+
+struct Push {
+    count: u32,
+}
+
+struct Nearest {
+    id: u32,
+    key: u32,
+}
+
+@group(0) @binding(13) var<storage, read> nearest: array<Nearest>;
+@group(0) @binding(14) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(15) var<storage, read_write> depths: array<f32>;
+var<immediate> push: Push;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = invocation_index(workgroup, groups, local);
+    if p >= push.count {
+        return;
+    }
+    let found = nearest[p];
+    depths[p] = composed_depth(found.key);
+    if found.key == NOTHING {
+        image[p] = vec4<f32>(0.0);
+    } else {
+        image[p] = vec4<f32>(color_at(found.id).rgb, 1.0);
+    }
+}

@@ -1,0 +1,94 @@
+use ash::vk;
+use bytesize::ByteSize;
+
+/// Why the device could not do what was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The Vulkan loader is not installed.
+    #[error(
+        "no Vulkan loader: {0}; install it (Debian, Ubuntu: libvulkan1 and mesa-vulkan-drivers) or run tools/setup.sh"
+    )]
+    NoLoader(String),
+    /// The loader finds no driver.
+    #[error("no Vulkan device; install a driver (without a GPU: mesa-vulkan-drivers) or run tools/setup.sh")]
+    NoDevice,
+    /// `--device` names none of those present.
+    #[error("no Vulkan device matches {wanted:?}; there are: {present}")]
+    NoSuchDevice {
+        /// What was asked for.
+        wanted: String,
+        /// Index and name of each device.
+        present: String,
+    },
+    /// The device lacks something required.
+    #[error("device {device} lacks {missing}; `pellucid devices` lists the others")]
+    Lacks {
+        /// The device's name.
+        device: String,
+        /// What is missing, separated by commas.
+        missing: String,
+    },
+    /// Validation was asked for, but its layer is not installed.
+    #[error(
+        "validation asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian, Ubuntu: vulkan-validationlayers)"
+    )]
+    NoValidation,
+    /// An allocation failed.
+    #[error("out of device memory: {name} needs {} beside {} in use; a smaller --memory-budget or --size would help", ByteSize(*.bytes), ByteSize(*.in_use))]
+    OutOfMemory {
+        /// The allocation's name.
+        name: String,
+        /// Bytes asked for.
+        bytes: u64,
+        /// Bytes allocated at that moment.
+        in_use: u64,
+    },
+    /// A buffer is larger than the device binds or allocates at once.
+    #[error("{name} needs {}, but this device allows {} ({limit_name})", ByteSize(*.bytes), ByteSize(*.limit))]
+    TooLarge {
+        /// The buffer's name.
+        name: String,
+        /// Bytes asked for.
+        bytes: u64,
+        /// Bytes allowed.
+        limit: u64,
+        /// The limit's name in Vulkan.
+        limit_name: &'static str,
+    },
+    /// The device stopped answering.
+    #[error("the device was lost during {during}; the driver may have stopped a dispatch that took too long")]
+    Lost {
+        /// The submission.
+        during: String,
+    },
+    /// Any other Vulkan failure.
+    #[error("Vulkan: {call} failed with {result:?}")]
+    Vulkan {
+        /// The call.
+        call: &'static str,
+        /// Its result.
+        result: vk::Result,
+    },
+    /// A shader does not compile or does not match its pass.
+    #[error("shader {name}: {message}")]
+    Shader {
+        /// Stem of the file.
+        name: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// The validation layers complained.
+    #[error("{} validation message(s), the first: {}", .0.len(), .0.first().map_or("", String::as_str))]
+    Validation(Vec<String>),
+}
+
+impl Error {
+    /// For `map_err`: a failed call by name.
+    pub(crate) fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
+        move |result| match result {
+            vk::Result::ERROR_DEVICE_LOST => Self::Lost { during: call.to_owned() },
+            result => Self::Vulkan { call, result },
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What a pass binds, declared once in Rust and compared with its shader.
+
+use super::{RawSlice, Shape};
+
+/// How a shader may use a binding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// `var<uniform>`
+    Uniform,
+    /// `var<storage, read>`
+    Read,
+    /// `var<storage, read_write>`
+    ReadWrite,
+}
+
+/// One binding of group 0; its number is its place in the list.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// The variable's name in WGSL.
+    pub name: &'static str,
+    /// What the shader may do.
+    pub access: Access,
+    /// Shape of the element (storage: a runtime-sized array of it; uniform: itself).
+    pub shape: Shape,
+}
+
+/// A pass: a struct of named buffers. Made by [`pass!`](crate::pass).
+pub trait Pass {
+    /// Method and stage, as in `abuffer/store`: the timing label too.
+    const NAME: &'static str;
+    /// Stem of the shader file under shaders/.
+    const SHADER: &'static str;
+    /// The declared bindings.
+    fn bindings() -> Vec<Binding>;
+    /// Shape of the push constants, if any.
+    fn push() -> Option<Shape>;
+    /// The buffers in the order of the bindings.
+    fn resources(&self) -> Vec<RawSlice>;
+}
+
+/// Declares a pass: name of the timing label, the shader file if it is called otherwise, push constants, bindings.
+///
+/// ```ignore
+/// pass! {
+///     /// Puts each splat's fragments into their slots.
+///     pub Store(StorePush) = "abuffer/store" {
+///         splats: Read<Splat>,
+///         fragments: ReadWrite<[u32; 2]>,
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! pass {
+    ($(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? = $label:literal $(in $shader:literal)? {
+        $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[allow(missing_docs, reason = "the shader says what the members are")]
+        $vis struct $name<'a> {
+            $($(#[$field_doc])* pub $field: $crate::gpu::Slice<'a, $type>),*
+        }
+        impl $crate::gpu::Pass for $name<'_> {
+            const NAME: &'static str = $label;
+            const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
+            fn bindings() -> Vec<$crate::gpu::Binding> {
+                vec![$($crate::gpu::Binding {
+                    name: stringify!($field),
+                    access: $crate::gpu::Access::$access,
+                    shape: <$type as $crate::gpu::GpuType>::shape(),
+                }),*]
+            }
+            fn push() -> Option<$crate::gpu::Shape> {
+                #[allow(unused_mut, unused_assignments)]
+                let mut shape = None;
+                $(shape = Some(<$push as $crate::gpu::GpuType>::shape());)?
+                shape
+            }
+            fn resources(&self) -> Vec<$crate::gpu::RawSlice> {
+                vec![$(self.$field.raw()),*]
+            }
+        }
+    };
+    (@first $first:literal $(, $rest:literal)*) => { $first };
+}

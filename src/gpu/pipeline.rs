@@ -1,0 +1,166 @@
+//! Vulkan pipelines of passes, built once for each pass and variant.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::{Access, Context, Error, Pass, Variant, shader};
+
+/// Pass, variant, and whether it draws.
+pub type PipelineKey = (&'static str, String, bool);
+
+/// Bytes of push constants that every device has.
+const PUSH_BYTES: u32 = 128;
+
+pub struct Pipeline {
+    pub raw: vk::Pipeline,
+    pub layout: vk::PipelineLayout,
+    pub set_layout: vk::DescriptorSetLayout,
+    pub descriptor_types: Vec<vk::DescriptorType>,
+    pub push_stages: Option<vk::ShaderStageFlags>,
+}
+
+impl Pipeline {
+    /// The compute pipeline of a pass.
+    pub fn compute<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
+        context.pipeline((P::SHADER, variant.key(), false), || {
+            let words = shader::compile::<P>(variant)?;
+            Self::build::<P>(context, vk::ShaderStageFlags::COMPUTE, |layout| {
+                let module = Module::new(context, &words)?;
+                let stage = module.stage(vk::ShaderStageFlags::COMPUTE);
+                let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+                // SAFETY: the module and layout live through the call.
+                let made = unsafe { context.device.create_compute_pipelines(context.pipeline_cache, &[info], None) };
+                made.map(|p| p[0]).map_err(|(_, result)| Error::Vulkan { call: "vkCreateComputePipelines", result })
+            })
+        })
+    }
+
+    /// The graphics pipeline of a pass that draws triangles without attachments: only storage writes come out.
+    pub fn draw<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
+        context.pipeline((P::SHADER, variant.key(), true), || {
+            let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
+            let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+            Self::build::<P>(context, stages, |layout| {
+                let modules = [Module::new(context, &vertex)?, Module::new(context, &fragment)?];
+                let stages =
+                    [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
+                let vertices = vk::PipelineVertexInputStateCreateInfo::default();
+                let assembly =
+                    vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+                let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+                let rasterization = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+                let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+                    .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+                let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+                let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
+                let mut rendering = vk::PipelineRenderingCreateInfo::default();
+                let info = vk::GraphicsPipelineCreateInfo::default()
+                    .stages(&stages)
+                    .vertex_input_state(&vertices)
+                    .input_assembly_state(&assembly)
+                    .viewport_state(&viewport)
+                    .rasterization_state(&rasterization)
+                    .multisample_state(&multisample)
+                    .dynamic_state(&dynamic)
+                    .layout(layout)
+                    .push_next(&mut rendering);
+                // SAFETY: all states, modules and the layout live through the call.
+                let made = unsafe { context.device.create_graphics_pipelines(context.pipeline_cache, &[info], None) };
+                made.map(|p| p[0]).map_err(|(_, result)| Error::Vulkan { call: "vkCreateGraphicsPipelines", result })
+            })
+        })
+    }
+
+    fn build<P: Pass>(
+        context: &Context,
+        stages: vk::ShaderStageFlags,
+        make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
+    ) -> Result<Self, Error> {
+        let descriptor_types: Vec<_> = P::bindings()
+            .iter()
+            .map(|b| match b.access {
+                Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+                Access::Read | Access::ReadWrite => vk::DescriptorType::STORAGE_BUFFER,
+            })
+            .collect();
+        let bindings: Vec<_> = (0u32..)
+            .zip(&descriptor_types)
+            .map(|(i, ty)| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(i)
+                    .descriptor_type(*ty)
+                    .descriptor_count(1)
+                    .stage_flags(stages)
+            })
+            .collect();
+        let device = &context.device;
+        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: a live device; destroyed with the pipeline.
+        let set_layout = unsafe { device.create_descriptor_set_layout(&set_info, None) }
+            .map_err(Error::call("vkCreateDescriptorSetLayout"))?;
+        let set_layouts = [set_layout];
+        let ranges = [vk::PushConstantRange::default().stage_flags(stages).size(PUSH_BYTES)];
+        let mut layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
+        let push_stages = P::push().map(|_| stages);
+        if push_stages.is_some() {
+            layout_info = layout_info.push_constant_ranges(&ranges);
+        }
+        // SAFETY: as above.
+        let layout =
+            unsafe { device.create_pipeline_layout(&layout_info, None) }.map_err(Error::call("vkCreatePipelineLayout"));
+        let made = layout.and_then(|layout| match make(layout) {
+            Ok(raw) => Ok(Self { raw, layout, set_layout, descriptor_types, push_stages }),
+            Err(e) => {
+                // SAFETY: just made, used by nothing.
+                unsafe { device.destroy_pipeline_layout(layout, None) };
+                Err(e)
+            }
+        });
+        if made.is_err() {
+            // SAFETY: just made, used by nothing.
+            unsafe { device.destroy_descriptor_set_layout(set_layout, None) };
+        }
+        made
+    }
+
+    /// Destroys the handles.
+    ///
+    /// # Safety
+    /// The device must be idle and nothing recorded with the pipeline be submitted later.
+    pub unsafe fn destroy(&self, device: &ash::Device) {
+        // SAFETY: by the caller.
+        unsafe {
+            device.destroy_pipeline(self.raw, None);
+            device.destroy_pipeline_layout(self.layout, None);
+            device.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
+/// A shader module, destroyed as soon as its pipeline is built.
+struct Module<'a> {
+    context: &'a Context,
+    raw: vk::ShaderModule,
+}
+
+impl<'a> Module<'a> {
+    fn new(context: &'a Context, words: &[u32]) -> Result<Self, Error> {
+        let info = vk::ShaderModuleCreateInfo::default().code(words);
+        // SAFETY: the words come from naga's validated module or our checksummed cache.
+        let raw =
+            unsafe { context.device.create_shader_module(&info, None) }.map_err(Error::call("vkCreateShaderModule"))?;
+        Ok(Self { context, raw })
+    }
+
+    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
+    }
+}
+
+impl Drop for Module<'_> {
+    fn drop(&mut self) {
+        // SAFETY: pipelines do not need their modules once they exist.
+        unsafe { self.context.device.destroy_shader_module(self.raw, None) };
+    }
+}

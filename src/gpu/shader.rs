@@ -1,0 +1,317 @@
+//! WGSL to SPIR-V by naga, and what naga's reflection says about bindings and struct layouts. Needs no device.
+//!
+//! The files under shaders/ are embedded. `#import name` pastes shaders/shared/name.wgsl once. Variants are made by
+//! `override` values and, for what WGSL does not let an override size (function-local arrays, optional bindings), by
+//! text constants: lines `const NAME = VALUE;` put before the source. `#walker` pastes the piece that the variant names.
+
+use std::fmt::Write as _;
+
+use include_dir::{Dir, include_dir};
+use naga::back::spv;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{AddressSpace, ShaderStage, StorageAccess, TypeInner};
+
+use super::{Access, Binding, Error, Pass, Shape, cache, spirv};
+
+static SHADERS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// Entry point of every shader file.
+pub const ENTRY: &str = "main";
+/// Invocations of every compute workgroup; also the constant `WG_SIZE` in WGSL.
+pub const WORKGROUP: u32 = 64;
+
+/// Which of a shader's variants: values of overrides by name, and text constants.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Variant {
+    /// Overrides.
+    pub overrides: Vec<(&'static str, f64)>,
+    /// Text constants with their WGSL value, as `("CAPACITY", "256u")`.
+    pub constants: Vec<(&'static str, String)>,
+    /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
+    pub walker: Option<&'static str>,
+}
+
+impl Variant {
+    /// The one variant of a shader that has no choices.
+    pub fn plain() -> Self {
+        Self::default()
+    }
+
+    /// Adds an override.
+    pub fn with(mut self, name: &'static str, value: impl Into<f64>) -> Self {
+        self.overrides.push((name, value.into()));
+        self
+    }
+
+    /// Adds a text constant of type u32.
+    pub fn constant(mut self, name: &'static str, value: u32) -> Self {
+        self.constants.push((name, format!("{value}u")));
+        self
+    }
+
+    /// Sets the walker.
+    pub fn walker(mut self, name: &'static str) -> Self {
+        self.walker = Some(name);
+        self
+    }
+
+    /// A key that differs for every variant.
+    pub fn key(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// The shader files by stem (`abuffer/store`), the shared pieces left out.
+pub fn stems() -> Vec<String> {
+    let mut found = Vec::new();
+    let mut folders = vec![&SHADERS];
+    while let Some(folder) = folders.pop() {
+        folders.extend(folder.dirs().filter(|d| !d.path().ends_with("shared")));
+        found.extend(folder.files().filter_map(|f| Some(f.path().to_str()?.strip_suffix(".wgsl")?.to_owned())));
+    }
+    found.sort();
+    found
+}
+
+fn file(stem: &str) -> Option<&'static str> {
+    SHADERS.get_file(format!("{stem}.wgsl"))?.contents_utf8()
+}
+
+/// The whole source of a shader: text constants, then the file with its imports pasted in.
+pub fn source(stem: &str, variant: &Variant) -> Result<String, Error> {
+    let text = file(stem).ok_or_else(|| error(stem, "no such file under shaders/"))?;
+    let mut out = format!("const WG_SIZE = {WORKGROUP}u;\n");
+    for (name, value) in &variant.constants {
+        let _ = writeln!(out, "const {name} = {value};");
+    }
+    paste(stem, text, variant.walker, &mut out, &mut Vec::new())?;
+    Ok(out)
+}
+
+fn paste<'a>(
+    stem: &str,
+    text: &'a str,
+    walker: Option<&'static str>,
+    out: &mut String,
+    pasted: &mut Vec<&'a str>,
+) -> Result<(), Error> {
+    for line in text.lines() {
+        let name = match line.strip_prefix("#import ") {
+            Some(name) => name.trim(),
+            None if line == "#walker" => walker.ok_or_else(|| error(stem, "the variant names no walker"))?,
+            None => {
+                out.push_str(line);
+                out.push('\n');
+                continue;
+            }
+        };
+        if !pasted.contains(&name) {
+            let shared =
+                file(&format!("shared/{name}")).ok_or_else(|| error(stem, format!("no shared piece {name:?}")))?;
+            pasted.push(name);
+            paste(stem, shared, walker, out, pasted)?;
+        }
+    }
+    Ok(())
+}
+
+fn error(name: &str, message: impl Into<String>) -> Error {
+    Error::Shader { name: name.to_owned(), message: message.into() }
+}
+
+/// SPIR-V of a pass's compute shader, checked against the pass's declaration; from the disk cache if it is there.
+pub fn compile<P: Pass>(variant: &Variant) -> Result<Vec<u32>, Error> {
+    compile_stage::<P>(P::SHADER, variant, true)
+}
+
+/// The vertex shader of every pass that draws: two triangles over each splat's rectangle.
+const QUAD: &str = "splat/quad.vert";
+
+/// SPIR-V of the vertex and fragment shaders of a pass that draws. The vertex shader uses only some of the bindings.
+pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> {
+    Ok([compile_stage::<P>(QUAD, &Variant::plain(), false)?, compile_stage::<P>(P::SHADER, variant, true)?])
+}
+
+fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
+    let source = source(stem, variant)?;
+    // The declaration is part of the key: a cached shader was compared with the same one.
+    let identity =
+        format!("{}\n{source}\n{}\n{:?}\n{:?}", env!("CARGO_PKG_VERSION"), variant.key(), P::bindings(), P::push());
+    let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
+    if let Some(words) =
+        cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())
+    {
+        return Ok(words);
+    }
+    let module = parse(stem, &source)?;
+    check_bindings(stem, &module, &P::bindings(), P::push().as_ref(), all_bindings)?;
+    let words = spirv::correct(&generate(stem, &source, &module, &variant.overrides)?);
+    cache::store("spirv", &key, bytemuck::cast_slice(&words));
+    Ok(words)
+}
+
+/// Compiles a pass's shader and compares it with the declaration, past the cache: for tests.
+pub fn check<P: Pass>(variant: &Variant) -> Result<(), Error> {
+    let source = source(P::SHADER, variant)?;
+    let module = parse(P::SHADER, &source)?;
+    check_bindings(P::SHADER, &module, &P::bindings(), P::push().as_ref(), true)?;
+    generate(P::SHADER, &source, &module, &variant.overrides).map(|_| ())
+}
+
+fn parse(stem: &str, source: &str) -> Result<naga::Module, Error> {
+    naga::front::wgsl::parse_str(source).map_err(|e| error(stem, e.emit_to_string(source)))
+}
+
+fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleInfo, Error> {
+    let capabilities = Capabilities::IMMEDIATES
+        | Capabilities::SHADER_INT64
+        | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
+        | Capabilities::MULTISAMPLED_SHADING;
+    Validator::new(ValidationFlags::all(), capabilities)
+        .validate(module)
+        .map_err(|e| error(stem, e.emit_to_string(source)))
+}
+
+fn generate(
+    stem: &str,
+    source: &str,
+    module: &naga::Module,
+    overrides: &[(&'static str, f64)],
+) -> Result<Vec<u32>, Error> {
+    let info = validated(stem, source, module)?;
+    let known: Vec<&str> = module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
+    if let Some((name, _)) = overrides.iter().find(|(name, _)| !known.contains(name)) {
+        return Err(error(stem, format!("no override {name}")));
+    }
+    let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let (module, info) = naga::back::pipeline_constants::process_overrides(module, &info, None, &constants)
+        .map_err(|e| error(stem, e.to_string()))?;
+    let options = spv::Options {
+        lang_version: (1, 3),
+        // Without ADJUST_COORDINATE_SPACE, which would flip y.
+        flags: spv::WriterFlags::empty(),
+        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
+        force_loop_bounding: false,
+        emit_int_div_checks: false,
+        ..Default::default()
+    };
+    spv::write_vec(&module, &info, &options, None).map_err(|e| error(stem, e.to_string()))
+}
+
+/// naga's SPIR-V for a source text, without our corrections unless `corrected`.
+#[cfg(test)]
+pub(super) fn to_spirv(
+    stem: &str,
+    source: &str,
+    overrides: &[(&'static str, f64)],
+    corrected: bool,
+) -> Result<Vec<u32>, Error> {
+    let words = generate(stem, source, &parse(stem, source)?, overrides)?;
+    Ok(if corrected { spirv::correct(&words) } else { words })
+}
+
+/// Compares names, numbers, access and layouts of group 0 and the push constants.
+fn check_bindings(
+    stem: &str,
+    module: &naga::Module,
+    declared: &[Binding],
+    push: Option<&Shape>,
+    all_bindings: bool,
+) -> Result<(), Error> {
+    let mut seen = vec![false; declared.len()];
+    for (_, variable) in module.global_variables.iter() {
+        let name = variable.name.as_deref().unwrap_or_default();
+        if variable.space == AddressSpace::Immediate {
+            let shape = push.ok_or_else(|| error(stem, format!("{name}: the pass declares no push constants")))?;
+            check_shape(stem, name, module, variable.ty, shape)?;
+            continue;
+        }
+        let Some(place) = &variable.binding else { continue };
+        let index = place.binding as usize;
+        let Some(binding) = declared.get(index).filter(|_| place.group == 0) else {
+            return Err(error(stem, format!("{name}: the pass has no binding {index} in group {}", place.group)));
+        };
+        if binding.name != name {
+            return Err(error(stem, format!("binding {index} is {name:?} in WGSL and {:?} in the pass", binding.name)));
+        }
+        let access = access_of(variable.space).ok_or_else(|| error(stem, format!("{name}: not a buffer")))?;
+        if access != binding.access {
+            return Err(error(stem, format!("{name}: {access:?} in WGSL, {:?} in the pass", binding.access)));
+        }
+        check_shape(stem, name, module, element(module, variable.ty), &binding.shape)?;
+        seen[index] = true;
+    }
+    match seen.iter().position(|s| !s) {
+        Some(missing) if all_bindings => {
+            Err(error(stem, format!("binding {:?} is missing in WGSL", declared[missing].name)))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn access_of(space: AddressSpace) -> Option<Access> {
+    match space {
+        AddressSpace::Uniform => Some(Access::Uniform),
+        AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Some(Access::ReadWrite),
+        AddressSpace::Storage { .. } => Some(Access::Read),
+        _ => None,
+    }
+}
+
+/// The element of a runtime-sized array, else the type itself.
+fn element(module: &naga::Module, ty: naga::Handle<naga::Type>) -> naga::Handle<naga::Type> {
+    match module.types[ty].inner {
+        TypeInner::Array { base, .. } => base,
+        _ => ty,
+    }
+}
+
+fn check_shape(
+    stem: &str,
+    name: &str,
+    module: &naga::Module,
+    ty: naga::Handle<naga::Type>,
+    shape: &Shape,
+) -> Result<(), Error> {
+    match (&module.types[ty].inner, shape) {
+        (TypeInner::Struct { members, span }, Shape::Struct { size, members: declared }) => {
+            let found: Vec<(&str, usize)> =
+                members.iter().map(|m| (m.name.as_deref().unwrap_or_default(), m.offset as usize)).collect();
+            if found != *declared || *span as usize != *size {
+                return Err(error(
+                    stem,
+                    format!("{name}: {found:?} of {span} bytes in WGSL, {declared:?} of {size} bytes in Rust"),
+                ));
+            }
+            Ok(())
+        }
+        (inner, Shape::Plain(wanted)) if plain_name(inner).as_deref() == Some(*wanted) => Ok(()),
+        (inner, shape) => Err(error(stem, format!("{name}: {inner:?} in WGSL, {shape:?} in Rust"))),
+    }
+}
+
+/// WGSL's name of a scalar or vector of 32- or 64-bit components.
+fn plain_name(inner: &TypeInner) -> Option<String> {
+    let scalar_name = |s: naga::Scalar| match (s.kind, s.width) {
+        (naga::ScalarKind::Float, 4) => Some("f32"),
+        (naga::ScalarKind::Uint, 4) => Some("u32"),
+        (naga::ScalarKind::Uint, 8) => Some("u64"),
+        (naga::ScalarKind::Sint, 4) => Some("i32"),
+        _ => None,
+    };
+    match *inner {
+        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => scalar_name(scalar).map(str::to_owned),
+        TypeInner::Vector { size, scalar } => Some(format!("vec{}<{}>", size as u8, scalar_name(scalar)?)),
+        _ => None,
+    }
+}
+
+/// Stage and workgroup size of a shader's entry point: for tests.
+pub fn entry_point(stem: &str, variant: &Variant) -> Result<(ShaderStage, [u32; 3]), Error> {
+    let source = source(stem, variant)?;
+    let module = parse(stem, &source)?;
+    match module.entry_points.as_slice() {
+        [entry] if entry.name == ENTRY => Ok((entry.stage, entry.workgroup_size)),
+        _ => Err(error(stem, "wants exactly one entry point, called main")),
+    }
+}

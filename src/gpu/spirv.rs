@@ -1,0 +1,166 @@
+//! Corrections to naga's SPIR-V, word by word.
+
+const OP_VARIABLE: u32 = 59;
+const OP_TYPE_INT: u32 = 21;
+const OP_TYPE_ARRAY: u32 = 28;
+const OP_TYPE_POINTER: u32 = 32;
+const OP_CONSTANT: u32 = 43;
+const OP_LOAD: u32 = 61;
+const OP_STORE: u32 = 62;
+const OP_ACCESS_CHAIN: u32 = 65;
+const OP_DECORATE: u32 = 71;
+const OP_FUNCTION: u32 = 54;
+const STORAGE_FUNCTION: u32 = 7;
+const DECORATION_BUILT_IN: u32 = 11;
+const BUILT_IN_SAMPLE_MASK: u32 = 20;
+const HEADER_WORDS: usize = 5;
+/// Index of the id bound in the header.
+const BOUND: usize = 3;
+
+/// One instruction: its opcode and all its words, the first included.
+fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+    let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let first = *rest.first()?;
+        let (instruction, tail) = rest.split_at_checked((first >> 16).max(1) as usize)?;
+        rest = tail;
+        Some((first & 0xffff, instruction))
+    })
+}
+
+fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
+    out.push((operands.len() as u32 + 1) << 16 | opcode);
+    out.extend_from_slice(operands);
+}
+
+/// Both corrections.
+pub fn correct(words: &[u32]) -> Vec<u32> {
+    correct_sample_mask(&drop_array_initialisers(words))
+}
+
+/// Drops the initialiser of function-local arrays.
+///
+/// naga zero-initialises every local variable. For an array of 256 that means 256 stores which lavapipe unrolls: 24 s
+/// of compilation against 0.2 s. Only arrays are touched: a scalar's initialiser is part of the program.
+fn drop_array_initialisers(words: &[u32]) -> Vec<u32> {
+    let arrays: Vec<u32> = instructions(words).filter(|(op, _)| *op == OP_TYPE_ARRAY).map(|(_, i)| i[1]).collect();
+    let pointers: Vec<u32> = instructions(words)
+        .filter(|(op, i)| *op == OP_TYPE_POINTER && i[2] == STORAGE_FUNCTION && arrays.contains(&i[3]))
+        .map(|(_, i)| i[1])
+        .collect();
+    let mut out = words[..HEADER_WORDS.min(words.len())].to_vec();
+    for (op, instruction) in instructions(words) {
+        if op == OP_VARIABLE && instruction.len() == 5 && pointers.contains(&instruction[1]) {
+            emit(&mut out, OP_VARIABLE, &instruction[1..4]);
+        } else {
+            out.extend_from_slice(instruction);
+        }
+    }
+    out
+}
+
+/// Makes a `sample_mask` variable an array of one u32, as VUID-SampleMask-SampleMask-04359 demands; naga emits a bare u32.
+fn correct_sample_mask(words: &[u32]) -> Vec<u32> {
+    let masks: Vec<u32> = instructions(words)
+        .filter(|(op, i)| {
+            *op == OP_DECORATE && i.len() == 4 && i[2] == DECORATION_BUILT_IN && i[3] == BUILT_IN_SAMPLE_MASK
+        })
+        .map(|(_, i)| i[1])
+        .collect();
+    let uint = instructions(words).find(|(op, i)| *op == OP_TYPE_INT && i[2] == 32 && i[3] == 0).map(|(_, i)| i[1]);
+    let (false, Some(uint)) = (masks.is_empty(), uint) else { return words.to_vec() };
+    let mut next = words[BOUND];
+    let mut fresh = || {
+        next += 1;
+        next - 1
+    };
+    let (one, zero, array) = (fresh(), fresh(), fresh());
+    let mut out = words[..HEADER_WORDS].to_vec();
+    let mut declared = false;
+    for (op, instruction) in instructions(words) {
+        let variable = (op == OP_VARIABLE && masks.contains(&instruction[2])).then(|| instruction[3]);
+        let accessed = match op {
+            OP_LOAD if masks.contains(&instruction[3]) => Some(instruction[3]),
+            OP_STORE if masks.contains(&instruction[1]) => Some(instruction[1]),
+            _ => None,
+        };
+        if let Some(storage) = variable {
+            if !declared {
+                emit(&mut out, OP_CONSTANT, &[uint, one, 1]);
+                emit(&mut out, OP_CONSTANT, &[uint, zero, 0]);
+                emit(&mut out, OP_TYPE_ARRAY, &[array, uint, one]);
+                declared = true;
+            }
+            let pointer = fresh();
+            emit(&mut out, OP_TYPE_POINTER, &[pointer, storage, array]);
+            emit(&mut out, OP_VARIABLE, &[pointer, instruction[2], storage]);
+        } else if let Some(mask) = accessed {
+            let element_pointer = pointer_to(words, mask);
+            let element = fresh();
+            emit(&mut out, OP_ACCESS_CHAIN, &[element_pointer, element, mask, zero]);
+            match op {
+                OP_LOAD => emit(&mut out, OP_LOAD, &[instruction[1], instruction[2], element]),
+                _ => emit(&mut out, OP_STORE, &[element, instruction[2]]),
+            }
+        } else {
+            out.extend_from_slice(instruction);
+        }
+    }
+    out[BOUND] = next;
+    out
+}
+
+/// The pointer type a variable was declared with: after the correction it is the type of the array's element.
+fn pointer_to(words: &[u32], variable: u32) -> u32 {
+    instructions(words)
+        .take_while(|(op, _)| *op != OP_FUNCTION)
+        .find(|(op, i)| *op == OP_VARIABLE && i[2] == variable)
+        .map_or(0, |(_, i)| i[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(words: &[u32], wanted: impl Fn(u32, &[u32]) -> bool) -> usize {
+        instructions(words).filter(|(op, i)| wanted(*op, i)).count()
+    }
+
+    fn compiled(source: &str) -> Vec<u32> {
+        crate::gpu::shader::to_spirv("test", source, &[], false).expect("a valid shader")
+    }
+
+    const ARRAY: &str = "@group(0) @binding(0) var<storage, read_write> data: array<u32>;
+        @compute @workgroup_size(1) fn main() {
+            var a: array<u32, 64>;
+            var s = 7u;
+            for (var i = 0u; i < 64u; i++) { a[i] = data[i]; s += a[63u - i]; }
+            data[0] = s;
+        }";
+
+    #[test]
+    fn array_initialisers_are_dropped_and_scalars_keep_theirs() {
+        let words = compiled(ARRAY);
+        let initialised = |op: u32, i: &[u32]| op == OP_VARIABLE && i.len() == 5;
+        let before = count(&words, initialised);
+        let after = count(&drop_array_initialisers(&words), initialised);
+        assert!(before >= 2, "the shader has an initialised array and scalar");
+        assert_eq!(after, before - 1);
+    }
+
+    const MASK: &str = "struct Out { @location(0) color: vec4<f32>, @builtin(sample_mask) mask: u32 }
+        @fragment fn main(@builtin(sample_mask) covered: u32) -> Out {
+            return Out(vec4<f32>(1.0), covered & 5u);
+        }";
+
+    #[test]
+    fn sample_masks_become_arrays_of_one() {
+        let words = compiled(MASK);
+        let fixed = correct_sample_mask(&words);
+        assert_eq!(count(&words, |op, _| op == OP_TYPE_ARRAY), 0);
+        assert_eq!(count(&fixed, |op, _| op == OP_TYPE_ARRAY), 1);
+        // One load of the input and one store of the output go through an access chain each.
+        let chains = |w: &[u32]| count(w, |op, _| op == OP_ACCESS_CHAIN);
+        assert_eq!(chains(&fixed), chains(&words) + 2);
+    }
+}

@@ -1,0 +1,155 @@
+//! Cutting the image so that any scene fits: windows of pixels whose counters fit, bands of pixels whose fragments fit.
+
+/// A rectangle of pixels: first column, first row, one past the last column and row.
+pub type Window = [u32; 4];
+
+/// Number of pixels.
+pub fn pixels([x0, y0, x1, y1]: Window) -> u64 {
+    u64::from(x1 - x0) * u64::from(y1 - y0)
+}
+
+/// Cuts the image into windows of whole rows with at most `capacity` pixels, or of parts of a row if a row has more.
+pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
+    let capacity = capacity.max(1);
+    let columns = u64::from(size[0]).min(capacity) as u32;
+    let rows = (capacity / u64::from(size[0])).clamp(1, u64::from(size[1])) as u32;
+    let mut found = Vec::new();
+    for y in (0..size[1]).step_by(rows as usize) {
+        for x in (0..size[0]).step_by(columns as usize) {
+            found.push([x, y, (x + columns).min(size[0]), (y + rows).min(size[1])]);
+        }
+    }
+    found
+}
+
+/// Halves a window by rows, or by columns if it has one row; `None` for a single pixel.
+pub fn halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
+    if y1 - y0 > 1 {
+        let y = y0 + (y1 - y0) / 2;
+        Some([[x0, y0, x1, y], [x0, y, x1, y1]])
+    } else if x1 - x0 > 1 {
+        let x = x0 + (x1 - x0) / 2;
+        Some([[x0, y0, x, y1], [x, y0, x1, y1]])
+    } else {
+        None
+    }
+}
+
+/// A range of a window's pixels, in their order, and where its fragments begin and end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Band {
+    /// First pixel and one past the last.
+    pub pixels: [u32; 2],
+    /// Fragments of the band.
+    pub fragments: u64,
+}
+
+/// Cuts a window's pixels into bands of at most `capacity` fragments.
+///
+/// `offsets` are the prefix sums: one element more than pixels. `Err` is the first pixel that alone has more, with its length.
+pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
+    let pixels = offsets.len().saturating_sub(1);
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start < pixels {
+        let limit = u64::from(offsets[start]) + capacity;
+        // The last end whose offset is within the limit.
+        let end = start + offsets[start..].partition_point(|o| u64::from(*o) <= limit) - 1;
+        if end == start {
+            return Err((start as u32, offsets[start + 1] - offsets[start]));
+        }
+        found.push(Band { pixels: [start as u32, end as u32], fragments: u64::from(offsets[end] - offsets[start]) });
+        start = end;
+    }
+    Ok(found)
+}
+
+/// How the memory budget is spent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Budget {
+    /// Bytes for everything but cloud and image.
+    pub bytes: u64,
+    /// Bytes that one binding may have.
+    pub binding: u64,
+}
+
+/// Bytes that are always needed: a staging buffer, small buffers, and the allocator's rounding to blocks.
+const OVERHEAD_BYTES: u64 = 40 << 20;
+
+impl Budget {
+    /// Pixels of a window: a quarter of the budget for `bytes_per_pixel`, and what a binding of 16 bytes per pixel allows.
+    pub fn window_pixels(&self, bytes_per_pixel: u64) -> u64 {
+        (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
+    }
+
+    /// Bytes left for fragments beside `used`.
+    pub fn left(&self, used: u64) -> u64 {
+        self.bytes.saturating_sub(used + OVERHEAD_BYTES.min(self.bytes / 2))
+    }
+
+    /// The budget under which `needed` bytes would be left beside `used`.
+    pub fn wanted(used: u64, needed: u64) -> u64 {
+        (used + needed + OVERHEAD_BYTES).max(4 * used)
+    }
+}
+
+/// Column and row in the image of a window's pixel.
+pub fn place(window: Window, pixel: u32) -> [u32; 2] {
+    let width = window[2] - window[0];
+    [window[0] + pixel % width, window[1] + pixel / width]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_cover_every_pixel_once() {
+        for (size, capacity) in [([7, 5], 14), ([7, 5], 3), ([7, 5], 1), ([7, 5], 1000), ([1, 9], 4), ([9, 1], 4)] {
+            let mut seen = vec![0; (size[0] * size[1]) as usize];
+            for w in windows(size, capacity) {
+                assert!(pixels(w) <= capacity, "{w:?} over {capacity}");
+                for y in w[1]..w[3] {
+                    for x in w[0]..w[2] {
+                        seen[(y * size[0] + x) as usize] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|n| *n == 1), "{size:?} {capacity}");
+        }
+    }
+
+    #[test]
+    fn halving_ends_at_one_pixel() {
+        let mut windows = vec![[3, 4, 8, 7]];
+        let mut single = 0;
+        while let Some(w) = windows.pop() {
+            match halves(w) {
+                Some(parts) => windows.extend(parts),
+                None => single += 1,
+            }
+        }
+        assert_eq!(single, 15);
+    }
+
+    #[test]
+    fn bands_hold_at_most_the_capacity() {
+        let lengths = [3u32, 0, 0, 5, 1, 4, 0, 5, 5, 0];
+        let mut offsets = vec![0];
+        for n in lengths {
+            offsets.push(offsets.last().copied().unwrap_or(0) + n);
+        }
+        let found = bands(&offsets, 5).expect("no pixel has more than 5");
+        assert_eq!(found.first().map(|b| b.pixels[0]), Some(0));
+        assert_eq!(found.last().map(|b| b.pixels[1]), Some(10));
+        assert!(found.windows(2).all(|w| w[0].pixels[1] == w[1].pixels[0]));
+        assert!(found.iter().all(|b| b.fragments <= 5));
+        assert_eq!(found.iter().map(|b| b.fragments).sum::<u64>(), 23);
+        assert_eq!(bands(&offsets, 4), Err((3, 5)));
+    }
+
+    #[test]
+    fn no_fragments_are_one_band() {
+        assert_eq!(bands(&[0, 0, 0], 1), Ok(vec![Band { pixels: [0, 2], fragments: 0 }]));
+    }
+}

@@ -1,0 +1,444 @@
+//! The renderer: from points, camera and method to an image and a profile, window by window.
+
+use std::time::{Duration, Instant};
+
+use super::abuffer::{ABuffer, Lists, Outcome};
+use super::bands::{self, Budget, Window};
+use super::splat::Opaque;
+use super::{Error, abuffer, splat};
+use crate::camera::Camera;
+use crate::gpu::{Device, Memory, PassTime, Recorder, Slice, Submitted};
+use crate::image::Image;
+use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
+use crate::passes::raster::{Kept, Walker};
+use crate::points::Points;
+use crate::scene::{ColorSpace, DiscShape, Discs, Method, Raster, ScreenSplats, Shading};
+
+/// What to render of an uploaded cloud.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// The camera.
+    pub camera: Camera,
+    /// Width and height in pixels, each 1 to 16384.
+    pub size: [u32; 2],
+    /// Shading of points with normals.
+    pub shading: Shading,
+    /// In which space colors are blended.
+    pub color: ColorSpace,
+    /// The method; [`Method::Auto`] must have been resolved (see [`crate::plan::resolve`]).
+    pub method: Method,
+    /// Device bytes beside cloud and image; `None`: what the device has, less a reserve.
+    pub memory_budget: Option<u64>,
+    /// Whether the image carries the length of each pixel's list.
+    pub fragments: bool,
+}
+
+/// What a frame met.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Points of the scene.
+    pub points: u64,
+    /// Splats whose rectangle touches the image (summed over windows).
+    pub visible: u64,
+    /// Splats of more than 256 pixels.
+    pub large: u64,
+    /// Pixels of the splats' rectangles.
+    pub area: u64,
+    /// Fragments of all lists.
+    pub fragments: u64,
+    /// Longest list.
+    pub max_list: u32,
+    /// Bytes of the fragment buffer.
+    pub fragment_bytes: u64,
+    /// Bands over all windows.
+    pub bands: u64,
+    /// Windows of the image.
+    pub windows: u64,
+    /// Largest number of device bytes at any time of the frame, cloud and image included.
+    pub peak_device_bytes: u64,
+    /// Who visited the pixels: `compute` or `hardware`.
+    pub raster: &'static str,
+}
+
+/// One pass of a frame, all its dispatches together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassProfile {
+    /// Name as in `plan`.
+    pub name: &'static str,
+    /// Device time.
+    pub gpu: Duration,
+    /// Shader invocations; `None` where nothing counts them.
+    pub invocations: Option<u64>,
+    /// Bytes that the pass must read and write at least; `None` where that is not known.
+    pub bytes: Option<u64>,
+}
+
+/// Times of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameProfile {
+    /// The passes in order of their first run.
+    pub passes: Vec<PassProfile>,
+    /// Each dispatch in order with its start relative to the frame's, for the trace.
+    pub timeline: Vec<(PassTime, Duration)>,
+    /// From the first submission to the end of the last one's wait, without the host's work between them.
+    pub submitted: Duration,
+    /// From the first submission to the end of the last read-back.
+    pub wall: Duration,
+}
+
+impl FrameProfile {
+    /// Device time of all passes.
+    pub fn gpu(&self) -> Duration {
+        self.passes.iter().map(|p| p.gpu).sum()
+    }
+}
+
+/// A rendered frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// The image.
+    pub image: Image,
+    /// Its times.
+    pub profile: FrameProfile,
+    /// What it met.
+    pub facts: Facts,
+}
+
+/// Collects the submissions of a frame.
+#[derive(Debug, Default)]
+pub struct Timeline {
+    passes: Vec<(PassTime, Duration)>,
+    submitted: Duration,
+}
+
+impl Timeline {
+    /// Adds a finished submission.
+    pub fn add(&mut self, submission: Submitted) {
+        let mut start = self.submitted;
+        for pass in submission.passes {
+            let gpu = pass.gpu;
+            self.passes.push((pass, start));
+            start += gpu;
+        }
+        self.submitted += submission.wall;
+    }
+}
+
+/// Where a window's pixels come out.
+pub struct Target {
+    image: Kept<[f32; 4]>,
+    depths: Kept<f32>,
+    image_host: Kept<[f32; 4]>,
+    depths_host: Kept<f32>,
+}
+
+impl Target {
+    fn new() -> Self {
+        Self {
+            image: Kept::new("image", Memory::Device),
+            depths: Kept::new("depths", Memory::Device),
+            image_host: Kept::new("image, host", Memory::Readback),
+            depths_host: Kept::new("depths, host", Memory::Readback),
+        }
+    }
+
+    fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
+        self.image.reserve(device, pixels)?;
+        self.depths.reserve(device, pixels)?;
+        self.image_host.reserve(device, pixels)?;
+        self.depths_host.reserve(device, pixels)?;
+        Ok(())
+    }
+
+    /// Premultiplied color and A of the window's pixels.
+    pub fn image(&self) -> Slice<'_, [f32; 4]> {
+        self.image.get().all()
+    }
+
+    /// Their depths.
+    pub fn depths(&self) -> Slice<'_, f32> {
+        self.depths.get().all()
+    }
+
+    /// Records the copy to the host.
+    pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
+        recorder.copy("image/read-back", self.image.get().slice(0, pixels), self.image_host.get().slice(0, pixels))?;
+        recorder.copy(
+            "image/read-back",
+            self.depths.get().slice(0, pixels),
+            self.depths_host.get().slice(0, pixels),
+        )?;
+        Ok(())
+    }
+
+    /// Copies the window's rows into the image.
+    fn deliver(&self, window: Window, image: &mut Image) {
+        let [x0, y0, x1, y1] = window.map(|v| v as usize);
+        let width = x1 - x0;
+        for (row, y) in (y0..y1).enumerate() {
+            let from = row * width..(row + 1) * width;
+            let to = y * image.width as usize + x0;
+            image.rgba[to..to + width].copy_from_slice(&self.image_host.get().mapped_slice()[from.clone()]);
+            image.depth[to..to + width].copy_from_slice(&self.depths_host.get().mapped_slice()[from]);
+        }
+    }
+}
+
+/// Renders frames on one device; keeps buffers from frame to frame.
+pub struct Renderer {
+    device: Device,
+    abuffer: ABuffer,
+    opaque: Opaque,
+    target: Target,
+    /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
+    pub wide_atomics: bool,
+}
+
+impl Renderer {
+    /// A renderer on a device.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            device: device.clone(),
+            abuffer: ABuffer::new(device)?,
+            opaque: Opaque::new(device)?,
+            target: Target::new(),
+            wide_atomics: device.info().int64_atomics,
+        })
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Uploads a scene's points.
+    pub fn upload(&self, points: &Points) -> Result<DeviceCloud, Error> {
+        abuffer::Windows::new(&self.device, points.len() as u64)?;
+        Ok(DeviceCloud::new(&self.device, points)?)
+    }
+
+    /// Renders a frame.
+    pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
+        let start = Instant::now();
+        self.device.reset_peak();
+        let budget = self.budget(cloud, frame);
+        let pixel_bytes = match frame.method {
+            Method::ABuffer(_) => ABuffer::pixel_bytes(),
+            _ => splat::PIXEL_BYTES,
+        };
+        let capacity = budget.window_pixels(pixel_bytes);
+        let mut windows = bands::windows(frame.size, capacity);
+        windows.reverse();
+        let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
+        self.target.reserve(&self.device, largest)?;
+
+        let mut image = blank(frame);
+        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        let mut timeline = Timeline::default();
+        while let Some(window) = windows.pop() {
+            match self.render_window(cloud, frame, window, budget, &mut timeline, &mut facts)? {
+                Outcome::Done => {
+                    facts.windows += 1;
+                    self.target.deliver(window, &mut image);
+                    self.deliver_counts(frame, window, &mut image)?;
+                }
+                Outcome::Overflow => {
+                    let [a, b] = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+                    windows.extend([b, a]);
+                }
+            }
+        }
+        facts.peak_device_bytes = self.device.peak_bytes();
+        let submitted = timeline.submitted;
+        let passes = aggregate(&timeline.passes, &facts, frame, cloud);
+        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall: start.elapsed() };
+        Ok(Rendered { image, profile, facts })
+    }
+
+    /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
+    pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
+        let window = [0, 0, frame.size[0], frame.size[1]];
+        let mut facts = Facts::default();
+        let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
+        let walker = self.walker(discs.raster, &stats, &mut facts)?;
+        let budget = self.budget(cloud, frame);
+        let job = abuffer::WindowJob { cloud, stats: &stats, discs, walker, window, budget };
+        self.abuffer.lists(&self.device, &job)
+    }
+
+    /// Splats of the frame as projected: visible ones, large ones and pixels of their rectangles. Renders nothing.
+    pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
+        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        let window = [0, 0, frame.size[0], frame.size[1]];
+        let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
+        note(&stats, &mut facts);
+        Ok(facts)
+    }
+
+    fn render_window(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        window: Window,
+        budget: Budget,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let stats = self.project(cloud, frame, window, timeline)?;
+        if stats.iter().any(|s| u32::try_from(s.tiles()).is_err()) {
+            return Ok(Outcome::Overflow);
+        }
+        note(&stats, facts);
+        let cloud = &*cloud;
+        match frame.method {
+            Method::ABuffer(discs) => {
+                let walker = self.walker(discs.raster, &stats, facts)?;
+                let job = abuffer::WindowJob { cloud, stats: &stats, discs, walker, window, budget };
+                self.abuffer.render(&self.device, &job, &self.target, timeline, facts)
+            }
+            Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
+                let walker = self.walker(Raster::Auto, &stats, facts)?;
+                let footprint = projecting(frame).footprint;
+                let job = splat::WindowJob { cloud, stats: &stats, footprint, walker, wide: self.wide_atomics, window };
+                self.opaque.render(&self.device, &job, &self.target, timeline)?;
+                Ok(Outcome::Done)
+            }
+        }
+    }
+
+    fn project(
+        &self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        window: Window,
+        timeline: &mut Timeline,
+    ) -> Result<Vec<Stats>, Error> {
+        let how = projecting(frame);
+        cloud.set_view(&frame.camera, frame.size, window, &how);
+        let mut recorder = self.device.recorder()?;
+        cloud.record_project(&mut recorder, &how)?;
+        timeline.add(recorder.submit("splat/project")?);
+        Ok(cloud.stats())
+    }
+
+    fn walker(&self, raster: Raster, stats: &[Stats], facts: &mut Facts) -> Result<Walker, Error> {
+        let info = self.device.info();
+        let walker = match raster {
+            Raster::Compute => Walker::Compute,
+            Raster::Hardware if !info.fragment_atomics => {
+                return Err(Error::NoHardwareRaster { device: info.name.clone() });
+            }
+            Raster::Hardware => Walker::Hardware,
+            Raster::Auto => choose_walker(stats, info.fragment_atomics),
+        };
+        facts.raster = match walker {
+            Walker::Compute => "compute",
+            Walker::Hardware => "hardware",
+        };
+        Ok(walker)
+    }
+
+    fn budget(&self, cloud: &DeviceCloud, frame: &Frame) -> Budget {
+        let limits = self.device.limits();
+        let bytes = frame.memory_budget.unwrap_or_else(|| {
+            // A quarter stays free for the system and for other programs.
+            (limits.heap_bytes / 4 * 3).saturating_sub(cloud.bytes()).max(64 << 20)
+        });
+        Budget { bytes, binding: limits.binding_bytes }
+    }
+
+    fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
+        let (Some(fragments), Method::ABuffer(_)) = (&mut image.fragments, frame.method) else { return Ok(()) };
+        let counts = self.abuffer.read_counts(window)?;
+        let width = (window[2] - window[0]) as usize;
+        for (row, counts) in counts.chunks(width).enumerate() {
+            let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
+            fragments[to..to + width].copy_from_slice(counts);
+        }
+        Ok(())
+    }
+}
+
+/// Compute shaders are faster for every size of splat on the devices measured (benches/frame.rs, README).
+fn choose_walker(_stats: &[Stats], _fragment_atomics: bool) -> Walker {
+    Walker::Compute
+}
+
+fn note(stats: &[Stats], facts: &mut Facts) {
+    for s in stats {
+        facts.visible += u64::from(s.visible);
+        facts.large += u64::from(s.large);
+        facts.area += s.area();
+    }
+}
+
+fn blank(frame: &Frame) -> Image {
+    let pixels = frame.size[0] as usize * frame.size[1] as usize;
+    Image {
+        width: frame.size[0],
+        height: frame.size[1],
+        rgba: vec![[0.0; 4]; pixels],
+        depth: vec![f32::INFINITY; pixels],
+        fragments: (frame.fragments && matches!(frame.method, Method::ABuffer(_))).then(|| vec![0; pixels]),
+    }
+}
+
+/// How a method's splats are made.
+fn projecting(frame: &Frame) -> Projecting {
+    let (footprint, radius_factor, max_radius_px) = match frame.method {
+        Method::ABuffer(Discs { shape: DiscShape::Flat, .. }) => (Footprint::Disc, 1.0, f32::MAX),
+        Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }) => (Footprint::Oriented, 1.0, f32::MAX),
+        Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
+        Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
+        Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
+    };
+    Projecting { footprint, radius_factor, max_radius_px, shading: frame.shading, color: frame.color }
+}
+
+/// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.
+fn aggregate(timeline: &[(PassTime, Duration)], facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Vec<PassProfile> {
+    let mut passes: Vec<PassProfile> = Vec::new();
+    for (time, _) in timeline {
+        match passes.iter_mut().find(|p| p.name == time.name) {
+            Some(pass) => {
+                pass.gpu += time.gpu;
+                pass.invocations = pass.invocations.zip(time.invocations).map(|(a, b)| a + b);
+            }
+            None => passes.push(PassProfile {
+                name: time.name,
+                gpu: time.gpu,
+                invocations: time.invocations,
+                bytes: least_bytes(time.name, facts, frame, cloud),
+            }),
+        }
+    }
+    passes
+}
+
+/// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
+fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
+    let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
+    let normal = if cloud.has_normals() { 16 } else { 0 };
+    let oriented = matches!(frame.method, Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }));
+    let splat = 16 + if oriented { 16 } else { 0 };
+    // Each band's store reads the rectangles of all splats again.
+    let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
+    match name {
+        "splat/project" => {
+            Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))
+        }
+        "abuffer/clear" => Some(pixels * 4),
+        "abuffer/count" => Some(walks + facts.fragments * 8),
+        "abuffer/measure" => Some(pixels * 4),
+        "abuffer/store" => {
+            Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))
+        }
+        "abuffer/resolve" => Some(facts.fragments * (FRAGMENT + 16) + pixels * (4 + 20)),
+        "splat/clear" => Some(pixels * 8),
+        "splat/resolve" => Some(pixels * (8 + 16 + 20)),
+        "image/read-back" => Some(pixels * 20 * 2),
+        _ => None,
+    }
+}
+
+const FRAGMENT: u64 = abuffer::FRAGMENT_BYTES;

@@ -1,0 +1,351 @@
+//! Points on the device, and their projection to splats.
+
+use glam::{DVec3, Vec3};
+
+use crate::camera::{Camera, Projection};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
+use crate::points::Points;
+use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
+    pub struct View {
+        right: [f32; 4],
+        down: [f32; 4],
+        forward: [f32; 4],
+        eye_hi: [f32; 4],
+        eye_lo: [f32; 4],
+        light: [f32; 4],
+        material: [f32; 4],
+        window: [u32; 4],
+        size: [u32; 2],
+        near: f32,
+        far: f32,
+        focal_px: f32,
+        orthographic: u32,
+        radius_factor: f32,
+        max_radius_px: f32,
+    }
+}
+
+gpu_struct! {
+    /// A point: position relative to the cloud's origin as hi + lo, radius, opacity.
+    pub struct Point {
+        hi: [f32; 3],
+        radius: f32,
+        lo: [f32; 3],
+        opacity: f32,
+    }
+}
+
+gpu_struct! {
+    /// A projected splat.
+    pub struct Splat {
+        center: [f32; 2],
+        depth: f32,
+        radius: f32,
+    }
+}
+
+gpu_struct! {
+    /// Normal of an oriented splat in camera axes.
+    pub struct Tilt {
+        normal: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// Rectangle of pixels that a splat may cover.
+    pub struct Bounds {
+        columns: u32,
+        rows: u32,
+    }
+}
+
+gpu_struct! {
+    /// What the projection of one chunk found.
+    pub struct Stats {
+        visible: u32,
+        large: u32,
+        tiles_low: u32,
+        tiles_high: u32,
+        area_low: u32,
+        area_high: u32,
+    }
+}
+
+impl Stats {
+    /// Tiles of the large splats.
+    pub fn tiles(&self) -> u64 {
+        u64::from(self.tiles_high) << 32 | u64::from(self.tiles_low)
+    }
+
+    /// Pixels of all rectangles.
+    pub fn area(&self) -> u64 {
+        u64::from(self.area_high) << 32 | u64::from(self.area_low)
+    }
+}
+
+gpu_struct! {
+    /// Push constants: points of the chunk, and its number.
+    pub struct ProjectPush {
+        count: u32,
+        chunk: u32,
+    }
+}
+
+pass! {
+    /// Projects, shades and bounds the points of one chunk.
+    pub Project(ProjectPush) = "splat/project" {
+        view: Uniform<View>,
+        points: Read<Point>,
+        point_colors: Read<[f32; 4]>,
+        normals: Read<[f32; 4]>,
+        splats: ReadWrite<Splat>,
+        tilts: ReadWrite<Tilt>,
+        bounds: ReadWrite<Bounds>,
+        colors: ReadWrite<[f32; 4]>,
+        large: ReadWrite<u32>,
+        tile_counts: ReadWrite<u32>,
+        stats: ReadWrite<Stats>,
+    }
+}
+
+/// Which pixels a splat covers; the values of `SHAPE` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Footprint {
+    /// Screen-aligned disc.
+    Disc = 0,
+    /// Disc in the tangent plane.
+    Oriented = 1,
+    /// Screen-aligned square.
+    Square = 2,
+    /// One pixel.
+    Point = 3,
+}
+
+/// How splats are made from points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projecting {
+    /// Shape.
+    pub footprint: Footprint,
+    /// Factor on the radius.
+    pub radius_factor: f32,
+    /// Largest radius in pixels.
+    pub max_radius_px: f32,
+    /// Shading, unless the cloud has no normals.
+    pub shading: Shading,
+    /// In which space colors are blended.
+    pub color: ColorSpace,
+}
+
+/// A cloud on the device, with room for its splats.
+///
+/// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
+pub struct DeviceCloud {
+    origin: DVec3,
+    len: u64,
+    chunk_len: u64,
+    has_normals: bool,
+    points: Buffer<Point>,
+    point_colors: Buffer<[f32; 4]>,
+    normals: Buffer<[f32; 4]>,
+    /// Projected splats.
+    pub splats: Buffer<Splat>,
+    /// Their tilts; a single element unless the cloud has normals.
+    pub tilts: Buffer<Tilt>,
+    /// Their rectangles.
+    pub bounds: Buffer<Bounds>,
+    /// Their colors, as blended, and opacities.
+    pub colors: Buffer<[f32; 4]>,
+    /// Per chunk, the chunk's large splats.
+    pub large: Buffer<u32>,
+    /// Tiles of each large splat.
+    pub tile_counts: Buffer<u32>,
+    /// One for each chunk.
+    stats: Buffer<Stats>,
+    stats_host: Buffer<Stats>,
+    view: Buffer<View>,
+}
+
+/// Splits coordinates into a float and the rest.
+fn split(v: DVec3) -> (Vec3, Vec3) {
+    let hi = v.as_vec3();
+    (hi, (v - hi.as_dvec3()).as_vec3())
+}
+
+fn padded(v: Vec3) -> [f32; 4] {
+    [v.x, v.y, v.z, 0.0]
+}
+
+impl DeviceCloud {
+    /// Uploads a scene's points.
+    pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
+        let origin = points.bounds().map_or(DVec3::ZERO, |b| b.center());
+        let len = points.len() as u64;
+        let records: Vec<Point> = (0..points.len())
+            .map(|i| {
+                let (hi, lo) = split(points.positions[i] - origin);
+                Point { hi: hi.to_array(), radius: points.radii[i], lo: lo.to_array(), opacity: points.opacities[i] }
+            })
+            .collect();
+        let point_colors: Vec<[f32; 4]> = points.colors.iter().map(|c| padded(*c)).collect();
+        let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
+        // Points are the widest element; a chunk starts at a multiple of any device's offset alignment.
+        let chunk_len = (device.limits().binding_bytes / size_of::<Point>() as u64 & !0xffff).max(0x1_0000);
+        let chunks = len.div_ceil(chunk_len).max(1);
+        let room = |name| device.buffer::<u32>(name, len, Memory::Device);
+        let tilted = if normals.is_empty() { 1 } else { len };
+        Ok(Self {
+            origin,
+            len,
+            chunk_len,
+            has_normals: !normals.is_empty(),
+            points: device.upload("points", &records)?,
+            point_colors: device.upload("point colors", &point_colors)?,
+            normals: device.upload("normals", &normals)?,
+            splats: device.buffer("splats", len, Memory::Device)?,
+            tilts: device.buffer("tilts", tilted, Memory::Device)?,
+            bounds: device.buffer("splat bounds", len, Memory::Device)?,
+            colors: device.buffer("splat colors", len, Memory::Device)?,
+            large: room("large splats")?,
+            tile_counts: room("tile counts")?,
+            stats: device.buffer("splat stats", chunks, Memory::Device)?,
+            stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
+            view: device.buffer("view", 1, Memory::Upload)?,
+        })
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Device bytes of the cloud and its splats.
+    pub fn bytes(&self) -> u64 {
+        self.points.bytes()
+            + self.point_colors.bytes()
+            + self.normals.bytes()
+            + self.splats.bytes()
+            + self.tilts.bytes()
+            + self.bounds.bytes()
+            + self.colors.bytes()
+            + self.large.bytes()
+            + self.tile_counts.bytes()
+    }
+
+    /// Whether points have normals.
+    pub fn has_normals(&self) -> bool {
+        self.has_normals
+    }
+
+    /// First point and number of points of each chunk.
+    pub fn chunks(&self) -> impl Iterator<Item = (u64, u64)> + use<> {
+        let (len, chunk_len) = (self.len, self.chunk_len);
+        (0..len.div_ceil(chunk_len)).map(move |i| (i * chunk_len, chunk_len.min(len - i * chunk_len)))
+    }
+
+    /// The view of the last [`Self::set_view`].
+    pub fn view(&self) -> Slice<'_, View> {
+        self.view.all()
+    }
+
+    /// Sets the camera and the rectangle of pixels that is rendered next.
+    pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
+        let (eye_hi, eye_lo) = split(camera.eye - self.origin);
+        let row = |v: DVec3| padded(v.as_vec3());
+        let view = View {
+            right: row(camera.right),
+            down: row(-camera.up),
+            forward: row(camera.forward),
+            eye_hi: padded(eye_hi),
+            eye_lo: padded(eye_lo),
+            light: light(camera, &how.shading.light),
+            material: [how.shading.ambient, how.shading.diffuse, how.shading.specular, how.shading.shininess],
+            window,
+            size,
+            near: camera.near as f32,
+            far: camera.far as f32,
+            focal_px: camera.focal_px(size[1]) as f32,
+            orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
+            radius_factor: how.radius_factor,
+            max_radius_px: how.max_radius_px,
+        };
+        self.view.write(&[view]);
+    }
+
+    /// Records the projection of all chunks; [`Self::stats`] holds what it found once it was submitted.
+    pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
+        recorder.fill("splat/clear", self.stats.all(), 0)?;
+        let variant = self.variant(how);
+        for (chunk, (first, count)) in self.chunks().enumerate() {
+            let normals = if self.has_normals { self.normals.slice(first, count) } else { self.normals.all() };
+            let pass = Project {
+                view: self.view.all(),
+                points: self.points.slice(first, count),
+                point_colors: self.point_colors.slice(first, count),
+                normals,
+                splats: self.splats.slice(first, count),
+                tilts: self.tilts_of(first, count),
+                bounds: self.bounds.slice(first, count),
+                colors: self.colors.slice(first, count),
+                large: self.large.slice(first, count),
+                tile_counts: self.tile_counts.slice(first, count),
+                stats: self.stats.all(),
+            };
+            let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
+            recorder.run(&pass, &Run::new(Dispatch::Invocations(count)).push(&push).variant(variant.clone()))?;
+        }
+        recorder.copy("splat/stats", self.stats.all(), self.stats_host.all())
+    }
+
+    /// The variant of `splat/project` for these settings.
+    fn variant(&self, how: &Projecting) -> Variant {
+        let shading = match how.shading.model {
+            ShadingModel::None => 0u32,
+            ShadingModel::Lambert => 1,
+            ShadingModel::Phong => 2,
+        };
+        let wants_normals = self.has_normals && (shading != 0 || how.footprint == Footprint::Oriented);
+        project_variant(how.footprint, shading, how.color, wants_normals)
+    }
+
+    /// What the last submitted projection found, chunk by chunk.
+    pub fn stats(&self) -> Vec<Stats> {
+        self.chunks().zip(self.stats_host.mapped_slice()).map(|(_, stats)| *stats).collect()
+    }
+
+    /// Tilts of a chunk, or the single element that stands for none.
+    pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
+        if self.has_normals { self.tilts.slice(first, count) } else { self.tilts.all() }
+    }
+}
+
+/// One variant of `splat/project`.
+pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, normals: bool) -> Variant {
+    Variant::plain()
+        .with("SHAPE", footprint as u32)
+        .with("SHADING", shading)
+        .with("ENCODED", u32::from(color == ColorSpace::Encoded))
+        .with("NORMALS", u32::from(normals))
+}
+
+/// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.
+fn light(camera: &Camera, light: &Light) -> [f32; 4] {
+    let axes = |v: DVec3| DVec3::new(v.dot(camera.right), -v.dot(camera.up), v.dot(camera.forward));
+    let (v, w) = match *light {
+        Light::Direction(direction) => (axes(-direction.normalize_or_zero()), 0.0),
+        Light::Position(position) => (axes(position - camera.eye), 1.0),
+        Light::Headlight => match camera.projection {
+            Projection::Perspective { .. } => (DVec3::ZERO, 1.0),
+            Projection::Orthographic { .. } => (DVec3::NEG_Z, 0.0),
+        },
+    };
+    [v.x as f32, v.y as f32, v.z as f32, w]
+}
