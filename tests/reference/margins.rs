@@ -17,8 +17,7 @@ fn distance_from_the_rim_to_the_nearest_pixel_centre() {
 
 #[test]
 fn distance_from_the_centre_to_a_pixel_border() {
-    let margin =
-        |shape, x, radius| margin_px(&orthographic(), SIZE, &flat(shape, DVec3::new(x, 0.0, -5.0), radius));
+    let margin = |shape, x, radius| margin_px(&orthographic(), SIZE, &flat(shape, DVec3::new(x, 0.0, -5.0), radius));
     assert_close(margin(Shape::Point, 0.45, 0.0), 0.05, ROUNDING);
     assert_close(margin(Shape::Disc, 0.47, 0.2), 0.03, ROUNDING);
     // From sqrt(1/2) on a disc covers its own pixel anyway and only the rim counts: pixel centres are 0.47, 0.53,
