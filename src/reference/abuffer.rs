@@ -1,0 +1,101 @@
+//! Exact transparency of discs (MCTB12): what count, scan, store, sort and blend must yield together.
+
+use glam::DVec3;
+
+use super::Picture;
+use super::coverage::{Shape, Splat, footprint};
+use crate::camera::Camera;
+use crate::points::Points;
+use crate::scene::{DiscShape, Discs, Falloff};
+
+/// One splat on one pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    /// Depth along the viewing axis.
+    pub z: f64,
+    /// The point's place in the canonical order, which decides between equal depths.
+    pub index: u32,
+    /// Opacity in [0, 1] after the falloff.
+    pub alpha: f64,
+}
+
+/// A pixel after blending.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Composite {
+    /// Σ cᵢαᵢ∏ⱼ﹤ᵢ(1−αⱼ), premultiplied.
+    pub color: DVec3,
+    /// A = 1 − ∏(1−αᵢ).
+    pub alpha: f64,
+    /// z of the first fragment with α > 0, +inf where there is none.
+    pub depth: f64,
+}
+
+/// The splat that the disc family draws for a point.
+pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
+    Splat {
+        position: points.positions[index],
+        radius: f64::from(points.radii[index]),
+        normal: points.normals.as_ref().map(|normals| normals[index].as_dvec3()),
+        shape: match shape {
+            DiscShape::Flat => Shape::Disc,
+            DiscShape::Oriented => Shape::Oriented,
+        },
+        max_pixel_radius: f64::INFINITY,
+    }
+}
+
+/// Fragments of each pixel, near to far; equal depths by the point's index, so that order of arrival can't show.
+pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
+    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    for index in 0..points.len() {
+        let opacity = f64::from(points.opacities[index]);
+        for pixel in footprint(camera, size, &splat(points, index, discs.shape)) {
+            let alpha = match discs.falloff {
+                Falloff::Flat => opacity,
+                Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
+            };
+            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
+            pixels[at].push(Fragment { z: pixel.z, index: index as u32, alpha });
+        }
+    }
+    for list in &mut pixels {
+        list.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.index.cmp(&b.index)));
+    }
+    pixels
+}
+
+/// The smallest distance between successive depths of a list, over the depth; equal depths don't count, since the index
+/// orders them at any precision. Below the rounding of a float32 depth the order of two fragments is a matter of chance.
+pub fn depth_margin(lists: &[Vec<Fragment>]) -> f64 {
+    let gaps = lists.iter().flat_map(|list| list.windows(2)).map(|pair| (pair[1].z - pair[0].z) / pair[1].z.abs());
+    gaps.filter(|&gap| gap != 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// Blends a sorted list front to back. `colors` holds a color for each point.
+///
+/// Transmittance is kept as Σ ln(1−αᵢ): neither 100 000 factors of 1−10⁻⁷ nor a single one of 1−10⁻²⁰ lose digits.
+pub fn composite(list: &[Fragment], colors: &[DVec3]) -> Composite {
+    let mut log_transmittance = 0.0f64;
+    let mut color = DVec3::ZERO;
+    for fragment in list {
+        color += colors[fragment.index as usize] * (fragment.alpha * log_transmittance.exp());
+        log_transmittance += (-fragment.alpha).ln_1p();
+    }
+    let depth = list.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z);
+    // From zero, so that nothing drawn is 0 and not the −0 that −expm1(0) yields.
+    Composite { color, alpha: 0.0 - log_transmittance.exp_m1(), depth }
+}
+
+/// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
+/// ([`super::shading::shade`]).
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {
+    let lists = lists(camera, size, points, discs);
+    let pixels: Vec<Composite> = lists.iter().map(|list| composite(list, colors)).collect();
+    Picture {
+        width: size[0],
+        height: size[1],
+        rgba: pixels.iter().map(|p| p.color.extend(p.alpha).to_array()).collect(),
+        depth: pixels.iter().map(|p| p.depth).collect(),
+        counts: lists.iter().map(|list| list.len() as u32).collect(),
+    }
+}

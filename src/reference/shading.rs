@@ -1,0 +1,49 @@
+//! Colors of points as the camera sees them: the local illumination model, then the space that blending runs in.
+
+use glam::DVec3;
+
+use crate::camera::{Camera, Projection};
+use crate::color::encode_srgb_f64;
+use crate::points::Points;
+use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
+
+/// A color for each point: shaded on linear color, then encoded if blending runs on encoded values.
+pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace) -> Vec<DVec3> {
+    let shaded = points.colors.iter().enumerate().map(|(i, color)| {
+        let normal = points.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
+        shade_point(camera, shading, points.positions[i], normal, color.as_dvec3())
+    });
+    match space {
+        ColorSpace::Linear => shaded.collect(),
+        ColorSpace::Encoded => shaded.map(|color| color.map(encode_srgb_f64)).collect(),
+    }
+}
+
+/// Lambert: c·(ambient + diffuse·max(0, n·l)). Phong adds the white highlight specular·max(0, r·v)^shininess, with
+/// r = 2(n·l)n − l, on the side that the light reaches (n·l > 0). The normal is turned toward the viewer first; the
+/// color stays as it is where there is no normal.
+fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec3, color: DVec3) -> DVec3 {
+    let Some(normal) = normal.try_normalize() else { return color };
+    let to_viewer = match camera.projection {
+        Projection::Perspective { .. } => (camera.eye - position).normalize_or_zero(),
+        Projection::Orthographic { .. } => -camera.forward,
+    };
+    let to_light = match shading.light {
+        Light::Headlight => to_viewer,
+        Light::Direction(travels) => -travels.normalize_or_zero(),
+        Light::Position(light) => (light - position).normalize_or_zero(),
+    };
+    let normal = if normal.dot(to_viewer) < 0.0 { -normal } else { normal };
+    let cos_light = normal.dot(to_light);
+    let lambert = color * (f64::from(shading.ambient) + f64::from(shading.diffuse) * cos_light.max(0.0));
+    match shading.model {
+        ShadingModel::None => color,
+        ShadingModel::Lambert => lambert,
+        ShadingModel::Phong if cos_light > 0.0 => {
+            let reflected = 2.0 * cos_light * normal - to_light;
+            let highlight = reflected.dot(to_viewer).max(0.0).powf(f64::from(shading.shininess));
+            lambert + DVec3::splat(f64::from(shading.specular) * highlight)
+        }
+        ShadingModel::Phong => lambert,
+    }
+}

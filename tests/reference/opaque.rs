@@ -1,0 +1,46 @@
+//! Opaque points, squares and circles.
+
+use super::*;
+
+fn render(positions: &[DVec3], shape: Shape, settings: ScreenSplats) -> Picture {
+    let points = Points {
+        positions: positions.to_vec(),
+        colors: vec![Vec3::ONE; positions.len()],
+        opacities: vec![0.1; positions.len()],
+        radii: vec![2.0; positions.len()],
+        normals: None,
+    };
+    let colors: Vec<DVec3> = (0..positions.len()).map(|i| DVec3::splat(1.0 + i as f64)).collect();
+    splat::render(&orthographic(), SIZE, &points, &colors, shape, &settings)
+}
+
+#[test]
+fn nearest_wins_then_the_smaller_index() {
+    let z = |z: f64| -z * DVec3::Z;
+    let picture = render(&[z(5.0), z(3.0), z(3.0), z(4.0)], Shape::Point, ScreenSplats::default());
+    let on = 4 * 9 + 4;
+    assert_eq!((picture.rgba[on], picture.depth[on], picture.counts[on]), ([2.0, 2.0, 2.0, 1.0], 3.0, 4));
+    assert_eq!((picture.rgba[on + 1], picture.depth[on + 1]), ([0.0; 4], f64::INFINITY));
+}
+
+#[test]
+fn size_scales_and_the_clamp_follows() {
+    let drawn = |shape, size, max_pixel_radius| {
+        let picture = render(&[-5.0 * DVec3::Z], shape, ScreenSplats { size, max_pixel_radius });
+        picture.counts.iter().sum::<u32>()
+    };
+    // Radius 2: 13 pixels of a disc (see `disc_around_a_pixel_centre`), 25 of a square; 0.6·2 = 1.2: 5 and 9.
+    assert_eq!([drawn(Shape::Disc, 1.0, 25.0), drawn(Shape::Square, 1.0, 25.0)], [13, 25]);
+    assert_eq!([drawn(Shape::Disc, 0.6, 25.0), drawn(Shape::Square, 0.6, 25.0)], [5, 9]);
+    assert_eq!([drawn(Shape::Disc, 2.0, 1.5), drawn(Shape::Square, 2.0, 1.5)], [9, 9]);
+    assert_eq!([drawn(Shape::Point, 3.0, 25.0), drawn(Shape::Disc, 0.0, 25.0)], [1, 1]);
+}
+
+#[test]
+fn overlapping_circles() {
+    let positions = [DVec3::new(-1.0, 0.0, -5.0), DVec3::new(1.0, 0.0, -4.0)];
+    let picture = render(&positions, Shape::Disc, ScreenSplats::default());
+    // Columns 1…5 belong to the first, 3…7 to the second, which is nearer.
+    let row: Vec<f64> = (0..9).map(|x| picture.rgba[4 * 9 + x][0]).collect();
+    assert_eq!(row, [0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 0.0]);
+}

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Everything that must hold before a change goes in: format, lints, docs, typos, licences, tests, in that order.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+step() { echo "== $*"; }
+
+# Runs a tool that not everybody has; CI has all of them.
+optional() {
+    local tool=$1 crate=$2
+    shift 2
+    step "$*"
+    if command -v "$tool" >/dev/null; then
+        "$@"
+    else
+        echo "note: skipped, $tool is not installed (cargo install --locked $crate)"
+    fi
+}
+
+step cargo fmt --check
+cargo fmt --check
+step cargo clippy
+cargo clippy --locked --all-targets -- -D warnings
+step cargo doc
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+optional typos typos-cli typos
+optional cargo-deny cargo-deny cargo deny --locked check
+step tools/test.sh
+tools/test.sh

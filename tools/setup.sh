@@ -1,0 +1,129 @@
+#!/usr/bin/env bash
+# Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
+# layers as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
+# Does nothing, at once, where nothing is missing.
+set -euo pipefail
+
+usage="usage: tools/setup.sh [--tests]"
+for_tests=false
+for argument in "$@"; do
+    case $argument in
+        --tests) for_tests=true ;;
+        -h | --help) echo "$usage"; exit 0 ;;
+        *) echo "error: unknown argument '$argument'; $usage" >&2; exit 2 ;;
+    esac
+done
+
+min_rust=1.90
+# Debian keeps ldconfig out of the PATH of ordinary users.
+libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
+# Where the loader looks for the manifests of drivers and layers.
+vulkan_dirs=(
+    "${XDG_CONFIG_HOME:-${HOME:-}/.config}/vulkan" /etc/xdg/vulkan /usr/local/etc/vulkan /etc/vulkan
+    "${XDG_DATA_HOME:-${HOME:-}/.local/share}/vulkan" /usr/local/share/vulkan /usr/share/vulkan
+)
+
+say() { echo "setup: $*" >&2; }
+fail() { echo "error: $*" >&2; exit 1; }
+
+has_rust() {
+    command -v cargo >/dev/null || return 1
+    local version
+    version=$(cargo --version | sed -E 's/^cargo ([0-9]+\.[0-9]+).*/\1/')
+    [[ $(printf '%s\n' "$min_rust" "$version" | sort -V | head -n 1) == "$min_rust" ]]
+}
+
+has_compiler() { command -v cc >/dev/null; }
+
+has_loader() { [[ $libraries == *libvulkan.so.1* ]]; }
+
+# Whether the library that a driver's manifest names is there; a manifest alone drives nothing.
+driver_library_exists() {
+    local library
+    library=$(sed -nE 's/.*"library_path"[[:space:]]*:[[:space:]]*"([^"]+)".*/\1/p' "$1")
+    case $library in
+        "") return 1 ;;
+        /*) [[ -e $library ]] ;;
+        */*) [[ -e $(dirname "$1")/$library ]] ;;
+        *) [[ $libraries == *"$library"* ]] ;;
+    esac
+}
+
+# A driver can be used if it runs on the CPU, or if a GPU's device file is there as well.
+has_driver() {
+    if [[ -n ${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-} ]]; then
+        return 0
+    fi
+    local dir manifest
+    for dir in "${vulkan_dirs[@]}"; do
+        for manifest in "$dir"/icd.d/*.json; do
+            # A pattern without a match stands for itself.
+            if [[ ! -e $manifest ]] || ! driver_library_exists "$manifest"; then continue; fi
+            case ${manifest##*/} in
+                lvp_icd* | vk_swiftshader_icd*) return 0 ;;
+                nvidia_icd*) if [[ -e /dev/nvidiactl ]]; then return 0; fi ;;
+                *) if compgen -G "/dev/dri/renderD*" >/dev/null; then return 0; fi ;;
+            esac
+        done
+    done
+    return 1
+}
+
+has_layers() {
+    if [[ -n ${VK_LAYER_PATH:-} && -e $VK_LAYER_PATH/VkLayer_khronos_validation.json ]]; then
+        return 0
+    fi
+    local dir
+    for dir in "${vulkan_dirs[@]}"; do
+        if [[ -e $dir/explicit_layer.d/VkLayer_khronos_validation.json ]]; then return 0; fi
+    done
+    return 1
+}
+
+# Fills `names` and `packages` with what is missing.
+find_missing() {
+    names=() packages=()
+    if ! has_compiler; then names+=("a C compiler (cc)") packages+=(gcc libc6-dev); fi
+    if ! has_loader; then names+=("the Vulkan loader (libvulkan.so.1)") packages+=(libvulkan1); fi
+    if ! has_driver; then
+        names+=("a Vulkan driver (a GPU's, or Mesa's lavapipe for the CPU)") packages+=(mesa-vulkan-drivers)
+    fi
+    if $for_tests && ! has_layers; then
+        names+=("the Vulkan validation layers (VK_LAYER_KHRONOS_validation)") packages+=(vulkan-validationlayers)
+    fi
+}
+
+list() { printf '  %s\n' "$@" >&2; }
+
+install() {
+    local as_root=()
+    if [[ $(id -u) != 0 ]]; then
+        command -v sudo >/dev/null || fail "not root and no sudo; as root run: apt-get install ${packages[*]}"
+        as_root=(sudo)
+    fi
+    say "installing ${packages[*]}"
+    # Old lists may still do when a mirror is out of reach, so that a failed update decides nothing.
+    "${as_root[@]}" apt-get update -qq || say "apt-get update failed; trying with the lists at hand"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y -qq -o=Dpkg::Use-Pty=0 --no-install-recommends "${packages[@]}" >&2 ||
+        fail "apt-get could not install ${packages[*]}"
+}
+
+has_rust || fail "cargo $min_rust or newer is needed, found $(cargo --version 2>/dev/null || echo none); get it at https://rustup.rs"
+
+find_missing
+if ((${#packages[@]} > 0)); then
+    if ! command -v apt-get >/dev/null; then
+        say "missing:"
+        list "${names[@]}"
+        fail "please install them with your system's package manager and try again"
+    fi
+    install
+    libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
+    find_missing
+    if ((${#packages[@]} > 0)); then
+        say "still missing after the installation:"
+        list "${names[@]}"
+        exit 1
+    fi
+fi
