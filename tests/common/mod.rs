@@ -1,0 +1,151 @@
+//! What the device tests share: one device with validation, small clouds, comparison with the float64 reference.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+use std::sync::OnceLock;
+
+use glam::{DVec3, Vec3};
+use pellucid::camera::{Camera, Projection};
+use pellucid::gpu::{Device, DeviceOptions};
+use pellucid::image::Image;
+use pellucid::methods::{Frame, Renderer};
+use pellucid::points::Points;
+use pellucid::prepare::order;
+use pellucid::reference::Picture;
+use pellucid::scene::{ColorSpace, Method, Shading};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Runs a test on a device with validation and synchronization validation; afterwards there must be no message and no
+/// allocation left. Without a device the test is skipped with a note, or fails if `PELLUCID_REQUIRE_GPU` is 1.
+pub fn with_device(test: impl FnOnce(&Device)) {
+    // One device at a time: its peak and its live allocations are then this test's own.
+    static SERIAL: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _guard = SERIAL.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let options = DeviceOptions { device: std::env::var("PELLUCID_TEST_DEVICE").ok(), validation: true };
+    match Device::open(&options) {
+        Ok(device) => {
+            test(&device);
+            assert_eq!(device.validation_messages(), Vec::<String>::new());
+            assert_eq!(device.live_allocations(), Vec::new(), "leaked");
+        }
+        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
+        Err(e) => eprintln!("skipped, no device: {e}"),
+    }
+}
+
+/// A generator with a fixed seed.
+pub fn random(seed: u64) -> Pcg64 {
+    Pcg64::seed_from_u64(seed)
+}
+
+/// One test point.
+#[derive(Debug, Clone, Copy)]
+pub struct P {
+    pub position: DVec3,
+    pub color: Vec3,
+    pub opacity: f32,
+    pub radius: f32,
+    pub normal: Vec3,
+}
+
+/// A list of points as a scene, in canonical order; normals only if any point has one.
+pub fn scene(points: &[P]) -> Points {
+    let normals: Vec<Vec3> = points.iter().map(|p| p.normal).collect();
+    order::canonical(Points {
+        positions: points.iter().map(|p| p.position).collect(),
+        colors: points.iter().map(|p| p.color).collect(),
+        opacities: points.iter().map(|p| p.opacity).collect(),
+        radii: points.iter().map(|p| p.radius).collect(),
+        normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
+    })
+}
+
+/// Random points in a cube of side 2 around the origin.
+pub fn soup(seed: u64, count: usize, radius: std::ops::Range<f32>, opacity: std::ops::Range<f32>, normals: bool) -> Vec<P> {
+    let mut r = random(seed);
+    let mut unit = || DVec3::new(r.random_range(-1.0..1.0), r.random_range(-1.0..1.0), r.random_range(-1.0..1.0));
+    let places: Vec<(DVec3, DVec3)> = (0..count).map(|_| (unit(), unit())).collect();
+    places
+        .into_iter()
+        .map(|(position, normal)| P {
+            position: position.as_vec3().as_dvec3(),
+            color: Vec3::new(r.random(), r.random(), r.random()),
+            opacity: r.random_range(opacity.clone()),
+            radius: r.random_range(radius.clone()),
+            normal: if normals { normal.normalize().as_vec3() } else { Vec3::ZERO },
+        })
+        .collect()
+}
+
+/// A perspective camera that sees the cube of side 2.
+pub fn perspective() -> Camera {
+    let fov_y = 45f64.to_radians();
+    Camera::look_at(DVec3::new(1.0, 1.5, 4.0), DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
+        .expect("a valid camera")
+}
+
+/// An orthographic camera that sees the cube of side 2 along its diagonal.
+pub fn orthographic() -> Camera {
+    Camera::look_at(DVec3::new(2.0, 1.5, 4.0), DVec3::ZERO, DVec3::Y, Projection::Orthographic { height: 3.5 }, 0.1, 100.0)
+        .expect("a valid camera")
+}
+
+/// A camera that looks down −Z onto pixels of one world unit: x and y are columns and rows from the image's corner.
+pub fn pixel_camera(size: [u32; 2]) -> Camera {
+    let center = DVec3::new(f64::from(size[0]) / 2.0, -f64::from(size[1]) / 2.0, 0.0);
+    let height = f64::from(size[1]);
+    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7).expect("a valid camera")
+}
+
+/// A point in pixel coordinates for [`pixel_camera`], at a depth.
+pub fn at_pixel(x: f64, y: f64, depth: f64) -> DVec3 {
+    DVec3::new(x, -y, -depth)
+}
+
+/// A frame without shading or budget, in linear color.
+pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
+    Frame { camera, size, shading: Shading::default(), color: ColorSpace::Linear, method, memory_budget: None, fragments: true }
+}
+
+/// Renders on a fresh renderer.
+pub fn render(device: &Device, points: &Points, frame: &Frame) -> Image {
+    let mut renderer = Renderer::new(device).expect("a renderer");
+    let mut cloud = renderer.upload(points).expect("the cloud fits");
+    renderer.render(&mut cloud, frame).expect("the frame renders").image
+}
+
+/// Largest difference in R, G, B, A, and the share of pixels that differ by more than `limit`.
+pub fn difference(image: &Image, reference: &Picture, limit: f64) -> (f64, f64) {
+    assert_eq!(image.rgba.len(), reference.rgba.len());
+    let mut largest = 0f64;
+    let mut over = 0usize;
+    for (a, b) in image.rgba.iter().zip(&reference.rgba) {
+        let d = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
+        // A NaN in the image must not pass as no difference.
+        let d = if a.iter().any(|v| v.is_nan()) { f64::INFINITY } else { d };
+        largest = largest.max(d);
+        over += usize::from(d > limit);
+    }
+    (largest, over as f64 / image.rgba.len() as f64)
+}
+
+/// The bytes of an image, for comparisons to the bit.
+pub fn bits(image: &Image) -> Vec<u32> {
+    image.rgba.iter().flatten().chain(&image.depth).map(|v| v.to_bits()).collect()
+}
+
+/// Folder of the real clouds; `None` (with a note) where it is absent.
+pub fn data() -> Option<std::path::PathBuf> {
+    static FOUND: OnceLock<Option<std::path::PathBuf>> = OnceLock::new();
+    FOUND
+        .get_or_init(|| {
+            let named = std::env::var_os("PELLUCID_TEST_DATA").map(std::path::PathBuf::from);
+            let path = named.unwrap_or_else(|| std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
+            if path.is_dir() {
+                return Some(path);
+            }
+            eprintln!("skipped: no real clouds at {}", path.display());
+            None
+        })
+        .clone()
+}

@@ -1,0 +1,161 @@
+//! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
+
+use pellucid::gpu::shader::{self, WORKGROUP};
+use pellucid::gpu::{Pass, Variant};
+use pellucid::methods::{abuffer, splat};
+use pellucid::passes::project::{self, Footprint};
+use pellucid::passes::{raster, scan};
+use pellucid::scene::{ColorSpace, Falloff};
+use pellucid::{gpu_struct, pass};
+
+const FOOTPRINTS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::Square, Footprint::Point];
+
+fn check<P: Pass>(seen: &mut Vec<&'static str>, variants: impl IntoIterator<Item = Variant>) {
+    for variant in variants {
+        shader::check::<P>(&variant).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", P::NAME));
+    }
+    seen.push(P::SHADER);
+}
+
+fn raster_variants() -> Vec<Variant> {
+    FOOTPRINTS.iter().flat_map(|f| raster::WALKERS.map(|w| raster::variant(*f, w))).collect()
+}
+
+fn compose_variants() -> Vec<Variant> {
+    let windows = [abuffer::Windows { count: 1, shift: 28 }, abuffer::Windows { count: 4, shift: 23 }];
+    let falloffs = [Falloff::Flat, Falloff::Gaussian];
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    shapes
+        .iter()
+        .flat_map(|s| falloffs.iter().flat_map(move |f| windows.map(|w| abuffer::compose_variant(w, *s, *f))))
+        .collect()
+}
+
+#[test]
+fn every_shader_matches_its_pass_in_every_variant() {
+    let mut seen = Vec::new();
+    let colors = [ColorSpace::Linear, ColorSpace::Encoded];
+    let project = FOOTPRINTS.iter().flat_map(|f| {
+        (0..3).flat_map(move |shading| {
+            colors.into_iter().flat_map(move |c| [false, true].map(|n| project::project_variant(*f, shading, c, n)))
+        })
+    });
+    check::<project::Project>(&mut seen, project);
+    check::<scan::Reduce>(&mut seen, [Variant::plain().with("RUN", 64)]);
+    check::<scan::Spread>(&mut seen, scan::variants());
+    check::<abuffer::Count>(&mut seen, raster_variants());
+    check::<abuffer::Store>(&mut seen, raster_variants());
+    check::<abuffer::Measure>(&mut seen, [abuffer::measure_variant()]);
+    let resolve = compose_variants()
+        .into_iter()
+        .flat_map(|v| abuffer::capacities().map(move |(low, high)| abuffer::resolve_variant(v.clone(), low, high)));
+    check::<abuffer::Resolve>(&mut seen, resolve);
+    check::<abuffer::Split>(&mut seen, [Variant::plain()]);
+    check::<abuffer::Arguments>(&mut seen, [Variant::plain()]);
+    check::<abuffer::SortRuns>(&mut seen, [abuffer::sort_runs_variant()]);
+    check::<abuffer::Merge>(&mut seen, [Variant::plain()]);
+    check::<abuffer::BlendRuns>(&mut seen, compose_variants());
+    check::<abuffer::Combine>(&mut seen, [Variant::plain()]);
+    check::<splat::Nearest>(&mut seen, raster_variants());
+    check::<splat::NearestDepth>(&mut seen, raster_variants());
+    check::<splat::NearestId>(&mut seen, raster_variants());
+    check::<splat::Resolve>(&mut seen, compose_variants());
+
+    let forgotten: Vec<String> =
+        shader::stems().into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();
+    assert_eq!(forgotten, Vec::<String>::new(), "shader files that no pass uses");
+}
+
+#[test]
+fn every_compute_shader_has_the_common_workgroup() {
+    for stem in shader::stems() {
+        let variant = Variant::plain().constant("CAPACITY", 32).constant("LOWEST", 0).walker("walk_small");
+        let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
+        if stem == "splat/quad.vert" {
+            assert_eq!(format!("{stage:?}"), "Vertex");
+        } else {
+            let wanted = if stem == "abuffer/arguments" { 1 } else { WORKGROUP };
+            assert_eq!(workgroup, [wanted, 1, 1], "{stem}");
+        }
+    }
+}
+
+gpu_struct! {
+    /// A member renamed.
+    pub struct Renamed {
+        amount: u32,
+    }
+}
+
+gpu_struct! {
+    /// A member too many.
+    pub struct Longer {
+        count: u32,
+        more: u32,
+    }
+}
+
+pass! {
+    /// As declared in earnest.
+    Right(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another name.
+    WrongName(scan::ScanPush) = "scan/reduce" { value: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another access.
+    WrongAccess(scan::ScanPush) = "scan/reduce" { values: ReadWrite<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another element.
+    WrongElement(scan::ScanPush) = "scan/reduce" { values: Read<f32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// A binding too few.
+    TooFew(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32> }
+}
+pass! {
+    /// A binding too many.
+    TooMany(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32>, rest: Read<u32> }
+}
+pass! {
+    /// Push constants with another name.
+    WrongPush(Renamed) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Push constants of another size.
+    LongPush(Longer) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// No push constants.
+    NoPush = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+
+#[test]
+fn a_declaration_that_differs_from_its_shader_is_refused() {
+    fn result<P: Pass>() -> Result<(), String> {
+        shader::check::<P>(&Variant::plain()).map_err(|e| e.to_string())
+    }
+    result::<Right>().expect("the declaration in earnest");
+    let refusals = [
+        (result::<WrongName>(), "\"values\" in WGSL and \"value\""),
+        (result::<WrongAccess>(), "Read in WGSL, ReadWrite"),
+        (result::<WrongElement>(), "Plain(\"f32\")"),
+        (result::<TooFew>(), "no binding 2"),
+        (result::<TooMany>(), "\"rest\" is missing"),
+        (result::<WrongPush>(), "amount"),
+        (result::<LongPush>(), "of 8 bytes"),
+        (result::<NoPush>(), "no push constants"),
+    ];
+    for (result, part) in refusals {
+        let message = result.expect_err(part);
+        assert!(message.contains(part), "{message:?} should say {part:?}");
+    }
+}
+
+#[test]
+fn an_unknown_override_is_refused() {
+    let error = shader::check::<Right>(&Variant::plain().with("NO_SUCH", 1)).expect_err("no such override");
+    assert!(error.to_string().contains("NO_SUCH"));
+}
