@@ -68,6 +68,8 @@ fn truncated_and_lying_ply() {
     assert_refused("a.ply", binary("99999999999999999999", &rows), &["line 3"]);
     let text = ply("ascii", "3", b"1.5 2.5 3.5\n1.5 2.5 3.5\n");
     assert_refused("a.ply", text, &["ends at line 9 after 2 of the 3 × element `vertex`"]);
+    let text = ply("ascii", "2", b"1.5 2.5 3.5\n1.5 2.");
+    assert_refused("a.ply", text, &["truncated", "ends in line 9, after 1 of the 2 × element `vertex`"]);
     assert_refused("a.ply", ply("ascii", "2", b"1.5 2.5 3.5\n1 2\n"), &["line 9", "expected 3 values, found 2"]);
     assert_refused("a.ply", ply("ascii", "2", b"1.5 2.5 3.5\n\n1 2 3 4\n"), &["line 10", "1 more values"]);
     assert_refused("a.ply", ply("ascii", "1", b"1 2,5 3\n"), &["line 8", "property `y`", "`2,5` is not a number"]);

@@ -195,7 +195,7 @@ fn record_decoder<'a>(laz: &LazVlr, bytes: &'a [u8]) -> Result<Decoder<'a>, Stri
 ///
 /// A chunk is: the first point, the number of points (u32), the size of each layer (u32), the layers.
 fn check_layers(header: &Header, laz: &LazVlr, bytes: &[u8]) -> Result<(), String> {
-    if !laz.items().first().is_some_and(|item| item.version() >= 3) {
+    if laz.items().first().is_none_or(|item| item.version() < 3) {
         return Ok(());
     }
     let layers: usize = laz.items().iter().map(|item| layers(item.item_type())).sum();

@@ -1,17 +1,4 @@
-//! From the values of a vertex to the columns of a cloud, by the names of its properties.
-//!
-//! | column | names (any case) | values |
-//! |---|---|---|
-//! | position | `x y z` | any type, world units |
-//! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalised |
-//! | color | `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue` | sRGB-encoded: `ushort` of 65535, floats of 1 (as other tools write them), other integers of 255 |
-//! | alpha | `alpha`, `diffuse_alpha` | integers as colors; floats as they are |
-//! | radius | `radius` | negative and non-finite values count as 0 |
-//! | classification | `classification`, `class`, `label`, and these after `scalar_` | integers in 0–255, else a scalar |
-//! | intensity | `intensity`, `scalar_intensity` | as stored |
-//!
-//! Values out of range are clamped, a color that is not a number is 0. Normals and colors need all three properties;
-//! otherwise, and for any other name, a property is a scalar column of its own name.
+//! From the values of a vertex to the columns of a cloud, by the names of its properties (the table in `ply`).
 
 use glam::{DVec3, Vec3};
 
@@ -185,7 +172,7 @@ impl Channel {
         Self { at, scale, table }
     }
 
-    /// The stored value as a share of the largest, in [0, 1]; the integer with it.
+    /// The stored integer, clamped to its range.
     fn integer(&self, row: &[f64], largest: u16, signed_byte: bool) -> u16 {
         let value = row[self.at];
         let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };

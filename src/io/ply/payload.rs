@@ -114,7 +114,15 @@ impl Lines {
     ) -> Result<(), Error> {
         self.next(source, element, index)?;
         let line = String::from_utf8_lossy(&self.line);
-        parse(&line, element, row).map_err(|cause| source.malformed(format!("line {}", self.number), cause))
+        parse(&line, element, row).map_err(|cause| {
+            if line.ends_with('\n') {
+                return source.malformed(format!("line {}", self.number), cause);
+            }
+            source.truncated(format!(
+                "the file ends in line {}, after {index} of the {} × element `{}` that the header announces ({cause})",
+                self.number, element.count, element.name
+            ))
+        })
     }
 
     fn next(&mut self, source: &mut Source, element: &Element, index: u64) -> Result<(), Error> {
