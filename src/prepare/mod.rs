@@ -1,1 +1,5 @@
-//! What is computed once for a cloud.
+//! What is computed once for a cloud: radii, and the order of its points.
+
+mod morton;
+pub mod order;
+pub mod radius;

@@ -1,0 +1,129 @@
+//! From LAS point records to the columns of a cloud.
+
+use glam::{DVec3, Vec3};
+use las::PointDataBuilder;
+use rayon::prelude::*;
+
+use super::header::Header;
+use crate::cloud::{Cloud, UpAxis};
+use crate::color::decode_srgb;
+
+/// Columns of a part of the file, before what only the whole file can tell (the range of the colors) is known.
+pub(super) struct Columns {
+    positions: Vec<DVec3>,
+    rgb: Option<Vec<[u16; 3]>>,
+    intensity: Vec<f32>,
+    classification: Vec<u8>,
+    return_number: Vec<u8>,
+    number_of_returns: Vec<u8>,
+    extra: Vec<Vec<f32>>,
+    non_finite: usize,
+}
+
+impl Columns {
+    /// No points yet.
+    pub fn new(header: &Header) -> Self {
+        Self {
+            positions: Vec::new(),
+            rgb: header.format.has_color.then(Vec::new),
+            intensity: Vec::new(),
+            classification: Vec::new(),
+            return_number: Vec::new(),
+            number_of_returns: Vec::new(),
+            extra: header.extra.iter().map(|_| Vec::new()).collect(),
+            non_finite: 0,
+        }
+    }
+
+    /// Adds whole point records.
+    pub fn push(&mut self, header: &Header, records: &[u8]) -> Result<(), String> {
+        let data = PointDataBuilder::new()
+            .with_format(header.format)
+            .with_transforms(header.transforms)
+            .build_from_bytes(records.to_vec())
+            .map_err(|e| e.to_string())?;
+        let positions: Vec<DVec3> =
+            data.x().zip(data.y()).zip(data.z()).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
+        let keep: Vec<bool> = positions.iter().map(|p| p.is_finite()).collect();
+        self.non_finite += keep.iter().filter(|&&keep| !keep).count();
+        extend(&mut self.positions, positions.into_iter(), &keep);
+        extend(&mut self.intensity, data.intensity().map(f32::from), &keep);
+        extend(&mut self.classification, data.classification(), &keep);
+        extend(&mut self.return_number, data.return_number(), &keep);
+        extend(&mut self.number_of_returns, data.number_of_returns(), &keep);
+        if let (Some(rgb), Some(new)) = (&mut self.rgb, data.rgb()) {
+            extend(rgb, new.map(|(r, g, b)| [r, g, b]), &keep);
+        }
+        let extra_start = header.record_len - usize::from(header.format.extra_bytes);
+        for (dimension, values) in header.extra.iter().zip(&mut self.extra) {
+            let new = records.chunks_exact(header.record_len).map(|record| dimension.value(&record[extra_start..]));
+            extend(values, new, &keep);
+        }
+        Ok(())
+    }
+
+    /// Adds the part of the file that follows.
+    pub fn append(&mut self, mut next: Self) {
+        self.positions.append(&mut next.positions);
+        self.intensity.append(&mut next.intensity);
+        self.classification.append(&mut next.classification);
+        self.return_number.append(&mut next.return_number);
+        self.number_of_returns.append(&mut next.number_of_returns);
+        if let (Some(rgb), Some(next)) = (&mut self.rgb, &mut next.rgb) {
+            rgb.append(next);
+        }
+        for (values, next) in self.extra.iter_mut().zip(&mut next.extra) {
+            values.append(next);
+        }
+        self.non_finite += next.non_finite;
+    }
+
+    /// The cloud of all parts. Returns are kept if some pulse has more than one.
+    pub fn finish(self, header: &Header) -> Cloud {
+        let mut scalars = Vec::new();
+        if self.number_of_returns.iter().any(|&count| count > 1) {
+            let column = |bytes: &[u8]| bytes.iter().map(|&byte| byte.into()).collect();
+            scalars.push(("return_number".to_owned(), column(&self.return_number)));
+            scalars.push(("number_of_returns".to_owned(), column(&self.number_of_returns)));
+        }
+        scalars.extend(header.extra.iter().map(|dimension| dimension.name.clone()).zip(self.extra));
+        Cloud {
+            positions: self.positions,
+            colors: self.rgb.and_then(|rgb| linear(&rgb)),
+            intensity: Some(self.intensity),
+            classification: Some(self.classification),
+            scalars,
+            non_finite: self.non_finite,
+            up: UpAxis::Z,
+            ..Cloud::default()
+        }
+    }
+}
+
+fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
+    column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
+}
+
+/// Linear colors of stored ones. Many writers put 8-bit values into the 16-bit fields: if no value of the file exceeds
+/// 255, they are such. Colors that are all zero are none.
+fn linear(rgb: &[[u16; 3]]) -> Option<Vec<Vec3>> {
+    let largest = rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().filter(|&largest| largest > 0)?;
+    let range = if largest <= 255 { 255 } else { u16::MAX };
+    let table: Vec<f32> = (0..=largest).map(|stored| decode_srgb(f32::from(stored) / f32::from(range))).collect();
+    Some(rgb.par_iter().map(|color| Vec3::from(color.map(|stored| table[usize::from(stored)]))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_bits_in_sixteen_are_seen_over_the_whole_file() {
+        assert_eq!(linear(&[[0; 3], [0; 3]]), None);
+        let eight = linear(&[[255, 0, 51], [0, 0, 0]]).unwrap();
+        assert_eq!(eight, [Vec3::new(1.0, 0.0, decode_srgb(0.2)), Vec3::ZERO]);
+        let sixteen = linear(&[[255, 0, 0], [65535, 0, 256]]).unwrap();
+        assert_eq!(sixteen[0].x, decode_srgb(255.0 / 65535.0));
+        assert_eq!(sixteen[1], Vec3::new(1.0, 0.0, decode_srgb(256.0 / 65535.0)));
+    }
+}

@@ -1,0 +1,142 @@
+//! What the header and the variable-length records of a LAS file say, checked against the file's size.
+
+use std::io::{Read, Seek, SeekFrom};
+
+use las::point::Format;
+use las::raw;
+use las::{Transform, Vector};
+use laz::LazVlr;
+
+use super::extra::{self, Dimension};
+use crate::io::{Error, Source, decoder};
+
+/// Bytes of a variable-length record before its data.
+const VLR_HEADER: u64 = 54;
+
+/// Points that one compressed byte can hold at most. The arithmetic coder's models never get surer than 1 : 2¹⁵, so
+/// that even equal points take about 0.01 bits each: measured 830 points per byte. A claim above this is a lie.
+const MAX_POINTS_PER_BYTE: u64 = 4096;
+
+/// How the points are stored, and how many.
+pub(super) struct Header {
+    pub count: u64,
+    pub record_len: usize,
+    pub format: Format,
+    pub transforms: Vector<Transform>,
+    /// Byte at which the points start.
+    pub start: u64,
+    /// How the points are compressed, if they are.
+    pub laz: Option<LazVlr>,
+    /// The extra dimensions of a record.
+    pub extra: Vec<Dimension>,
+}
+
+/// Reads and checks the header.
+pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
+    let raw = match decoder::guard(|| raw::Header::read_from(&mut source.reader)) {
+        Ok(Ok(raw)) => raw,
+        Ok(Err(las::Error::Io(e))) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            return Err(source.truncated(format!("the file ends within the LAS header, at byte {}", source.len)));
+        }
+        Ok(Err(las::Error::Io(e))) => return Err(source.read_error(e)),
+        Ok(Err(e)) => return Err(source.malformed("LAS header", e.to_string())),
+        Err(panic) => return Err(source.malformed("LAS header", panic)),
+    };
+    let large = raw.large_file.map_or(0, |large| large.number_of_point_records);
+    let count = if raw.number_of_point_records > 0 { raw.number_of_point_records.into() } else { large };
+    let start = u64::from(raw.offset_to_point_data);
+    if raw.version.major != 1 {
+        return Err(source.malformed("LAS header", format!("version {} (known: 1.0 to 1.4)", raw.version)));
+    }
+    if start > source.len {
+        let len = source.len;
+        return Err(source.truncated(format!("the points should start at byte {start}, the file has {len} bytes")));
+    }
+    let format = format(source, &raw)?;
+    let vlrs = vlrs(source, &raw)?;
+    let laz = if format.is_compressed { Some(laz_vlr(source, &vlrs)?) } else { None };
+    let header = Header {
+        count,
+        record_len: raw.point_data_record_length.into(),
+        extra: extra::dimensions(&vlrs, format.extra_bytes),
+        format,
+        transforms: transforms(&raw),
+        start,
+        laz,
+    };
+    check_claim(source, &header)?;
+    Ok(header)
+}
+
+fn format(source: &Source, raw: &raw::Header) -> Result<Format, Error> {
+    let number = raw.point_data_record_format;
+    // The two upper bits say "compressed".
+    let known = Format::new(number).ok().filter(|_| number & 0x3f <= 10);
+    let Some(mut format) = known else {
+        return Err(source.malformed("LAS header", format!("point format {number} (known: 0 to 10)")));
+    };
+    let len = raw.point_data_record_length;
+    let Some(extra_bytes) = len.checked_sub(format.len()) else {
+        let cause = format!("point records of {len} bytes, but point format {} needs {}", number & 0x3f, format.len());
+        return Err(source.malformed("LAS header", cause));
+    };
+    format.extra_bytes = extra_bytes;
+    Ok(format)
+}
+
+fn transforms(raw: &raw::Header) -> Vector<Transform> {
+    Vector {
+        x: Transform { scale: raw.x_scale_factor, offset: raw.x_offset },
+        y: Transform { scale: raw.y_scale_factor, offset: raw.y_offset },
+        z: Transform { scale: raw.z_scale_factor, offset: raw.z_offset },
+    }
+}
+
+/// The variable-length records that fit before the points; some writers count one too many.
+fn vlrs(source: &mut Source, raw: &raw::Header) -> Result<Vec<raw::Vlr>, Error> {
+    let end = u64::from(raw.offset_to_point_data);
+    let mut position = u64::from(raw.header_size);
+    let mut vlrs = Vec::new();
+    source.reader.seek(SeekFrom::Start(position)).map_err(|e| source.read_error(e))?;
+    for _ in 0..raw.number_of_variable_length_records {
+        if position + VLR_HEADER > end {
+            break;
+        }
+        let left = end - position;
+        // Its length has 16 bits, so no claim can be large.
+        let Ok(vlr) = raw::Vlr::read_from(source.reader.by_ref().take(left), false) else { break };
+        position += VLR_HEADER + vlr.data.len() as u64;
+        vlrs.push(vlr);
+    }
+    Ok(vlrs)
+}
+
+fn laz_vlr(source: &Source, vlrs: &[raw::Vlr]) -> Result<LazVlr, Error> {
+    let place = "LAZ record of the header";
+    let is_laz = |vlr: &&raw::Vlr| user_id(vlr) == LazVlr::USER_ID.as_bytes() && vlr.record_id == LazVlr::RECORD_ID;
+    let Some(vlr) = vlrs.iter().find(is_laz) else {
+        return Err(source.malformed(place, "missing, but the points are marked as compressed"));
+    };
+    LazVlr::from_buffer(&vlr.data).map_err(|e| source.malformed(place, e.to_string()))
+}
+
+/// The user of a record, without the zeros behind it.
+pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
+    vlr.user_id.split(|&byte| byte == 0).next().unwrap_or_default()
+}
+
+/// Compares the claimed number of points with the bytes there are for them.
+fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
+    let left = source.len - header.start;
+    let (possible, each) = match header.laz {
+        Some(_) => (left.saturating_mul(MAX_POINTS_PER_BYTE), "compressed".to_owned()),
+        None => (left / header.record_len.max(1) as u64, format!("of {} bytes each", header.record_len)),
+    };
+    if header.count > possible {
+        return Err(source.truncated(format!(
+            "the header announces {} points {each}, but the {left} bytes after byte {} hold at most {possible}",
+            header.count, header.start
+        )));
+    }
+    Ok(())
+}

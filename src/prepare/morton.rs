@@ -1,0 +1,69 @@
+//! Morton codes: a line through space on which neighbors in space are mostly neighbors.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::cloud::Bounds;
+
+/// Bits per axis; three axes fill 63 bits.
+const BITS: u32 = 21;
+
+/// The 63-bit Morton code of each position in its bounds.
+///
+/// The cells are cubes (the longest side of the box is cut into 2²¹), so a flat cloud is ordered as well as a round
+/// one. A box of no size gives code 0 for all.
+pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
+    let cells = f64::from((1u32 << BITS) - 1);
+    // Halved before the subtraction: the side of a box of ±1e308 would overflow.
+    let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
+    positions
+        .par_iter()
+        .map(|&p| {
+            // 0 / 0 is NaN, which the conversion to integers turns into 0.
+            let unit = (0.5 * p - 0.5 * bounds.min) / half_side;
+            let cell = unit * cells;
+            spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
+        })
+        .collect()
+}
+
+/// Moves the lowest 21 bits three places apart.
+fn spread(x: u64) -> u64 {
+    let x = x & 0x1f_ffff;
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_three_places_apart() {
+        for bit in 0..BITS {
+            assert_eq!(spread(1 << bit), 1 << (3 * bit), "bit {bit}");
+        }
+        assert_eq!(spread(0x1f_ffff).count_ones(), BITS);
+    }
+
+    #[test]
+    fn corners_of_a_cube_come_in_the_order_of_their_bits() {
+        let bounds = Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(6.0) };
+        let codes = codes(&bounds.corners(), &bounds);
+        assert!(codes.is_sorted(), "{codes:x?}");
+        assert_eq!(codes[0], 0);
+        assert_eq!(codes[7], (1 << 63) - 1);
+    }
+
+    #[test]
+    fn no_size_and_huge_size_are_fine() {
+        let p = DVec3::new(5e5, 4.5e6, 100.0);
+        assert_eq!(codes(&[p, p], &Bounds { min: p, max: p }), [0, 0]);
+        let far = DVec3::splat(1.7e308);
+        let codes = codes(&[-far, DVec3::ZERO, far], &Bounds { min: -far, max: far });
+        assert!(codes[0] < codes[1] && codes[1] < codes[2], "{codes:x?}");
+    }
+}

@@ -1,0 +1,44 @@
+//! The canonical order of points: by what they are, not by where they stood in a file.
+
+use std::cmp::Ordering;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::morton;
+use crate::points::Points;
+
+/// Sorts the points along the Morton curve of their bounds, equal cells by the bits of position, color, opacity,
+/// radius and normal. Points that tie in all of these are identical, so shuffled input gives the same list.
+pub fn canonical(points: Points) -> Points {
+    let Some(bounds) = points.bounds() else { return points };
+    let codes = morton::codes(&points.positions, &bounds);
+    let mut order: Vec<(u64, usize)> = codes.into_par_iter().zip(0..points.len()).collect();
+    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)));
+    Points {
+        positions: gather(&points.positions, &order),
+        colors: gather(&points.colors, &order),
+        opacities: gather(&points.opacities, &order),
+        radii: gather(&points.radii, &order),
+        normals: points.normals.as_deref().map(|normals| gather(normals, &order)),
+    }
+}
+
+/// Any fixed total order of the bits; only identical points are equal.
+fn by_content(points: &Points, a: usize, b: usize) -> Ordering {
+    let double = |v: DVec3| v.to_array().map(f64::to_bits);
+    let single = |v: Vec3| v.to_array().map(f32::to_bits);
+    double(points.positions[a])
+        .cmp(&double(points.positions[b]))
+        .then_with(|| single(points.colors[a]).cmp(&single(points.colors[b])))
+        .then_with(|| points.opacities[a].to_bits().cmp(&points.opacities[b].to_bits()))
+        .then_with(|| points.radii[a].to_bits().cmp(&points.radii[b].to_bits()))
+        .then_with(|| match &points.normals {
+            Some(normals) => single(normals[a]).cmp(&single(normals[b])),
+            None => Ordering::Equal,
+        })
+}
+
+fn gather<T: Copy + Send + Sync>(column: &[T], order: &[(u64, usize)]) -> Vec<T> {
+    order.par_iter().map(|&(_, index)| column[index]).collect()
+}
