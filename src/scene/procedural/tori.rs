@@ -18,14 +18,12 @@ pub(super) const BUILTIN: Builtin = Builtin {
 
 /// Name, radius of the tube, opacity, color. All share the centre circle of radius 1 in the plane z = 0.
 const TORI: [(&str, f64, f64, Rgb); 3] =
-    [("inner", 0.15, 1.0, [150, 86, 38]), ("middle", 0.30, 0.5, [60, 160, 70]), ("outer", 0.45, 0.3, [60, 110, 220])];
+    [("inner", 0.15, 1.0, [170, 84, 20]), ("middle", 0.30, 0.5, [60, 160, 70]), ("outer", 0.45, 0.3, [60, 110, 220])];
 
-/// How far a point strays from its place on the grid, as a share of the spacing.
-const JITTER: f64 = 0.1;
-
-/// No place of a surface is farther from the nearest point than half the diagonal of a cell of the grid plus the
-/// point's own stray: √2·(0.5 + 0.1) spacings.
-const RADIUS_PER_SPACING: f64 = 0.85;
+/// Where discs overlap their opacities add up. With this radius the weights exp(−2ρ²) of the discs over a place sum
+/// to 1 on average, π·s²·(1 − e⁻²)/2 = 1, so that a surface is about as opaque as its cloud says. No place is farther
+/// from a point than √2/2 spacings, so the surfaces are closed.
+const RADIUS_PER_SPACING: f64 = 0.858;
 
 fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
     let points = values.count("points");
@@ -54,8 +52,8 @@ fn torus(tube: f64, spacing: f64, color: Rgb, random: &mut Random) -> Result<Clo
         let around = (TAU * (1.0 + tube * unit_circle(turn).0) / spacing).round().max(3.0) as usize;
         let shift = random.unit();
         for step in 0..around {
-            let (cos_v, sin_v) = unit_circle(turn + random.range(-JITTER, JITTER) / rings as f64);
-            let (cos_u, sin_u) = unit_circle((shift + step as f64 + random.range(-JITTER, JITTER)) / around as f64);
+            let (cos_v, sin_v) = unit_circle(turn);
+            let (cos_u, sin_u) = unit_circle((shift + step as f64) / around as f64);
             let normal = DVec3::new(cos_v * cos_u, cos_v * sin_u, sin_v);
             builder.point(DVec3::new(cos_u, sin_u, 0.0) + tube * normal, color);
             builder.normal(normal);
@@ -70,8 +68,8 @@ size = [1024, 1024]
 background = [1.0, 1.0, 1.0]
 
 [camera]
-eye = [0.0, -3.6, 2.9]
-target = [0.0, 0.0, -0.05]
+eye = [0.0, -3.3, 3.3]
+target = [0.0, -0.1, 0.0]
 up = [0.0, 0.0, 1.0]
 fov_y = 38.0
 
@@ -85,4 +83,5 @@ shininess = 32.0
 [method]
 name = "abuffer"
 shape = "oriented"
+falloff = "gaussian"
 "#;

@@ -16,7 +16,7 @@ pub(super) fn furniture() -> Model {
     model.cuboid(
         [-HALF_X + 0.02, -HALF_Y + 0.02, FLOOR - 0.04],
         [HALF_X - 0.02, HALF_Y - 0.02, FLOOR],
-        Paint::boards([206, 160, 108], 0.16),
+        Paint::boards([204, 172, 130], 0.16),
     );
     let mut inside = Model::new(class::FURNITURE);
     living_room(&mut inside);
@@ -117,7 +117,7 @@ fn terrace() -> Model {
         model.place(&chair, turn, 6.7 + dx, -4.6 + dy, 0.1);
     }
     model.tube([6.7, -4.6, 0.1], [6.7, -4.6, 2.55], [0.025, 0.025], Paint::plain(WHITE));
-    model.tube([6.7, -4.6, 2.1], [6.7, -4.6, 2.6], [1.3, 0.03], Paint::stripes([206, 54, 48], [248, 244, 236], 0.51));
+    model.tube([6.7, -4.6, 2.1], [6.7, -4.6, 2.6], [1.3, 0.03], Paint::stripes([206, 54, 48], [248, 244, 236], 0.5224));
     // A bench under the tree.
     let mut bench = Model::new(class::FURNITURE);
     for y in [-0.18, 0.0, 0.18] {

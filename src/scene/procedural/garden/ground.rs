@@ -10,7 +10,10 @@ use super::paint::{Paint, linear};
 use super::scan::{Sample, density, hidden_by_tripod, samples};
 
 /// Half the sides of the lot, metres; beyond it the scan fades out.
-const LOT: DVec2 = DVec2::new(10.6, 8.8);
+const LOT: DVec2 = DVec2::new(10.6, 9.4);
+
+/// Lowest x and y of the terrace, then highest.
+const DECK: [f64; 4] = [4.9, -6.3, 8.5, -2.9];
 
 /// Height of the ground, flat near the house.
 pub(super) fn height(x: f64, y: f64) -> f64 {
@@ -30,9 +33,9 @@ fn fade(p: DVec2) -> f64 {
 pub(super) fn ground(count: usize, random: &mut Random) -> Result<(Vec<Sample>, f64), Error> {
     let half = LOT + 1.2;
     let keep = |p: DVec2| {
-        let indoors = p.x.abs() < HALF_X && p.y.abs() < HALF_Y;
+        let built = (p.x.abs() < HALF_X && p.y.abs() < HALF_Y) || (p.x > DECK[0] && p.y > DECK[1] && p.x < DECK[2] && p.y < DECK[3]);
         let at = p.extend(0.0);
-        if indoors || hidden_by_tripod(at) { 0.0 } else { fade(p) * density(at) }
+        if built || hidden_by_tripod(at) { 0.0 } else { fade(p) * density(at) }
     };
     let cells = 96;
     let grid = (0..cells * cells).map(|i| {
@@ -79,10 +82,10 @@ fn look(p: DVec2, random: &mut Random) -> (DVec3, f64, u8) {
     }
     let at = |scale: f64, layer: f64| noise(DVec3::new(scale * p.x, scale * p.y, layer));
     let mix = (0.5 * at(0.45, 20.0) + 0.3 * at(1.9, 21.0) + 0.2 * at(8.0, 22.0) - 0.25).clamp(0.0, 0.5) * 2.0;
-    let green = linear([104, 140, 62]).lerp(linear([160, 178, 92]), mix);
+    let green = linear([72, 118, 44]).lerp(linear([126, 156, 64]), mix);
     // Mown in stripes.
     let mown = if (p.x / 0.9).floor() % 2.0 == 0.0 { 1.06 } else { 0.94 };
-    if hash((p.x * 14.0).floor() as i64, (p.y * 14.0).floor() as i64, 40) < 0.006 {
+    if hash((p.x * 14.0).floor() as i64, (p.y * 14.0).floor() as i64, 40) < 0.003 {
         return (linear([250, 232, 120]), 0.05, class::LOW_VEGETATION);
     }
     (green * mown * grain, 0.035, class::GROUND)
@@ -119,7 +122,8 @@ fn flagstone(p: DVec2) -> Option<f64> {
 /// The terrace's deck and the picket fence with its gate.
 pub(super) fn built() -> Model {
     let mut model = Model::new(class::BUILDING);
-    model.cuboid([4.9, -6.3, 0.0], [8.5, -2.9, 0.1], Paint::boards([178, 136, 98], 0.15));
+    let [x0, y0, x1, y1] = DECK;
+    model.cuboid([x0, y0, 0.0], [x1, y1, 0.1], Paint::boards([178, 136, 98], 0.15));
     let white = Paint::plain([238, 236, 230]);
     let fence = |model: &mut Model, from: f64, to: f64| {
         for z in [0.3, 0.7] {

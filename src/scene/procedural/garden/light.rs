@@ -123,8 +123,8 @@ pub(super) fn shade(sample: &Sample, shadows: &ShadowMap, occupancy: &Occupancy,
     let (direct, open) =
         if foliage { (0.35 + 0.65 * facing.abs(), 1.0) } else { (facing.max(0.0), occupancy.open(sample.position, n)) };
     let lit = shadows.lit(sample.position, if foliage { 0.45 } else { 0.12 });
-    // Shadows keep a quarter of the sun, so that nothing sinks into black.
-    let sun_light = SUN_COLOR * direct * (0.25 + 0.75 * lit);
+    // Shadows keep an eighth of the sun, so that nothing sinks into black.
+    let sun_light = SUN_COLOR * direct * (0.12 + 0.88 * lit);
     let sky_light = SKY_COLOR * (0.72 + 0.28 * n.z) * (0.35 + 0.65 * open);
     sample.albedo * (sun_light + sky_light)
 }

@@ -37,12 +37,12 @@ struct Part {
     overlap: f64,
 }
 
-const GROUND: Part = Part { name: "ground", opacity: 0.55, share: 0.22, overlap: 0.8 };
-const STRUCTURE: Part = Part { name: "structure", opacity: 0.11, share: 0.19, overlap: 0.8 };
-const FRAME: Part = Part { name: "frame", opacity: 0.6, share: 0.12, overlap: 0.8 };
-const FURNITURE: Part = Part { name: "furniture", opacity: 0.85, share: 0.16, overlap: 0.8 };
-const WOOD: Part = Part { name: "wood", opacity: 0.6, share: 0.04, overlap: 0.8 };
-const LEAVES: Part = Part { name: "leaves", opacity: 0.16, share: 0.27, overlap: 0.7 };
+const GROUND: Part = Part { name: "ground", opacity: 0.45, share: 0.19, overlap: 1.3 };
+const STRUCTURE: Part = Part { name: "structure", opacity: 0.2, share: 0.17, overlap: 0.85 };
+const FRAME: Part = Part { name: "frame", opacity: 0.7, share: 0.13, overlap: 0.8 };
+const FURNITURE: Part = Part { name: "furniture", opacity: 0.75, share: 0.21, overlap: 0.95 };
+const WOOD: Part = Part { name: "wood", opacity: 0.7, share: 0.04, overlap: 0.7 };
+const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap: 0.4 };
 
 /// Standard deviation of the scanner's range, in metres.
 const NOISE: f64 = 0.003;
@@ -78,7 +78,7 @@ fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
 
 /// Lights the parts and writes the scene.
 fn finish(scanned: &[Scanned], random: &mut Random) -> Result<Generated, Error> {
-    let coarsest = scanned.iter().map(|s| s.2).fold(0.0, f64::max);
+    let coarsest = scanned.iter().filter(|s| s.0.name != LEAVES.name).map(|s| s.2).fold(0.0, f64::max);
     let (mut outdoors, mut indoors) = (ShadowMap::new(coarsest), ShadowMap::new(coarsest));
     let mut occupancy = Occupancy::new(coarsest);
     for (part, samples, _) in scanned {
@@ -123,10 +123,10 @@ size = [1280, 960]
 background = [0.86, 0.89, 0.93]
 
 [camera]
-eye = [13.5, -18.5, 13.0]
-target = [0.1, -0.6, 1.1]
+eye = [12.5, -20.0, 13.5]
+target = [0.2, -0.5, 0.45]
 up = [0.0, 0.0, 1.0]
-fov_y = 36.0
+fov_y = 37.0
 
 [method]
 name = "abuffer"

@@ -63,11 +63,14 @@ impl Model {
         }
     }
 
-    /// An upright box from its lowest to its highest corner.
+    /// An upright box from its lowest to its highest corner, without the underside that no scanner sees.
     pub(super) fn cuboid(&mut self, low: [f64; 3], high: [f64; 3], paint: Paint) {
         let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-        let half = 0.5 * (high - low);
-        self.block(low + half, [half.x * DVec3::X, half.y * DVec3::Y, half.z * DVec3::Z], paint);
+        let size = high - low;
+        let (x, y, z) = (size.x * DVec3::X, size.y * DVec3::Y, size.z * DVec3::Z);
+        for (corner, u, v) in [(low + z, x, y), (low, x, z), (low + x, y, z), (high - z, -x, z), (low + y, -y, z)] {
+            self.quad(corner, u, v, paint);
+        }
     }
 
     /// A beam of square section along a segment; one face looks to `side` as far as the segment allows.

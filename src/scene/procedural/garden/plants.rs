@@ -17,11 +17,11 @@ pub(super) struct Plants {
 /// Everything that grows but the lawn.
 pub(super) fn plants(random: &mut Random) -> Plants {
     let mut plants = Plants { wood: Model::new(class::HIGH_VEGETATION), leaves: Model::new(class::HIGH_VEGETATION) };
-    let oak = Species { bark: [104, 78, 58], leaf: [92, 142, 48], crown: 0.85 };
-    let birch = Species { bark: [226, 222, 212], leaf: [150, 178, 66], crown: 0.62 };
-    let maple = Species { bark: [96, 74, 60], leaf: [206, 120, 44], crown: 0.72 };
+    let oak = Species { bark: [104, 78, 58], leaf: [92, 142, 48], crown: 0.7 };
+    let birch = Species { bark: [226, 222, 212], leaf: [150, 178, 66], crown: 0.52 };
+    let maple = Species { bark: [96, 74, 60], leaf: [206, 120, 44], crown: 0.5 };
     plants.tree(DVec3::new(-7.3, 2.9, 0.0), 2.5, 0.26, &oak, random);
-    plants.tree(DVec3::new(7.4, 3.2, 0.0), 2.3, 0.17, &birch, random);
+    plants.tree(DVec3::new(6.5, 4.8, 0.0), 2.2, 0.17, &birch, random);
     plants.tree(DVec3::new(-6.8, -4.4, 0.0), 1.7, 0.14, &maple, random);
     plants.spruce(DVec3::new(1.8, 6.2, 0.0), 6.2, random);
     plants.spruce(DVec3::new(4.4, 6.6, 0.0), 4.6, random);
@@ -71,7 +71,7 @@ impl Plants {
             let end = from + length * random.range(0.8, 1.15) * direction;
             let bark = Paint::plain(species.bark);
             self.wood.add(Shape::Tube { from, to: end, radii: [radius, 0.55 * radius] }, bark);
-            if level <= 1 {
+            if level == 0 {
                 let size = species.crown * random.range(0.75, 1.2);
                 let tint = random.range(0.82, 1.18);
                 let leaf = species.leaf.map(|c| (f64::from(c) * tint).min(255.0) as u8);
@@ -109,10 +109,10 @@ impl Plants {
     /// Along the back and the left side of the garden.
     fn hedge(&mut self) {
         let mut hedge = Model::new(class::MEDIUM_VEGETATION);
-        let green = Paint::leaves([70, 122, 56]);
+        let green = Paint::leaves([58, 122, 50]);
         let mut row = |x: f64, y: f64, half_x: f64, half_y: f64| {
             let (center, half) = (DVec3::new(x, y, 0.72), DVec3::new(half_x, half_y, 0.72));
-            hedge.add_weighted(Shape::Hedge { center, half }, green, 0.9);
+            hedge.add_weighted(Shape::Hedge { center, half }, green, 12.0);
         };
         row(0.0, 8.0, 10.0, 0.4);
         row(-9.6, 0.6, 0.4, 7.0);

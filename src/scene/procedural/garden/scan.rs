@@ -36,7 +36,7 @@ pub(super) fn density(position: DVec3) -> f64 {
 
 /// True below a scanner outdoors, where its own tripod hides the ground.
 pub(super) fn hidden_by_tripod(position: DVec3) -> bool {
-    STATIONS.iter().take(4).any(|s| (s.truncate() - position.truncate()).length_squared() < 0.3 * 0.3)
+    STATIONS.iter().take(4).any(|s| (s.truncate() - position.truncate()).length_squared() < 0.22 * 0.22)
 }
 
 /// An empty list with room for `count` samples and a few more.
