@@ -59,6 +59,12 @@ pub(super) fn unit_circle(turn: f64) -> (f64, f64) {
     }
 }
 
+/// A threshold in [0, 1) for the cell of a grid: neighbors differ (Roberts' R2 sequence), so that thinning a grid by
+/// it leaves no clumps and gaps as independent random numbers do.
+pub(super) fn dither(column: usize, row: usize) -> f64 {
+    (0.754_877_666_246_692_8 * column as f64 + 0.569_840_290_998_053_2 * row as f64).fract()
+}
+
 /// Hash of three integers to [0, 1), by the finaliser of splitmix64.
 pub(super) fn hash(x: i64, y: i64, z: i64) -> f64 {
     let mut h = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)

@@ -18,7 +18,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
 
 /// Name, radius of the tube, opacity, color. All share the centre circle of radius 1 in the plane z = 0.
 const TORI: [(&str, f64, f64, Rgb); 3] =
-    [("inner", 0.15, 1.0, [170, 84, 20]), ("middle", 0.30, 0.5, [60, 160, 70]), ("outer", 0.45, 0.3, [60, 110, 220])];
+    [("inner", 0.15, 1.0, [204, 118, 36]), ("middle", 0.30, 0.5, [60, 150, 50]), ("outer", 0.45, 0.3, [50, 80, 170])];
 
 /// Where discs overlap their opacities add up. With this radius the weights exp(−2ρ²) of the discs over a place sum
 /// to 1 on average, π·s²·(1 − e⁻²)/2 = 1, so that a surface is about as opaque as its cloud says. No place is farther

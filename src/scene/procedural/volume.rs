@@ -74,8 +74,9 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
     let guess = (layers * cube_px / (std::f64::consts::PI * most)).sqrt() / scale;
     let (mut low, mut high) = (0.0, LARGEST_RADIUS);
     let mut radius = guess.min(LARGEST_RADIUS);
-    // 40 halvings take the bracket below 1e-11: what remains is a jump of the mean, which no radius avoids.
-    for _ in 0..40 {
+    // The square law (layers ∝ R²) is right but for rims and the centre's own pixel, so that a few steps by it do; the
+    // halvings after it always end. What remains after 50 is a jump of the mean, which no radius avoids.
+    for step in 0..50 {
         let mean = counter.mean_layers(centers(), radius * scale);
         if (mean / layers - 1.0).abs() < TOLERANCE {
             break;
@@ -85,13 +86,8 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
         } else {
             high = radius
         }
-        // The first steps follow the square law; they have to stay inside the bracket.
-        let step = radius * (layers / mean).sqrt();
-        radius = if (low + 0.02 * (high - low)..high - 0.02 * (high - low)).contains(&step) {
-            step
-        } else {
-            0.5 * (low + high)
-        };
+        let next = radius * (layers / mean).sqrt();
+        radius = if step < 10 && low < next && next < high { next } else { 0.5 * (low + high) };
     }
     Ok(radius)
 }

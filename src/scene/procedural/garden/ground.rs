@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::super::Error;
-use super::super::random::{Random, hash, noise};
+use super::super::random::{Random, dither, hash, noise};
 use super::house::{HALF_X, HALF_Y};
 use super::model::{Model, class};
 use super::paint::{Paint, linear};
@@ -33,9 +33,9 @@ fn fade(p: DVec2) -> f64 {
 pub(super) fn ground(count: usize, random: &mut Random) -> Result<(Vec<Sample>, f64), Error> {
     let half = LOT + 1.2;
     let keep = |p: DVec2| {
-        let built = (p.x.abs() < HALF_X && p.y.abs() < HALF_Y) || (p.x > DECK[0] && p.y > DECK[1] && p.x < DECK[2] && p.y < DECK[3]);
+        let indoors = p.x.abs() < HALF_X && p.y.abs() < HALF_Y;
         let at = p.extend(0.0);
-        if built || hidden_by_tripod(at) { 0.0 } else { fade(p) * density(at) }
+        if indoors || hidden_by_tripod(at) { 0.0 } else { fade(p) * density(at) }
     };
     let cells = 96;
     let grid = (0..cells * cells).map(|i| {
@@ -51,7 +51,7 @@ pub(super) fn ground(count: usize, random: &mut Random) -> Result<(Vec<Sample>, 
             let cell = DVec2::new(column as f64, row as f64) + 0.5;
             let jitter = 0.9 * DVec2::new(random.unit() - 0.5, random.unit() - 0.5);
             let p = (2.0 * (cell + jitter) / DVec2::new(columns as f64, rows as f64) - 1.0) * half;
-            if random.unit() < keep(p) {
+            if dither(column, row) < keep(p) {
                 out.push(place(p, random));
             }
         }
@@ -76,8 +76,10 @@ fn look(p: DVec2, random: &mut Random) -> (DVec3, f64, u8) {
     if let Some(stone) = flagstone(p) {
         return (linear([196, 186, 170]) * (0.8 + 0.35 * stone) * grain, 0.005, class::GROUND);
     }
+    let [x0, y0, x1, y1] = DECK;
+    let under_deck = p.x > x0 && p.y > y0 && p.x < x1 && p.y < y1;
     let bed = p.x.abs() < 4.05 && (-4.1..-HALF_Y).contains(&p.y);
-    if bed {
+    if bed || under_deck {
         return (linear([112, 82, 60]) * grain, 0.02, class::GROUND);
     }
     let at = |scale: f64, layer: f64| noise(DVec3::new(scale * p.x, scale * p.y, layer));

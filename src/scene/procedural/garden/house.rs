@@ -60,7 +60,7 @@ fn walls() -> [Wall; 4] {
 /// Walls, gables, partition, glass and roof: what one wants to look through.
 pub(super) fn structure() -> Model {
     let mut model = Model::new(class::BUILDING);
-    let plaster = Paint::boards([214, 118, 84], 0.2);
+    let plaster = Paint::boards([196, 210, 220], 0.2);
     for wall in walls() {
         pierced(&mut model, &wall, EAVES - FLOOR, plaster);
         for &[l0, l1, h0, h1] in wall.openings.iter().filter(|o| o[2] > 0.0) {

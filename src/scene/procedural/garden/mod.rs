@@ -38,7 +38,7 @@ struct Part {
 }
 
 const GROUND: Part = Part { name: "ground", opacity: 0.45, share: 0.19, overlap: 1.3 };
-const STRUCTURE: Part = Part { name: "structure", opacity: 0.2, share: 0.17, overlap: 0.85 };
+const STRUCTURE: Part = Part { name: "structure", opacity: 0.17, share: 0.17, overlap: 0.85 };
 const FRAME: Part = Part { name: "frame", opacity: 0.7, share: 0.13, overlap: 0.8 };
 const FURNITURE: Part = Part { name: "furniture", opacity: 0.75, share: 0.21, overlap: 0.95 };
 const WOOD: Part = Part { name: "wood", opacity: 0.7, share: 0.04, overlap: 0.7 };

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::super::Error;
-use super::super::random::Random;
+use super::super::random::{Random, dither};
 use super::model::Patch;
 
 /// A scanned point before light and noise.
@@ -79,12 +79,13 @@ fn scan_patch(patch: &Patch, tries: f64, random: &mut Random, out: &mut Vec<Samp
     let columns = (tries * width / height.max(1e-9)).sqrt().round().clamp(1.0, tries.max(1.0));
     // Rounded at random, so that small patches get their share on average.
     let rows = (tries / columns + random.unit()).floor() as usize;
+    let shift = random.index(1 << 20);
     for row in 0..rows {
         for column in 0..columns as usize {
-            let s = (column as f64 + 0.5 + 0.8 * (random.unit() - 0.5)) / columns;
-            let t = (row as f64 + 0.5 + 0.8 * (random.unit() - 0.5)) / rows as f64;
+            let s = (column as f64 + 0.5 + 0.6 * (random.unit() - 0.5)) / columns;
+            let t = (row as f64 + 0.5 + 0.6 * (random.unit() - 0.5)) / rows as f64;
             let Some(place) = patch.shape.at(s, t, random) else { continue };
-            if random.unit() < density(place.position) {
+            if dither(column + shift, row) < density(place.position) {
                 let albedo = patch.paint.albedo(s * width, t * height, place.position, place.depth, random);
                 out.push(Sample { position: place.position, normal: place.normal, albedo, class: patch.class });
             }
