@@ -33,6 +33,7 @@ pub(super) fn encode(linear: DVec3) -> Rgb {
 /// A cloud in the making. Give every point the same columns.
 pub(super) struct CloudBuilder {
     cloud: Cloud,
+    capacity: usize,
     table: SrgbTable,
 }
 
@@ -40,12 +41,10 @@ impl CloudBuilder {
     /// Checks that `points` points can be allocated before anything else does.
     pub(super) fn with_capacity(points: usize) -> Result<Self, Error> {
         let too_large = |_| Error::TooLarge { points, bytes: points.saturating_mul(POINT_BYTES) };
-        let mut positions = Vec::new();
-        let mut colors = Vec::new();
-        positions.try_reserve_exact(points).map_err(too_large)?;
-        colors.try_reserve_exact(points).map_err(too_large)?;
-        let cloud = Cloud { positions, colors: Some(colors), ..Cloud::default() };
-        Ok(Self { cloud, table: SrgbTable::new() })
+        // The whole at once, for a moment, so that the columns that come later have their room too.
+        Vec::<u8>::new().try_reserve_exact(points.saturating_mul(POINT_BYTES)).map_err(too_large)?;
+        let (positions, colors) = (Vec::with_capacity(points), Some(Vec::with_capacity(points)));
+        Ok(Self { cloud: Cloud { positions, colors, ..Cloud::default() }, capacity: points, table: SrgbTable::new() })
     }
 
     /// Adds a point; its position is rounded to float32.
@@ -56,17 +55,17 @@ impl CloudBuilder {
 
     /// The normal of the point just added, of unit length up to rounding.
     pub(super) fn normal(&mut self, normal: DVec3) {
-        self.cloud.normals.get_or_insert_default().push(normal.as_vec3());
+        self.cloud.normals.get_or_insert_with(|| Vec::with_capacity(self.capacity)).push(normal.as_vec3());
     }
 
     /// The class of the point just added.
     pub(super) fn class(&mut self, class: u8) {
-        self.cloud.classification.get_or_insert_default().push(class);
+        self.cloud.classification.get_or_insert_with(|| Vec::with_capacity(self.capacity)).push(class);
     }
 
     /// The radius of the point just added.
     pub(super) fn radius(&mut self, radius: f64) {
-        self.cloud.radii.get_or_insert_default().push(radius as f32);
+        self.cloud.radii.get_or_insert_with(|| Vec::with_capacity(self.capacity)).push(radius as f32);
     }
 
     pub(super) fn finish(self) -> Cloud {

@@ -15,7 +15,7 @@ mod volume;
 
 use crate::cloud::Cloud;
 
-/// Most points a built-in scene may ask for: what fits 16 GiB as a [`Cloud`] with all the columns used here.
+/// Most points a built-in scene may ask for: 10 GB as [`Cloud`]s with color, normal and class.
 const MAX_POINTS: f64 = 200e6;
 
 /// One built-in scene: name, one line of what it is, its parameters.
