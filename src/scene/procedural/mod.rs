@@ -1,0 +1,209 @@
+//! The built-in scenes: clouds made from a name, parameters and a seed.
+//!
+//! The same name, parameters and seed give the same clouds on every machine: the generator is PCG-64 and the geometry
+//! needs only operations that IEEE 754 defines to the last bit (sines come from [`random::unit_circle`]). Positions,
+//! normals and radii are float32, colors lie on the 8-bit sRGB grid, so that a PLY file holds a scene without loss.
+
+mod builder;
+mod garden;
+mod plane;
+mod random;
+mod spheres;
+mod stack;
+mod tori;
+mod volume;
+
+use crate::cloud::Cloud;
+
+/// Most points a built-in scene may ask for: 10 GB as [`Cloud`]s with color, normal and class.
+const MAX_POINTS: f64 = 200e6;
+
+/// One built-in scene: name, one line of what it is, its parameters.
+pub struct Builtin {
+    /// What `pellucid scene` calls it.
+    pub name: &'static str,
+    /// One line for `--list`.
+    pub summary: &'static str,
+    /// What `--set` can change.
+    pub parameters: &'static [Parameter],
+    generate: fn(&Values, u64) -> Result<Generated, Error>,
+}
+
+/// A number that shapes a built-in scene.
+pub struct Parameter {
+    /// Its key in `--set KEY=VALUE`.
+    pub name: &'static str,
+    /// The value without `--set`.
+    pub default: f64,
+    /// Smallest value allowed.
+    pub min: f64,
+    /// Largest value allowed.
+    pub max: f64,
+    /// True for a count, which has to be a whole number.
+    pub integer: bool,
+    /// One line for `--list`.
+    pub summary: &'static str,
+}
+
+impl Parameter {
+    const fn count(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
+        Self { name, default, min, max, integer: true, summary }
+    }
+
+    const fn real(name: &'static str, default: f64, min: f64, max: f64, summary: &'static str) -> Self {
+        Self { name, default, min, max, integer: false, summary }
+    }
+}
+
+/// All built-in scenes; the first is the one rendered without input.
+pub const BUILTINS: &[Builtin] =
+    &[garden::BUILTIN, tori::BUILTIN, volume::BUILTIN, stack::BUILTIN, plane::BUILTIN, spheres::BUILTIN];
+
+/// A generated scene: its clouds and the scene file that shows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Generated {
+    /// Each cloud with the file name (`….ply`) under which the scene file looks for it.
+    pub clouds: Vec<(String, Cloud)>,
+    /// The text of `scene.toml`.
+    pub scene_toml: String,
+}
+
+/// Why a built-in scene could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No scene has this name.
+    #[error("no built-in scene is called \"{name}\"{hint}; there are {known}")]
+    UnknownScene {
+        /// The name asked for.
+        name: String,
+        /// `, did you mean "…"?`, or nothing if no name is near.
+        hint: String,
+        /// All names.
+        known: String,
+    },
+    /// The scene has no such parameter.
+    #[error("the scene \"{scene}\" has no parameter \"{name}\"{hint}; it has {known}")]
+    UnknownParameter {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter asked for.
+        name: String,
+        /// `, did you mean "…"?`, or nothing if no name is near.
+        hint: String,
+        /// All parameters of the scene.
+        known: String,
+    },
+    /// A value outside its range, NaN included.
+    #[error("{scene}: {name} = {value} is out of range; it must lie from {min} to {max}")]
+    OutOfRange {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// Smallest value allowed.
+        min: f64,
+        /// Largest value allowed.
+        max: f64,
+    },
+    /// A count with a fraction.
+    #[error("{scene}: {name} = {value} is a count and must be a whole number")]
+    NotInteger {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// No radius gives the wanted mean number of layers with this many points.
+    #[error(
+        "volume: {points} points cannot give layers = {layers}: a radius of 0 gives {least:.3} and one that fills the \
+         image {most:.0}; change points or layers"
+    )]
+    OutOfReach {
+        /// Layers asked for.
+        layers: f64,
+        /// Points asked for.
+        points: usize,
+        /// Mean layers at radius 0.
+        least: f64,
+        /// Mean layers where every point covers the whole image.
+        most: f64,
+    },
+    /// The memory for the points is not to be had.
+    #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
+    TooLarge {
+        /// Points asked for.
+        points: usize,
+        /// What they need.
+        bytes: usize,
+    },
+}
+
+/// Makes the built-in scene `name`.
+///
+/// `parameters` override the defaults of [`Builtin::parameters`]; of a name given twice the last value counts.
+///
+/// # Errors
+/// An unknown scene or parameter, a value out of range or not whole, more points than fit the memory.
+pub fn build(name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
+    let builtin = BUILTINS.iter().find(|b| b.name == name).ok_or_else(|| {
+        let known = || BUILTINS.iter().map(|b| b.name);
+        Error::UnknownScene { name: name.to_owned(), hint: hint(name, known()), known: list(known()) }
+    })?;
+    let values = Values::new(builtin, parameters)?;
+    (builtin.generate)(&values, seed)
+}
+
+/// The checked parameters of one scene.
+struct Values {
+    parameters: &'static [Parameter],
+    values: Vec<f64>,
+}
+
+impl Values {
+    fn new(builtin: &'static Builtin, given: &[(String, f64)]) -> Result<Self, Error> {
+        let scene = builtin.name;
+        let mut values: Vec<f64> = builtin.parameters.iter().map(|p| p.default).collect();
+        for (name, value) in given {
+            let known = || builtin.parameters.iter().map(|p| p.name);
+            let Some((slot, p)) = values.iter_mut().zip(builtin.parameters).find(|(_, p)| p.name == name) else {
+                let (hint, known) = (hint(name, known()), list(known()));
+                return Err(Error::UnknownParameter { scene, name: name.clone(), hint, known });
+            };
+            if !(p.min..=p.max).contains(value) {
+                return Err(Error::OutOfRange { scene, name: p.name, value: *value, min: p.min, max: p.max });
+            }
+            if p.integer && value.fract() != 0.0 {
+                return Err(Error::NotInteger { scene, name: p.name, value: *value });
+            }
+            *slot = *value;
+        }
+        Ok(Self { parameters: builtin.parameters, values })
+    }
+
+    /// The value of a parameter that the scene declares; asking for another one is a fault of this module.
+    fn real(&self, name: &str) -> f64 {
+        let index = self.parameters.iter().position(|p| p.name == name);
+        index.and_then(|i| self.values.get(i).copied()).unwrap_or_else(|| unreachable!("parameter {name} not declared"))
+    }
+
+    /// As [`Self::real`], for a count; the range check keeps it below 2⁵³.
+    fn count(&self, name: &str) -> usize {
+        self.real(name) as usize
+    }
+}
+
+fn list(names: impl Iterator<Item = &'static str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn hint(name: &str, known: impl Iterator<Item = &'static str>) -> String {
+    let similarity = |candidate: &str| strsim::normalized_damerau_levenshtein(name, candidate);
+    let nearest = known.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    // Half of the letters right: below that a suggestion only misleads.
+    nearest.filter(|n| similarity(n) >= 0.5).map_or_else(String::new, |n| format!(", did you mean \"{n}\"?"))
+}

@@ -1,0 +1,58 @@
+//! `plane`: random points on a white square before black (Tanaka et al., Fig. 5).
+
+use glam::DVec3;
+
+use super::builder::CloudBuilder;
+use super::random::{Random, unit_circle};
+use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+
+pub(super) const BUILTIN: Builtin = Builtin {
+    name: "plane",
+    summary: "uniform random points on a white square, parallel to the image or tilted",
+    parameters: &[
+        Parameter::count("points", 1e6, 1.0, MAX_POINTS, "points on the square"),
+        Parameter::real("tilt", 0.0, -89.0, 89.0, "turn about the vertical, in degrees"),
+        Parameter::real("opacity", 0.5, 0.0, 1.0, "opacity of the plane"),
+    ],
+    generate,
+};
+
+/// Half the side of the square; it lies around the origin in the plane z = 0 before the tilt.
+const HALF: f64 = 1.0;
+
+fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
+    let (points, tilt, opacity) = (values.count("points"), values.real("tilt"), values.real("opacity"));
+    let (cos, sin) = unit_circle(tilt / 360.0);
+    let (right, normal) = (DVec3::new(cos, 0.0, -sin), DVec3::new(sin, 0.0, cos));
+    let mut random = Random::new(seed);
+    let mut builder = CloudBuilder::with_capacity(points)?;
+    for _ in 0..points {
+        let (x, y) = (random.range(-HALF, HALF), random.range(-HALF, HALF));
+        builder.point(x * right + y * DVec3::Y, [255; 3]);
+        builder.normal(normal);
+    }
+    // Independent points leave exp(−π·0.8²) = 13% of the square bare, whatever their number.
+    let radius = (0.8 * 2.0 * HALF / (points as f64).sqrt()) as f32;
+    let scene_toml = format!(
+        r#"# A white plane of {points} random points after Tanaka et al., Fig. 5, tilted by {tilt} degrees.
+[image]
+size = [512, 512]
+background = [0.0, 0.0, 0.0]
+
+[camera]
+eye = [0.0, 0.0, 4.0]
+target = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+height = 2.5
+
+[[cloud]]
+path = "plane.ply"
+opacity = {opacity:?}
+radius = {radius:?}
+
+[method]
+name = "abuffer"
+"#
+    );
+    Ok(Generated { clouds: vec![("plane.ply".to_owned(), builder.finish())], scene_toml })
+}

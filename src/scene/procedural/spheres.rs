@@ -1,0 +1,61 @@
+//! `spheres`: points with big radii of their own: one, two that intersect, or a soup.
+
+use glam::DVec3;
+
+use super::builder::{CloudBuilder, Rgb};
+use super::random::Random;
+use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+
+pub(super) const BUILTIN: Builtin = Builtin {
+    name: "spheres",
+    summary: "one sphere, two that intersect, or a random soup; a point with a radius each",
+    parameters: &[Parameter::count("count", 2.0, 1.0, MAX_POINTS, "number of spheres; a soup from 3 on")],
+    generate,
+};
+
+const RED: Rgb = [225, 70, 60];
+const BLUE: Rgb = [60, 105, 225];
+
+fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
+    let count = values.count("count");
+    let mut builder = CloudBuilder::with_capacity(count)?;
+    let mut sphere = |center: DVec3, radius: f64, color: Rgb| {
+        builder.point(center, color);
+        builder.radius(radius);
+    };
+    match count {
+        1 => sphere(DVec3::ZERO, 1.0, RED),
+        2 => {
+            sphere(DVec3::new(-0.5, 0.0, 0.0), 0.75, RED);
+            sphere(DVec3::new(0.5, 0.0, 0.0), 0.75, BLUE);
+        }
+        _ => {
+            let mut random = Random::new(seed);
+            for _ in 0..count {
+                let center = DVec3::from_array(std::array::from_fn(|_| random.range(-1.0, 1.0)));
+                let radius = random.range(0.1, 0.35);
+                let color = std::array::from_fn(|_| 40 + random.index(201) as u8);
+                sphere(center, radius, color);
+            }
+        }
+    }
+    Ok(Generated { clouds: vec![("spheres.ply".to_owned(), builder.finish())], scene_toml: SCENE.to_owned() })
+}
+
+const SCENE: &str = r#"# Spheres, each a point with its own radius.
+[image]
+size = [512, 512]
+
+[camera]
+eye = [0.0, 0.0, 5.0]
+target = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+fov_y = 35.0
+
+[[cloud]]
+path = "spheres.ply"
+opacity = 0.5
+
+[method]
+name = "abuffer"
+"#;

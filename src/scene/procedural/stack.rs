@@ -1,0 +1,73 @@
+//! `stack`: n discs one behind the other, each over the whole image: every pixel holds exactly n fragments.
+
+use glam::DVec3;
+
+use super::builder::{CloudBuilder, Rgb};
+use super::random::Random;
+use super::{Builtin, Error, Generated, Parameter, Values};
+
+pub(super) const BUILTIN: Builtin = Builtin {
+    name: "stack",
+    summary: "parallel layers, each over the whole image: every pixel holds exactly as many fragments",
+    parameters: &[
+        Parameter::count("layers", 64.0, 1.0, MAX_LAYERS, "fragments in every pixel"),
+        Parameter::count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
+        Parameter::real("opacity", 0.05, 0.0, 1.0, "opacity of a layer"),
+    ],
+    generate,
+};
+
+/// Depths lie in [1, 2), where float32 has 2²³ values: each layer has its own.
+const MAX_LAYERS: f64 = (1u32 << 23) as f64;
+
+/// The eye's height; the image is 2 world units high and wide.
+const EYE_Z: f64 = 2.0;
+
+/// Reaches past the image's corners, which lie √2 from its centre.
+const RADIUS: f64 = 1.5;
+
+/// Neighbors differ strongly, so that a wrong order shows.
+const COLORS: [Rgb; 6] = [[230, 60, 50], [60, 180, 75], [60, 100, 230], [245, 200, 40], [170, 60, 200], [50, 200, 210]];
+
+fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
+    let layers = values.count("layers");
+    // A power of two, so that depth and height are exact in float32.
+    let spacing = 1.0 / layers.next_power_of_two() as f64;
+    let mut order: Vec<usize> = (0..layers).collect();
+    shuffle(&mut order, &mut Random::new(seed));
+    let mut builder = CloudBuilder::with_capacity(layers)?;
+    for layer in order {
+        builder.point(DVec3::new(0.0, 0.0, EYE_Z - 1.0 - layer as f64 * spacing), COLORS[layer % COLORS.len()]);
+    }
+    let (size, opacity) = (values.count("size"), values.real("opacity"));
+    let scene_toml = format!(
+        r#"# {layers} layers over the whole image, in the file in random order.
+[image]
+size = [{size}, {size}]
+
+[camera]
+eye = [0.0, 0.0, {EYE_Z:?}]
+target = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+height = 2.0
+near = 0.5
+far = 2.5
+
+[[cloud]]
+path = "stack.ply"
+opacity = {opacity:?}
+radius = {RADIUS:?}
+
+[method]
+name = "abuffer"
+"#
+    );
+    Ok(Generated { clouds: vec![("stack.ply".to_owned(), builder.finish())], scene_toml })
+}
+
+/// Fisher–Yates.
+fn shuffle(order: &mut [usize], random: &mut Random) {
+    for last in (1..order.len()).rev() {
+        order.swap(last, random.index(last + 1));
+    }
+}
