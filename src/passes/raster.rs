@@ -134,8 +134,9 @@ impl<'a> Tiled<'a> {
         } else {
             self.cloud.tilts.all()
         };
-        let tile_offsets =
-            if self.tile_offsets.is_empty() { self.tile_offsets.all() } else { self.tile_offsets.slice(first, count) };
+        // Without any large splat there is only a stand-in.
+        let reserved = self.tile_offsets.len() >= first + count;
+        let tile_offsets = if reserved { self.tile_offsets.slice(first, count) } else { self.tile_offsets.all() };
         Chunk {
             view: self.cloud.view(),
             splats: self.cloud.splats.slice(first, count),
