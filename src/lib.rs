@@ -15,8 +15,10 @@ pub mod methods;
 pub mod metrics;
 pub mod output;
 pub mod passes;
+pub mod plan;
 pub mod points;
 pub mod prepare;
+pub mod profile;
 pub mod reference;
 pub mod scene;
 

@@ -24,7 +24,7 @@ const MEASURE_RUN: u64 = 64;
 /// Bytes of a fragment: depth key and splat index.
 pub const FRAGMENT_BYTES: u64 = 8;
 /// Bytes per pixel of a window: count, offset, and their share of the scan's levels.
-const PIXEL_BYTES: u64 = 9;
+pub const PIXEL_BYTES: u64 = 9;
 
 gpu_struct! {
     /// Push constants: a band of pixels.
@@ -302,6 +302,14 @@ struct Counted {
 
 impl Eq for Lengths {}
 
+impl Counted {
+    fn note(&self, bands: &[Band], facts: &mut Facts) {
+        facts.bands += bands.len() as u64;
+        facts.fragments += u64::from(self.total);
+        facts.max_list = facts.max_list.max(self.lengths.longest);
+    }
+}
+
 /// Everything that stays the same while a window is rendered.
 pub struct WindowJob<'a> {
     /// The projected cloud.
@@ -355,11 +363,6 @@ impl ABuffer {
         })
     }
 
-    /// Device bytes of a window's pixel buffers.
-    pub fn pixel_bytes() -> u64 {
-        PIXEL_BYTES
-    }
-
     /// Counts, then stores, sorts and blends band by band into the target.
     pub fn render(
         &mut self,
@@ -375,9 +378,7 @@ impl ABuffer {
         }
         let bands = self.plan_bands(device, job, &counted)?;
         self.reserve_fragments(device, &bands, &counted)?;
-        facts.bands += bands.len() as u64;
-        facts.fragments += u64::from(counted.total);
-        facts.max_list = facts.max_list.max(counted.lengths.longest);
+        counted.note(&bands, facts);
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
@@ -388,6 +389,23 @@ impl ABuffer {
             }
             timeline.add(recorder.submit("abuffer/store and blend")?);
         }
+        Ok(Outcome::Done)
+    }
+
+    /// Counts and plans the bands; stores nothing.
+    pub fn survey(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let bands = self.plan_bands(device, job, &counted)?;
+        counted.note(&bands, facts);
         Ok(Outcome::Done)
     }
 

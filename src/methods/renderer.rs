@@ -222,13 +222,7 @@ impl Renderer {
         let start = Instant::now();
         self.device.reset_peak();
         let budget = self.budget(cloud, frame);
-        let pixel_bytes = match frame.method {
-            Method::ABuffer(_) => ABuffer::pixel_bytes(),
-            _ => splat::PIXEL_BYTES,
-        };
-        let capacity = budget.window_pixels(pixel_bytes);
-        let mut windows = bands::windows(frame.size, capacity);
-        windows.reverse();
+        let mut windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
@@ -242,10 +236,7 @@ impl Renderer {
                     self.target.deliver(window, &mut image);
                     self.deliver_counts(frame, window, &mut image)?;
                 }
-                Outcome::Overflow => {
-                    let [a, b] = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
-                    windows.extend([b, a]);
-                }
+                Outcome::Overflow => split(window, &mut windows)?,
             }
         }
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -266,12 +257,35 @@ impl Renderer {
         self.abuffer.lists(&self.device, &job)
     }
 
-    /// Splats of the frame as projected: visible ones, large ones and pixels of their rectangles. Renders nothing.
+    /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
+        let budget = self.budget(cloud, frame);
+        let mut windows = initial_windows(frame, budget);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
-        let window = [0, 0, frame.size[0], frame.size[1]];
-        let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
-        note(&stats, &mut facts);
+        while let Some(window) = windows.pop() {
+            let mut timeline = Timeline::default();
+            let stats = self.project(cloud, frame, window, &mut timeline)?;
+            let fits = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+            let outcome = match frame.method {
+                _ if !fits => Outcome::Overflow,
+                Method::ABuffer(discs) => {
+                    let walker = self.walker(discs.raster, &stats, &mut facts)?;
+                    let job = abuffer::WindowJob { cloud: &*cloud, stats: &stats, discs, walker, window, budget };
+                    self.abuffer.survey(&self.device, &job, &mut timeline, &mut facts)?
+                }
+                _ => {
+                    self.walker(Raster::Auto, &stats, &mut facts)?;
+                    Outcome::Done
+                }
+            };
+            match outcome {
+                Outcome::Done => {
+                    facts.windows += 1;
+                    note(&stats, &mut facts);
+                }
+                Outcome::Overflow => split(window, &mut windows)?,
+            }
+        }
         Ok(facts)
     }
 
@@ -288,22 +302,25 @@ impl Renderer {
         if stats.iter().any(|s| u32::try_from(s.tiles()).is_err()) {
             return Ok(Outcome::Overflow);
         }
-        note(&stats, facts);
         let cloud = &*cloud;
-        match frame.method {
+        let outcome = match frame.method {
             Method::ABuffer(discs) => {
                 let walker = self.walker(discs.raster, &stats, facts)?;
                 let job = abuffer::WindowJob { cloud, stats: &stats, discs, walker, window, budget };
-                self.abuffer.render(&self.device, &job, &self.target, timeline, facts)
+                self.abuffer.render(&self.device, &job, &self.target, timeline, facts)?
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 let walker = self.walker(Raster::Auto, &stats, facts)?;
                 let footprint = projecting(frame).footprint;
                 let job = splat::WindowJob { cloud, stats: &stats, footprint, walker, wide: self.wide_atomics, window };
                 self.opaque.render(&self.device, &job, &self.target, timeline)?;
-                Ok(Outcome::Done)
+                Outcome::Done
             }
+        };
+        if matches!(outcome, Outcome::Done) {
+            note(&stats, facts);
         }
+        Ok(outcome)
     }
 
     fn project(
@@ -362,6 +379,24 @@ impl Renderer {
 /// Compute shaders are faster for every size of splat on the devices measured (benches/frame.rs, README).
 fn choose_walker(_stats: &[Stats], _fragment_atomics: bool) -> Walker {
     Walker::Compute
+}
+
+/// The windows of a frame, the first one last.
+fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
+    let pixel_bytes = match frame.method {
+        Method::ABuffer(_) => abuffer::PIXEL_BYTES,
+        _ => splat::PIXEL_BYTES,
+    };
+    let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
+    windows.reverse();
+    windows
+}
+
+/// Puts the halves of a window that overflowed back on the list.
+fn split(window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
+    let [a, b] = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+    windows.extend([b, a]);
+    Ok(())
 }
 
 fn note(stats: &[Stats], facts: &mut Facts) {

@@ -61,7 +61,13 @@ pub fn scene(points: &[P]) -> Points {
 }
 
 /// Random points in a cube of side 2 around the origin.
-pub fn soup(seed: u64, count: usize, radius: std::ops::Range<f32>, opacity: std::ops::Range<f32>, normals: bool) -> Vec<P> {
+pub fn soup(
+    seed: u64,
+    count: usize,
+    radius: std::ops::Range<f32>,
+    opacity: std::ops::Range<f32>,
+    normals: bool,
+) -> Vec<P> {
     let mut r = random(seed);
     let mut unit = || DVec3::new(r.random_range(-1.0..1.0), r.random_range(-1.0..1.0), r.random_range(-1.0..1.0));
     let places: Vec<(DVec3, DVec3)> = (0..count).map(|_| (unit(), unit())).collect();
@@ -86,15 +92,23 @@ pub fn perspective() -> Camera {
 
 /// An orthographic camera that sees the cube of side 2 along its diagonal.
 pub fn orthographic() -> Camera {
-    Camera::look_at(DVec3::new(2.0, 1.5, 4.0), DVec3::ZERO, DVec3::Y, Projection::Orthographic { height: 3.5 }, 0.1, 100.0)
-        .expect("a valid camera")
+    Camera::look_at(
+        DVec3::new(2.0, 1.5, 4.0),
+        DVec3::ZERO,
+        DVec3::Y,
+        Projection::Orthographic { height: 3.5 },
+        0.1,
+        100.0,
+    )
+    .expect("a valid camera")
 }
 
 /// A camera that looks down −Z onto pixels of one world unit: x and y are columns and rows from the image's corner.
 pub fn pixel_camera(size: [u32; 2]) -> Camera {
     let center = DVec3::new(f64::from(size[0]) / 2.0, -f64::from(size[1]) / 2.0, 0.0);
     let height = f64::from(size[1]);
-    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7).expect("a valid camera")
+    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7)
+        .expect("a valid camera")
 }
 
 /// A point in pixel coordinates for [`pixel_camera`], at a depth.
@@ -104,7 +118,15 @@ pub fn at_pixel(x: f64, y: f64, depth: f64) -> DVec3 {
 
 /// A frame without shading or budget, in linear color.
 pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
-    Frame { camera, size, shading: Shading::default(), color: ColorSpace::Linear, method, memory_budget: None, fragments: true }
+    Frame {
+        camera,
+        size,
+        shading: Shading::default(),
+        color: ColorSpace::Linear,
+        method,
+        memory_budget: None,
+        fragments: true,
+    }
 }
 
 /// Renders on a fresh renderer.

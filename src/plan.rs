@@ -1,0 +1,167 @@
+//! Facts of a scene to passes on or off, each with its reason; and the method that `auto` stands for.
+
+use crate::gpu::Device;
+use crate::methods::abuffer::LOCAL_LENGTH;
+use crate::methods::{Facts, Frame};
+use crate::points::Points;
+use crate::scene::{Discs, Method, ScreenSplats, ShadingModel};
+
+/// One pass of the frame plan.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Step {
+    /// Method and stage, as in profiles.
+    pub name: &'static str,
+    /// Whether the frame runs it.
+    pub on: bool,
+    /// The fact about the scene or the device that decided it.
+    pub reason: String,
+}
+
+/// The method in force for some points: `auto` replaced by the cheapest exact one.
+///
+/// Opaque splats need no transparency: the nearest decides. Everything else needs an order of fragments.
+pub fn resolve(method: Method, points: &Points) -> (Method, String) {
+    if method != Method::Auto {
+        return (method, "asked for".to_owned());
+    }
+    match points.opacities.iter().filter(|a| **a < 1.0).count() {
+        0 => {
+            // Without the clamp of opaque splats, so that the image is the one that `abuffer` would give.
+            let splats = ScreenSplats { max_pixel_radius: f32::MAX, ..Default::default() };
+            (Method::Circles(splats), "every point is opaque: the nearest splat decides".to_owned())
+        }
+        n => (Method::ABuffer(Discs::default()), format!("{n} of {} points are transparent", points.len())),
+    }
+}
+
+/// Whether a method looks at radii: if not, none need be estimated.
+pub fn needs_radii(method: Method) -> bool {
+    method != Method::Points
+}
+
+/// The name of a method in scene files.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Auto => "auto",
+        Method::Points => "points",
+        Method::Squares(_) => "squares",
+        Method::Circles(_) => "circles",
+        Method::ABuffer(_) => "abuffer",
+    }
+}
+
+/// The passes of a frame whose facts were surveyed (see [`crate::methods::Renderer::survey`]), in the order of their first run.
+/// `why` is the reason for the method, from [`resolve`].
+pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, why: &str) -> Vec<Step> {
+    let mut plan = Plan { steps: Vec::new() };
+    let seen = facts.visible > 0;
+    let shading = match frame.shading.model {
+        ShadingModel::None => "no shading asked for",
+        ShadingModel::Lambert => "Lambert shading where there are normals",
+        ShadingModel::Phong => "Phong shading where there are normals",
+    };
+    plan.add("splat/clear", true, "counters and pixels of the opaque methods start empty");
+    plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
+    plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
+    let transparent = matches!(frame.method, Method::ABuffer(_));
+    if transparent {
+        plan.abuffer(facts, seen, why);
+        for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
+            plan.add(name, false, format!("not an opaque method: {why}"));
+        }
+    } else {
+        plan.opaque(device, facts, wide_atomics, seen, why);
+        for name in ABUFFER {
+            plan.add(
+                name,
+                false,
+                format!("no transparency: {}", if why == "asked for" { "an opaque method was asked for" } else { why }),
+            );
+        }
+    }
+    plan.add(
+        "image/read-back",
+        true,
+        format!("{} × {} pixels in {} window(s)", frame.size[0], frame.size[1], facts.windows),
+    );
+    plan.steps
+}
+
+/// The passes of the A-buffer.
+const ABUFFER: [&str; 12] = [
+    "abuffer/clear",
+    "abuffer/count",
+    "abuffer/measure",
+    "abuffer/summary",
+    "abuffer/store",
+    "abuffer/resolve",
+    "abuffer/split",
+    "abuffer/arguments",
+    "abuffer/sort-runs",
+    "abuffer/merge",
+    "abuffer/blend-runs",
+    "abuffer/combine",
+];
+
+struct Plan {
+    steps: Vec<Step>,
+}
+
+impl Plan {
+    fn add(&mut self, name: &'static str, on: bool, reason: impl Into<String>) {
+        self.steps.push(Step { name, on, reason: reason.into() });
+    }
+
+    fn abuffer(&mut self, facts: &Facts, seen: bool, why: &str) {
+        let nothing = "no splat touches the image";
+        let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
+        self.add("abuffer/clear", true, "counters start at zero");
+        self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
+        self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
+        let large = if facts.large > 0 { format!(", tiles of {} large splats", facts.large) } else { String::new() };
+        self.add("scan/reduce", true, format!("prefix sums over the pixels{large}"));
+        self.add("scan/spread", true, format!("prefix sums over the pixels{large}"));
+        self.add("abuffer/summary", true, "the fragments' total decides the bands");
+        self.add(
+            "abuffer/store",
+            facts.fragments > 0,
+            pick(format!("{} fragments in {} band(s)", facts.fragments, facts.bands)),
+        );
+        self.add("abuffer/resolve", true, format!("lists of up to {LOCAL_LENGTH} fragments"));
+        let long = facts.max_list > LOCAL_LENGTH;
+        let reason = if long {
+            format!("the longest list has {} fragments, more than {LOCAL_LENGTH}", facts.max_list)
+        } else {
+            format!("no list is longer than {LOCAL_LENGTH} (longest: {})", facts.max_list)
+        };
+        for name in [
+            "abuffer/split",
+            "abuffer/arguments",
+            "abuffer/sort-runs",
+            "abuffer/merge",
+            "abuffer/blend-runs",
+            "abuffer/combine",
+        ] {
+            self.add(name, long, reason.clone());
+        }
+    }
+
+    fn opaque(&mut self, device: &Device, facts: &Facts, wide: bool, seen: bool, why: &str) {
+        let tiles = facts.large > 0 && facts.raster == "compute";
+        for name in ["scan/reduce", "scan/spread"] {
+            // A single run of the scan has nothing to reduce.
+            let on = tiles && (name == "scan/spread" || facts.large > 64);
+            self.add(name, on, format!("{} splats are large enough for tiles", facts.large));
+        }
+        let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
+        let reason = |used: bool| match (seen, used) {
+            (false, _) => "no splat touches the image".to_owned(),
+            (true, true) => format!("{why}; {has} 64-bit atomics"),
+            (true, false) => format!("{has} 64-bit atomics"),
+        };
+        self.add("splat/nearest", seen && wide, reason(wide));
+        self.add("splat/nearest-depth", seen && !wide, reason(!wide));
+        self.add("splat/nearest-id", seen && !wide, reason(!wide));
+        self.add("splat/resolve", true, "index of the nearest splat to color");
+    }
+}
