@@ -52,7 +52,7 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit]) -> Result<bool> {
     let mut ratios = Vec::new();
     for limit in limits {
         let Some(row) = rows.iter().find(|row| row.name == limit.metric) else {
-            return Err(usage(format!("--fail-above {}: neither profile has a pass of this name", limit.metric)));
+            return Err(usage(format!("--fail-above {}: there is no pass of this name", limit.metric)));
         };
         let Some(ratio) = row.ratio() else {
             return Err(usage(format!("--fail-above {}: not measured in both profiles", limit.metric)));

@@ -15,6 +15,9 @@ const DEFAULT_FOV_Y: f64 = 45.0;
 /// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
 const FILL: f64 = 0.95;
 
+/// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
+const CLEARANCE: f64 = 0.1;
+
 /// The scene's camera and what is to be said about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
@@ -137,13 +140,13 @@ fn framed(
             let (distance_y, shift_y) = axis(vertical, |p| p.y);
             (distance_x.max(distance_y), DVec2::new(shift_x, shift_y))
         }
-        Projection::Orthographic { .. } => {
-            let nearest = corners.iter().map(|(_, depth)| *depth).fold(0.0, f64::min);
-            (fallback + subject.radius - nearest, DVec2::ZERO)
-        }
+        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
     };
-    // A point seen from less than its rounding would lie at the eye.
-    let distance = distance.max(1e-3 * fallback).max(1e-6 * center.abs().max_element());
+    // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
+    // its rounding would lie at the eye.
+    let nearest = corners.iter().map(|(_, depth)| *depth).fold(f64::INFINITY, f64::min);
+    let clear = subject.radius - nearest + CLEARANCE * fallback;
+    let distance = distance.max(clear).max(1e-6 * center.abs().max_element());
     center + right * shift.x + up * shift.y - forward * distance
 }
 

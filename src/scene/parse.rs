@@ -94,12 +94,12 @@ fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let shading = shading(&table.table("shading")?)?;
     let clouds: Vec<_> =
         table.tables("cloud")?.iter().map(|t| cloud(t, folder, &mut warnings)).collect::<Result<_, _>>()?;
+    let method = method::read(&table.table("method")?, &mut warnings)?;
+    shadows(&table, &mut warnings)?;
     if clouds.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
     }
-    let method = method::read(&table.table("method")?, &mut warnings)?;
-    shadows(&table, &mut warnings)?;
     Ok(Scene { image, camera, shading, clouds, method, warnings, settings: root.value.to_json().to_string() })
 }
 
