@@ -431,6 +431,16 @@ fn coordinates_that_no_camera_can_hold_are_an_error() {
 }
 
 #[test]
+fn the_up_of_the_file_says_which_axis_views_take_as_the_vertical() {
+    let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.0);
+    let front = View { name: Some(ViewName::Front), ..View::default() };
+    let up = |text, axis| camera_of(text, &cube, axis, front).0.up;
+    assert_eq!(up("[camera]\nup = [0, 0.1, 1]", UpAxis::Y), DVec3::Z);
+    assert_eq!(up("[camera]\nup = [0, 2, 0]", UpAxis::Z), DVec3::Y);
+    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::Z, "no vertical: the clouds' own");
+}
+
+#[test]
 fn a_view_replaces_the_eye_but_keeps_the_projection() {
     let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.0);
     let view = View { name: Some(ViewName::Right), ..View::default() };

@@ -40,7 +40,8 @@ pub struct InputArgs {
     /// Background in linear RGB, each from 0 to 1.
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     background: Option<String>,
-    /// Frame the whole scene from a named side. This and the two angles replace `eye`, `target` and `up`.
+    /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
+    /// vertical is Z for LAS and LAZ, Y for PLY, or the axis nearest to the scene file's camera.up.
     #[arg(long, value_enum, value_name = "NAME")]
     view: Option<ViewName>,
     /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X.
@@ -110,7 +111,10 @@ impl InputArgs {
             overrides.set(option, "image.size", &format!("[{width}, {height}]"))?;
         }
         if let Some(background) = &self.background {
-            overrides.set(format!("--background {background}"), "image.background", &format!("[{background}]"))?;
+            // Spelled anew, since TOML does not know .5.
+            let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
+            let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
+            overrides.set(format!("--background {background}"), "image.background", &array)?;
         }
         let short = [
             ("method", "method.name", &self.method),

@@ -159,10 +159,10 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
     })
 }
 
-/// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded; `pixels` are row by row.
+/// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded, whatever the extension; `pixels` are row by row.
 ///
 /// # Errors
-/// An extension other than `.png`, and what the system says while writing.
+/// A missing folder, `pixels` of another number than `size` says, and what the system says while writing.
 pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
     let [width, height] = size;
     let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| png::to_byte(color::encode_srgb(*linear))).collect();

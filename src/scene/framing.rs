@@ -22,7 +22,8 @@ const CLEARANCE: f64 = 0.1;
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
 /// where the corners of the scene's bounds, widened by the largest radius, fit into the image with a margin of 5%. A
-/// view that is given wins over `eye`, `target` and `up`. Default depths: far = 1.001·(z_max + r_max),
+/// view that is given wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only
+/// without it the clouds do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max),
 /// near = max(0.999·(z_min − r_max), far·10⁻⁵).
 ///
 /// # Errors
@@ -37,6 +38,7 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
     let settings = &scene.camera;
+    let up = settings.up.and_then(nearest_axis).unwrap_or(up);
     let projection = match settings.height {
         Some(height) => Projection::Orthographic { height },
         None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
@@ -64,6 +66,16 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         ));
     }
     Ok((camera, warnings))
+}
+
+/// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.
+fn nearest_axis(up: DVec3) -> Option<UpAxis> {
+    let length = up.abs();
+    match length.max_element() {
+        max if length.y == max && length.y > length.z => Some(UpAxis::Y),
+        max if length.z == max && length.z > length.y => Some(UpAxis::Z),
+        _ => None,
+    }
 }
 
 /// What is framed: a box whose corners are spheres.

@@ -100,7 +100,11 @@ pub(crate) fn parse(text: &str, path: &Path) -> Result<Node, Error> {
 pub(crate) fn parse_value(text: &str, place: &Place) -> Result<Node, Error> {
     match DeValue::parse(text) {
         Ok(value) => convert(value, &|_| place.clone()),
-        Err(_) => Ok(Node { place: place.clone(), value: Value::String(text.to_owned()) }),
+        // TOML knows neither .5 nor 5. but shells are full of them.
+        Err(_) => Ok(Node {
+            place: place.clone(),
+            value: text.parse().map_or_else(|_| Value::String(text.to_owned()), Value::Float),
+        }),
     }
 }
 
@@ -165,6 +169,7 @@ mod tests {
     fn what_is_no_toml_value_is_a_string() {
         let place = Place::Option("--set".into());
         assert!(matches!(parse_value("abuffer", &place).unwrap().value, Value::String(s) if s == "abuffer"));
+        assert!(matches!(parse_value(".5", &place).unwrap().value, Value::Float(f) if f == 0.5));
         assert!(matches!(parse_value("-0.5", &place).unwrap().value, Value::Float(f) if f == -0.5));
         assert!(matches!(parse_value("[1, 2]", &place).unwrap().value, Value::Array(a) if a.len() == 2));
     }
