@@ -34,22 +34,6 @@ pub fn resolve(method: Method, points: &Points) -> (Method, String) {
     }
 }
 
-/// Whether a method looks at radii: if not, none need be estimated.
-pub fn needs_radii(method: Method) -> bool {
-    method != Method::Points
-}
-
-/// The name of a method in scene files.
-pub fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Auto => "auto",
-        Method::Points => "points",
-        Method::Squares(_) => "squares",
-        Method::Circles(_) => "circles",
-        Method::ABuffer(_) => "abuffer",
-    }
-}
-
 /// The passes of a frame whose facts were surveyed (see [`crate::methods::Renderer::survey`]), in the order of their first run.
 /// `why` is the reason for the method, from [`resolve`].
 pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, why: &str) -> Vec<Step> {

@@ -292,10 +292,11 @@ fn bands_and_windows_change_no_byte() {
                 normal: Vec3::ZERO,
             })
             .collect();
+        let first = points[0];
         points.extend((0..2000).map(|i| P {
             position: at_pixel(3.5, 5.5, 300.0 + f64::from(i)),
             radius: 0.0,
-            ..points[0]
+            ..first
         }));
         let points = scene(&points);
         let mut frame = frame(pixel_camera(size), size, flat());

@@ -68,11 +68,15 @@ pub struct DeviceInfo {
     rank: u32,
 }
 
-/// The Vulkan devices, best first in the sense of `taken`: the index that would be used without `--device`, if any can.
-pub fn devices() -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
+/// The Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would take, if it can be.
+pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
     let instance = Instance::new(false)?;
     let found = enumerate(&instance)?;
-    let taken = best(&found).map(|(info, _)| info.index);
+    let taken = match wanted {
+        Some(wanted) => Some(named(&found, wanted)?).filter(|(info, _)| info.lacks.is_empty()),
+        None => best(&found),
+    };
+    let taken = taken.map(|(info, _)| info.index);
     Ok((found.into_iter().map(|(info, _)| info).collect(), taken))
 }
 

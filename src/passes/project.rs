@@ -193,7 +193,7 @@ impl DeviceCloud {
         let point_colors: Vec<[f32; 4]> = points.colors.iter().map(|c| padded(*c)).collect();
         let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
         // Points are the widest element; a chunk starts at a multiple of any device's offset alignment.
-        let chunk_len = (device.limits().binding_bytes / size_of::<Point>() as u64 & !0xffff).max(0x1_0000);
+        let chunk_len = ((device.limits().binding_bytes / size_of::<Point>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
         let room = |name| device.buffer::<u32>(name, len, Memory::Device);
         let tilted = if normals.is_empty() { 1 } else { len };

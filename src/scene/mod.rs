@@ -1,18 +1,25 @@
 //! A scene: image, camera, shading, clouds and method, as a TOML file or the command line give them.
+//!
+//! A file becomes a tree of keys ([`Overrides`] lay options over it), the tree a checked [`Scene`], the scene and its
+//! clouds the [`Points`](crate::points::Points) and the [`Camera`](crate::camera::Camera) of a frame.
 
+mod assemble;
+mod error;
+mod framing;
+mod keys;
+mod method;
+mod overrides;
+mod parse;
 pub mod procedural;
 mod settings;
+mod table;
+mod tree;
+mod view;
 
+pub use assemble::{assemble, load_clouds, take_generated, up_axis};
+pub use error::{Error, Place};
+pub use framing::camera;
+pub use keys::METHODS;
+pub use overrides::Overrides;
 pub use settings::*;
-
-/// What is wrong with a scene file or with the options that stand for one.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {}
-
-impl Error {
-    /// 2, or 1 for a missing input.
-    pub fn exit_status(&self) -> u8 {
-        2
-    }
-}
+pub use view::{View, ViewName};

@@ -1,5 +1,96 @@
 //! What a scene file holds, with every default applied and every range checked.
 
+use std::path::PathBuf;
+
+use glam::{DVec3, Vec3};
+
+use super::view::View;
+
+/// Images have at most this many pixels on a side (the limit of the coordinates of a fragment: 16 bits).
+pub const MAX_SIDE: u32 = 65_535;
+
+/// Images have at most this many pixels, those of 16384 × 16384.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// K of Eq. 20 and 21 if a cloud doesn't say.
+pub const DEFAULT_NEIGHBORS: usize = 24;
+
+/// `[image]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageSettings {
+    /// Width and height in pixels, each from 1 to [`MAX_SIDE`], together at most [`MAX_PIXELS`].
+    pub size: [u32; 2],
+    /// Linear RGB in [0, 1], whatever `color` says.
+    pub background: Vec3,
+    /// In which space blending runs.
+    pub color: ColorSpace,
+}
+
+impl Default for ImageSettings {
+    fn default() -> Self {
+        Self { size: [1024, 1024], background: Vec3::ZERO, color: ColorSpace::Linear }
+    }
+}
+
+/// `[camera]` as given, and the view asked for on the command line; [`super::camera`] fills in the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CameraSettings {
+    /// The eye; ignored if `view` asks for a direction.
+    pub eye: Option<DVec3>,
+    /// What the camera looks at; ignored if `view` asks for a direction.
+    pub target: Option<DVec3>,
+    /// Direction of the image's top; ignored if `view` asks for a direction.
+    pub up: Option<DVec3>,
+    /// Full vertical angle in degrees, in (0, 180); 45 unless `height` is given.
+    pub fov_y: Option<f64>,
+    /// World units over the image's height: orthographic.
+    pub height: Option<f64>,
+    /// Nearest depth drawn.
+    pub near: Option<f64>,
+    /// Farthest depth drawn.
+    pub far: Option<f64>,
+    /// The direction from which the scene is framed.
+    pub view: View,
+}
+
+/// `[[cloud]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudSettings {
+    /// The file, relative to the working directory; the name of a generated cloud.
+    pub path: PathBuf,
+    /// Linear RGB in [0, 1] instead of the file's.
+    pub color: Option<Vec3>,
+    /// In [0, 1]; the file's alpha multiplies it.
+    pub opacity: f32,
+    /// World units, not scaled; else the file's own, else Eq. 20.
+    pub radius: Option<f32>,
+    /// K of Eq. 20, at least 1.
+    pub neighbors: usize,
+    /// World units, added after `scale`.
+    pub translate: DVec3,
+    /// Factor on positions and on the file's own radii, above 0.
+    pub scale: f64,
+}
+
+/// A scene: everything a frame is made of but the points themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// `[image]`.
+    pub image: ImageSettings,
+    /// `[camera]`.
+    pub camera: CameraSettings,
+    /// `[shading]`.
+    pub shading: Shading,
+    /// `[[cloud]]`, at least one.
+    pub clouds: Vec<CloudSettings>,
+    /// `[method]`.
+    pub method: Method,
+    /// What was given but has no effect, one sentence each.
+    pub warnings: Vec<String>,
+    /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
+    pub settings: String,
+}
+
 /// In which space blending runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorSpace {
@@ -29,9 +120,9 @@ pub enum Light {
     #[default]
     Headlight,
     /// The direction in which the light travels, world space, not zero.
-    Direction(glam::DVec3),
+    Direction(DVec3),
     /// A position in the world.
-    Position(glam::DVec3),
+    Position(DVec3),
 }
 
 /// `[shading]`.
@@ -136,4 +227,22 @@ pub enum Method {
     Circles(ScreenSplats),
     /// Exact order-independent transparency (MCTB12).
     ABuffer(Discs),
+}
+
+impl Method {
+    /// The name a scene file gives it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Points => "points",
+            Self::Squares(_) => "squares",
+            Self::Circles(_) => "circles",
+            Self::ABuffer(_) => "abuffer",
+        }
+    }
+
+    /// Whether the image depends on the points' radii, so that missing ones must be estimated.
+    pub fn needs_radii(&self) -> bool {
+        !matches!(self, Self::Points)
+    }
 }

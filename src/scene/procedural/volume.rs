@@ -82,9 +82,9 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
             break;
         }
         if mean < layers {
-            low = radius
+            low = radius;
         } else {
-            high = radius
+            high = radius;
         }
         let next = radius * (layers / mean).sqrt();
         radius = if step < 10 && low < next && next < high { next } else { 0.5 * (low + high) };

@@ -1,0 +1,102 @@
+//! `pellucid info`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid::cloud::Cloud;
+use pellucid::{Result, io};
+use serde_json::{Value, json};
+
+use super::talk::{Talk, print, print_json};
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Point clouds.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
+    /// classes maps a code to its points. Several files: an array of these, each with `file`.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
+    let progress = talk.progress();
+    let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, io::load(file, &progress)?))).collect::<Result<_>>()?;
+    progress.finish_and_clear();
+    match (args.json, clouds.as_slice()) {
+        (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
+        (true, clouds) => print_json(&clouds.iter().map(|(file, cloud)| with_file(file, cloud)).collect())?,
+        (false, clouds) => {
+            let texts: Vec<_> = clouds.iter().map(|(file, cloud)| to_text(file, cloud)).collect();
+            print(&texts.join("\n"))?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Names of the columns that the file gave, the usual ones first.
+fn attributes(cloud: &Cloud) -> Vec<&str> {
+    let usual = [
+        ("color", cloud.colors.is_some()),
+        ("alpha", cloud.alphas.is_some()),
+        ("normal", cloud.normals.is_some()),
+        ("radius", cloud.radii.is_some()),
+        ("classification", cloud.classification.is_some()),
+        ("intensity", cloud.intensity.is_some()),
+    ];
+    let usual = usual.into_iter().filter(|(_, given)| *given).map(|(name, _)| name);
+    usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
+}
+
+/// Points of each class.
+fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
+    let mut classes = BTreeMap::new();
+    for code in cloud.classification.iter().flatten() {
+        *classes.entry(*code).or_insert(0) += 1;
+    }
+    classes
+}
+
+fn to_json(cloud: &Cloud) -> Value {
+    let classes: serde_json::Map<_, _> =
+        classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
+    json!({
+        "points": cloud.len() + cloud.non_finite,
+        "non_finite": cloud.non_finite,
+        "bounds": cloud.bounds().map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() })),
+        "attributes": attributes(cloud),
+        "classes": classes,
+    })
+}
+
+fn with_file(file: &Path, cloud: &Cloud) -> Value {
+    let mut value = json!({ "file": file.display().to_string() });
+    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud)) {
+        object.extend(more);
+    }
+    value
+}
+
+fn to_text(file: &Path, cloud: &Cloud) -> String {
+    let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
+    // Writing to a string can't fail.
+    if cloud.non_finite > 0 {
+        let _ = write!(text, " ({} without finite coordinates)", cloud.non_finite);
+    }
+    if let Some(bounds) = cloud.bounds() {
+        let size = bounds.max - bounds.min;
+        let _ = write!(text, "\n  bounds      {} to {}\n  size        {size}", bounds.min, bounds.max);
+    }
+    let attributes = attributes(cloud);
+    let _ =
+        write!(text, "\n  attributes  {}", if attributes.is_empty() { "none".into() } else { attributes.join(", ") });
+    let classes: Vec<_> = classes(cloud).into_iter().map(|(code, count)| format!("{code}: {count}")).collect();
+    if !classes.is_empty() {
+        let _ = write!(text, "\n  classes     {}", classes.join(", "));
+    }
+    text + "\n"
+}

@@ -1,0 +1,183 @@
+//! The inputs that `render`, `profile` and `plan` share: a scene file, point clouds or nothing, with options over them.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::ProgressBar;
+use pellucid::Result;
+use pellucid::camera::Camera;
+use pellucid::cloud::Cloud;
+use pellucid::points::Points;
+use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
+
+use super::talk::Talk;
+
+/// The built-in scene that is rendered when there is no input.
+const DEFAULT_SCENE: &str = "garden";
+
+/// What to render, and the options that stand for keys of a scene file.
+#[derive(Debug, Args)]
+pub struct InputArgs {
+    /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
+    #[arg(value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+    /// The method: auto, points, squares, circles or abuffer.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Size of the image in pixels, as in 1024x768.
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
+    /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Opacity of all clouds, from 0 to 1.
+    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    opacity: Option<String>,
+    /// Radius of all points in world units.
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    radius: Option<String>,
+    /// Background in linear RGB, each from 0 to 1.
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
+    background: Option<String>,
+    /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
+    /// vertical is Z for LAS and LAZ, Y for PLY, or the axis nearest to the scene file's camera.up.
+    #[arg(long, value_enum, value_name = "NAME")]
+    view: Option<ViewName>,
+    /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = finite)]
+    azimuth: Option<f64>,
+    /// Degrees above the horizon, from −90 to 90.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation)]
+    elevation: Option<f64>,
+    /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
+}
+
+fn elevation(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| x.abs() <= 90.0).ok_or_else(|| "expected degrees from -90 to 90".into())
+}
+
+/// A frame before it meets a device.
+pub struct Resolved {
+    /// The inputs as they were named.
+    pub name: String,
+    /// All settings.
+    pub scene: Scene,
+    /// All points, in canonical order.
+    pub points: Points,
+    /// The camera, given or automatic.
+    pub camera: Camera,
+    /// `--seed`.
+    pub seed: u64,
+}
+
+impl Resolved {
+    /// The metadata of an image. `method` and `device` are what was taken in the end.
+    pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
+        let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
+        vec![
+            entry("scene", &self.name),
+            entry("method", method),
+            entry("settings", &self.scene.settings),
+            entry("device", device),
+            entry("version", env!("CARGO_PKG_VERSION")),
+            entry("seed", &self.seed.to_string()),
+        ]
+    }
+}
+
+impl InputArgs {
+    /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
+    pub fn default_output(&self) -> PathBuf {
+        let stem = self.inputs.first().and_then(|input| input.file_stem());
+        let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
+        name.push(".png");
+        name.into()
+    }
+
+    fn overrides(&self) -> Result<Overrides> {
+        let mut overrides = Overrides::default();
+        if let Some(size) = &self.size {
+            let option = format!("--size {size}");
+            let Some((width, height)) = size.split_once(['x', 'X', '×']) else {
+                return Err(scene::Error::Usage(format!("{option}: expected WxH, as in 1024x768")).into());
+            };
+            overrides.set(option, "image.size", &format!("[{width}, {height}]"))?;
+        }
+        if let Some(background) = &self.background {
+            // Spelled anew, since TOML does not know .5.
+            let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
+            let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
+            overrides.set(format!("--background {background}"), "image.background", &array)?;
+        }
+        let short = [
+            ("method", "method.name", &self.method),
+            ("opacity", "cloud.*.opacity", &self.opacity),
+            ("radius", "cloud.*.radius", &self.radius),
+        ];
+        for (option, key, value) in short {
+            if let Some(value) = value {
+                overrides.set(format!("--{option} {value}"), key, value)?;
+            }
+        }
+        self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
+        Ok(overrides)
+    }
+
+    fn view(&self) -> View {
+        View { name: self.view, azimuth: self.azimuth, elevation: self.elevation }
+    }
+}
+
+/// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
+pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    let overrides = args.overrides()?;
+    let (mut scene, clouds) = load(args, &overrides, progress)?;
+    scene.camera.view = args.view();
+    for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+        report_cloud(&settings.path, cloud, talk);
+    }
+    let up = scene::up_axis(&clouds);
+    let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), progress)?;
+    let (camera, warnings) = scene::camera(&scene, &points, up)?;
+    for warning in scene.warnings.iter().chain(&warnings) {
+        talk.warn(warning);
+    }
+    let names: Vec<_> = args.inputs.iter().map(|input| input.display().to_string()).collect();
+    let name = if names.is_empty() { DEFAULT_SCENE.to_owned() } else { names.join(" ") };
+    Ok(Resolved { name, scene, points, camera, seed: args.seed })
+}
+
+fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Result<(Scene, Vec<Cloud>)> {
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let scene = match args.inputs.as_slice() {
+        [] => {
+            let generated = procedural::build(DEFAULT_SCENE, &[], args.seed).map_err(scene::Error::from)?;
+            let scene = Scene::from_toml_with(&generated.scene_toml, Path::new(DEFAULT_SCENE), overrides)?;
+            let clouds = scene::take_generated(&scene, &generated)?;
+            return Ok((scene, clouds));
+        }
+        [path] if is_scene(path) => Scene::read(path, overrides)?,
+        inputs if inputs.iter().any(is_scene) => {
+            let problem = "a scene file (.toml) comes alone: give either one scene file or point clouds";
+            return Err(scene::Error::Usage(problem.into()).into());
+        }
+        inputs => Scene::from_clouds(inputs, overrides)?,
+    };
+    let clouds = scene::load_clouds(&scene, progress)?;
+    Ok((scene, clouds))
+}
+
+fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
+    let path = path.display();
+    talk.detail(format_args!("{path}: {} points", cloud.len()));
+    if cloud.non_finite > 0 {
+        talk.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+    }
+}

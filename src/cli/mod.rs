@@ -1,0 +1,111 @@
+//! The commands and what they share: options to library calls, results to standard output, the rest to standard error.
+
+mod compare;
+mod compare_profiles;
+mod devices;
+mod info;
+mod input;
+mod plan;
+mod profile;
+mod render;
+mod scene;
+mod session;
+mod talk;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use bytesize::ByteSize;
+use clap::{Args, Parser, Subcommand};
+use pellucid::Result;
+
+use talk::Talk;
+
+/// Renders point clouds you can see through: exact transparency on Vulkan, every pass timed.
+#[derive(Debug, Parser)]
+#[command(name = "pellucid", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Say less: no progress, no warnings.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say more: what was read and written.
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene or point clouds to a picture.
+    Render(render::RenderArgs),
+    /// Render a few frames and print what each pass costs.
+    Profile(profile::ProfileArgs),
+    /// Print which passes a frame would have, and why.
+    Plan(plan::PlanArgs),
+    /// Print what point-cloud files hold.
+    Info(info::InfoArgs),
+    /// Write one of the built-in scenes.
+    Scene(scene::SceneArgs),
+    /// List the Vulkan devices.
+    Devices(devices::DevicesArgs),
+    /// Compare two pictures or two profiles.
+    Compare(compare::CompareArgs),
+}
+
+/// The device and what it may use.
+#[derive(Debug, Args)]
+struct DeviceArgs {
+    /// Device to render on: its index or a part of its name, as `pellucid devices` lists them.
+    #[arg(long, value_name = "NAME_OR_INDEX")]
+    device: Option<String>,
+    /// Largest amount of device memory for a frame's fragments, as in 256MiB; by default what the device has, less a reserve.
+    #[arg(long, value_name = "SIZE")]
+    memory_budget: Option<ByteSize>,
+}
+
+/// Measurements of a frame, as files.
+#[derive(Debug, Args)]
+struct MeasureArgs {
+    /// Write the per-pass measurements as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    profile: Option<PathBuf>,
+    /// Write a Chrome trace, which opens in Perfetto.
+    #[arg(long, value_name = "FILE.json")]
+    trace: Option<PathBuf>,
+}
+
+impl MeasureArgs {
+    /// Refuses files that could not be written in the end.
+    fn check(&self) -> Result<()> {
+        for path in [&self.profile, &self.trace].into_iter().flatten() {
+            pellucid::output::check_folder(path)?;
+        }
+        Ok(())
+    }
+}
+
+/// Parses the command line and runs its command.
+pub fn run() -> Result<ExitCode> {
+    let cli = Cli::parse();
+    let talk = Talk::new(cli.quiet, cli.verbose);
+    match cli.command {
+        Command::Render(args) => render::run(args, talk),
+        Command::Profile(args) => profile::run(args, talk),
+        Command::Plan(args) => plan::run(args, talk),
+        Command::Info(args) => info::run(args, talk),
+        Command::Scene(args) => scene::run(args, talk),
+        Command::Devices(args) => devices::run(args, talk),
+        Command::Compare(args) => compare::run(args, talk),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_do_not_contradict_each_other() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+}

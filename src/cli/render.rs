@@ -1,0 +1,69 @@
+//! `pellucid render`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid::Result;
+use pellucid::image::Image;
+use pellucid::methods::Rendered;
+use pellucid::output::{self, WriteOptions};
+
+use super::input::{InputArgs, prepare};
+use super::session::Session;
+use super::talk::Talk;
+use super::{DeviceArgs, MeasureArgs};
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
+    measure: MeasureArgs,
+    /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
+    /// .png, in the current folder.
+    #[arg(short, long, value_name = "OUT")]
+    output: Option<PathBuf>,
+    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`.
+    #[arg(long)]
+    aov: bool,
+    /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
+    #[arg(long)]
+    transparent: bool,
+}
+
+pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
+    let output = args.output.clone().unwrap_or_else(|| args.input.default_output());
+    output::check_target(&output)?;
+    args.measure.check()?;
+    let png = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if args.aov && png {
+        talk.warn("--aov has no effect on a PNG; write an .exr");
+    }
+    if args.transparent && !png {
+        talk.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
+    }
+    let progress = talk.progress();
+    let resolved = prepare(&args.input, talk, &progress)?;
+    let mut session = Session::open(&args.device, &resolved, args.aov || args.measure.profile.is_some(), &progress)?;
+    let mut rendered = session.render()?;
+    progress.finish_and_clear();
+    let method = session.frame.method.name();
+    talk.detail(format_args!("method {method}: {}", session.why));
+    if !args.aov {
+        // Counted for the profile's histogram only.
+        rendered = Rendered { image: Image { fragments: None, ..rendered.image.clone() }, ..rendered };
+    }
+    let options = WriteOptions {
+        background: resolved.scene.image.background,
+        color: resolved.scene.image.color,
+        transparent: args.transparent,
+        metadata: resolved.metadata(method, &session.device.info().name),
+    };
+    output::write_image(&output, &rendered.image, &options)?;
+    args.measure.write(&session.profile(vec![rendered]))?;
+    talk.detail(format_args!("{}: written", output.display()));
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,84 @@
+//! A device with the scene on it: what `render`, `profile` and `plan` share.
+
+use std::io::Write;
+use std::path::Path;
+
+use indicatif::ProgressBar;
+use pellucid::gpu::{Device, DeviceOptions};
+use pellucid::methods::{Frame, Rendered, Renderer};
+use pellucid::passes::project::DeviceCloud;
+use pellucid::profile::{self, Profile};
+use pellucid::{Result, output, plan};
+
+use super::input::Resolved;
+use super::{DeviceArgs, MeasureArgs};
+
+pub struct Session {
+    pub device: Device,
+    pub renderer: Renderer,
+    pub cloud: DeviceCloud,
+    pub frame: Frame,
+    /// Why this method was taken.
+    pub why: String,
+}
+
+impl Session {
+    /// Opens the device, decides the method and uploads the points.
+    pub fn open(args: &DeviceArgs, resolved: &Resolved, fragments: bool, progress: &ProgressBar) -> Result<Self> {
+        progress.set_message("uploading");
+        let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
+        let device = Device::open(&options)?;
+        let (method, why) = plan::resolve(resolved.scene.method, &resolved.points);
+        let frame = Frame {
+            camera: resolved.camera,
+            size: resolved.scene.image.size,
+            shading: resolved.scene.shading,
+            color: resolved.scene.image.color,
+            method,
+            memory_budget: args.memory_budget.map(|b| b.as_u64()),
+            fragments,
+        };
+        let renderer = Renderer::new(&device)?;
+        let cloud = renderer.upload(&resolved.points)?;
+        progress.set_message("rendering");
+        Ok(Self { device, renderer, cloud, frame, why })
+    }
+
+    /// One frame; an error if validation is on and said anything.
+    pub fn render(&mut self) -> Result<Rendered> {
+        let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
+        self.device.check_validation()?;
+        Ok(rendered)
+    }
+
+    /// A profile of some frames.
+    pub fn profile(&self, frames: Vec<Rendered>) -> Profile {
+        let mut profile = Profile::new(&self.device, &self.frame);
+        for rendered in frames {
+            if let Some(fragments) = &rendered.image.fragments {
+                profile.list_histogram = profile::histogram(fragments);
+            }
+            profile.facts = rendered.facts;
+            profile.frames.push(rendered.profile);
+        }
+        profile
+    }
+}
+
+impl MeasureArgs {
+    /// Writes the files that were asked for.
+    pub fn write(&self, profile: &Profile) -> Result<()> {
+        if let Some(path) = &self.profile {
+            write_json(path, &profile.to_json())?;
+        }
+        if let Some(path) = &self.trace {
+            write_json(path, &profile.to_trace())?;
+        }
+        Ok(())
+    }
+}
+
+fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+    output::write_atomically(path, |file| writeln!(file, "{value:#}"))?;
+    Ok(())
+}

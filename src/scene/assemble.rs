@@ -1,0 +1,130 @@
+//! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
+
+use glam::{DVec3, Vec3};
+use indicatif::ProgressBar;
+
+use super::error::Error;
+use super::procedural::Generated;
+use super::settings::{CloudSettings, Scene};
+use crate::cloud::{Cloud, UpAxis};
+use crate::points::Points;
+use crate::{io, prepare};
+
+/// Reads the scene's cloud files, in the scene's order.
+///
+/// # Errors
+/// The first file that can't be read.
+pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, io::Error> {
+    scene.clouds.iter().map(|cloud| io::load(&cloud.path, progress)).collect()
+}
+
+/// The clouds of a generated scene, looked up by name (with or without the extension) instead of on the disk.
+///
+/// # Errors
+/// A path that is not the name of any generated cloud.
+pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>, Error> {
+    let find = |settings: &CloudSettings| {
+        let path = &settings.path;
+        let is = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
+        let missing = || Error::Usage(format!("{}: the built-in scene has no such cloud", path.display()));
+        generated.clouds.iter().find(|(name, _)| is(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
+    };
+    scene.clouds.iter().map(find).collect()
+}
+
+/// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
+pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
+    let surveys = clouds.iter().filter(|cloud| cloud.up == UpAxis::Z).count();
+    if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
+}
+
+/// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
+///
+/// Positions become scale·p + translate in float64; those that are not finite then are dropped. Colors stay linear,
+/// whatever the scene's color space; clouds without color are white. A radius is the scene's, else the file's times
+/// `scale`, else, only if `needs_radii`, that of Eq. 20 over the scaled positions of its own cloud, else 0.
+///
+/// # Errors
+/// No point is left.
+pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &ProgressBar) -> Result<Points, Error> {
+    let mut points = Points::default();
+    for (settings, cloud) in scene.clouds.iter().zip(clouds) {
+        append(&mut points, transformed(settings, cloud, needs_radii, progress));
+    }
+    if points.is_empty() {
+        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+    }
+    Ok(prepare::order::canonical(points))
+}
+
+/// One cloud with its settings applied.
+fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, progress: &ProgressBar) -> Points {
+    for position in &mut cloud.positions {
+        *position = settings.scale * *position + settings.translate;
+    }
+    drop_non_finite(&mut cloud);
+    let count = cloud.positions.len();
+    let colors = match (settings.color, cloud.colors) {
+        (Some(color), _) => vec![color; count],
+        (None, Some(colors)) => colors,
+        (None, None) => vec![Vec3::ONE; count],
+    };
+    let opacities = match cloud.alphas {
+        Some(alphas) => alphas.iter().map(|alpha| alpha * settings.opacity).collect(),
+        None => vec![settings.opacity; count],
+    };
+    let radii = match (settings.radius, cloud.radii) {
+        (Some(radius), _) => vec![radius; count],
+        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
+        (None, None) if needs_radii => prepare::radius::estimate(&cloud.positions, settings.neighbors, progress),
+        (None, None) => vec![0.0; count],
+    };
+    Points { positions: cloud.positions, colors, opacities, radii, normals: cloud.normals }
+}
+
+/// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
+fn scaled(radius: f32, scale: f64) -> f32 {
+    ((f64::from(radius) * scale) as f32).min(f32::MAX)
+}
+
+/// Drops points that a huge `scale` or `translate` moved out of float64, from the columns that are drawn.
+fn drop_non_finite(cloud: &mut Cloud) {
+    let keep: Vec<_> = cloud.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
+    if keep.iter().all(|keep| *keep) {
+        return;
+    }
+    retain(Some(&mut cloud.positions), &keep);
+    retain(cloud.colors.as_mut(), &keep);
+    retain(cloud.alphas.as_mut(), &keep);
+    retain(cloud.radii.as_mut(), &keep);
+    retain(cloud.normals.as_mut(), &keep);
+}
+
+fn retain<T>(column: Option<&mut Vec<T>>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    if let Some(column) = column {
+        column.retain(|_| keep.next().copied().unwrap_or(false));
+    }
+}
+
+/// Puts `more` behind `points`; whoever has no normals gets zeros if the other has some.
+fn append(points: &mut Points, more: Points) {
+    if points.is_empty() {
+        *points = more;
+        return;
+    }
+    let (before, added) = (points.len(), more.len());
+    points.normals = match (points.normals.take(), more.normals) {
+        (None, None) => None,
+        (own, other) => {
+            let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
+            normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
+            Some(normals)
+        }
+    };
+    points.positions.extend(more.positions);
+    points.colors.extend(more.colors);
+    points.opacities.extend(more.opacities);
+    points.radii.extend(more.radii);
+}

@@ -1,0 +1,162 @@
+//! What can be wrong with a scene file or the options that stand for one, and where.
+
+use std::path::PathBuf;
+
+use super::procedural;
+
+/// Where a key or value was given.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// In a file; line and column count from 1, columns in characters.
+    File {
+        /// The file as it was named.
+        path: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+    },
+    /// In an option, as it was typed.
+    Option(String),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File { path, line, column } => write!(f, "{path}:{line}:{column}"),
+            Self::Option(option) => f.write_str(option),
+        }
+    }
+}
+
+/// What is wrong with a scene file or with the options that stand for one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene file is missing or can't be read.
+    #[error("{path}: can't read the scene file: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The scene file has no bytes.
+    #[error("{path}: the scene file is empty; it needs at least one [[cloud]] with a path", path = path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The text is not TOML.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// The parser's reason.
+        message: String,
+    },
+    /// No table or method has this key.
+    #[error("{place}: unknown key `{key}`{hint}")]
+    UnknownKey {
+        /// Where.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// The nearest known key or the list of them, as a phrase that follows the key.
+        hint: String,
+    },
+    /// A value has the wrong type or is out of range.
+    #[error("{place}: `{key}` {problem}")]
+    Value {
+        /// Where.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// What was expected and what was found.
+        problem: String,
+    },
+    /// Two keys contradict each other, or one that is needed is missing.
+    #[error("{place}: {problem}")]
+    Conflict {
+        /// Where.
+        place: Place,
+        /// Which keys and what would help.
+        problem: String,
+    },
+    /// No method of that name.
+    #[error("{place}: unknown method {name:?}{hint}")]
+    UnknownMethod {
+        /// Where.
+        place: Place,
+        /// The name.
+        name: String,
+        /// The nearest known name or the list of them, as a phrase that follows the name.
+        hint: String,
+    },
+    /// A method that later versions have.
+    #[error("{place}: method {name:?} is not in this version; it has: {available}")]
+    MethodAbsent {
+        /// Where.
+        place: Place,
+        /// The name.
+        name: String,
+        /// What there is.
+        available: String,
+    },
+    /// The options contradict each other.
+    #[error("{0}")]
+    Usage(String),
+    /// A built-in scene can't be made as asked.
+    #[error(transparent)]
+    Procedural(#[from] procedural::Error),
+    /// No finite point is left after `translate` and `scale`.
+    #[error("{clouds}: no finite point is left to draw after `translate` and `scale`")]
+    NoPoints {
+        /// The clouds' paths.
+        clouds: String,
+    },
+    /// Coordinates beyond what the camera can be computed for.
+    #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
+    Extent {
+        /// Smallest corner.
+        min: glam::DVec3,
+        /// Largest corner.
+        max: glam::DVec3,
+    },
+}
+
+impl Error {
+    /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Read { .. } | Self::Empty { .. } | Self::NoPoints { .. } | Self::Extent { .. } => 1,
+            Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
+            _ => 2,
+        }
+    }
+}
+
+/// A phrase that names the candidate nearest to `word`, or all candidates if none is near.
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>, what: &str) -> String {
+    let candidates: Vec<_> = candidates.into_iter().collect();
+    let best = candidates
+        .iter()
+        .map(|c| (strsim::damerau_levenshtein(&word.to_lowercase(), c), *c))
+        .min_by_key(|(distance, _)| *distance);
+    match best {
+        // Half of the word's letters wrong is no longer a slip of the finger.
+        Some((distance, c)) if 2 * distance <= word.chars().count().max(c.len()) => format!("; did you mean `{c}`?"),
+        _ => format!("; {what}: {}", candidates.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_names_the_key_and_a_guess_lists_all() {
+        assert_eq!(nearest("opactiy", ["path", "opacity"], "known"), "; did you mean `opacity`?");
+        assert_eq!(nearest("transparency", ["path", "opacity"], "known"), "; known: path, opacity");
+    }
+}

@@ -1,0 +1,209 @@
+//! The camera of a scene: as given, and where nothing is given so that the whole scene fits into the image.
+
+use glam::{DVec2, DVec3};
+
+use super::error::Error;
+use super::settings::{CameraSettings, Scene};
+use super::table::MAX_COORDINATE;
+use crate::camera::{Camera, Projection};
+use crate::cloud::{Bounds, UpAxis};
+use crate::points::Points;
+
+/// Vertical field of view if the scene doesn't say, in degrees.
+const DEFAULT_FOV_Y: f64 = 45.0;
+
+/// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
+const FILL: f64 = 0.95;
+
+/// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
+const CLEARANCE: f64 = 0.1;
+
+/// The scene's camera and what is to be said about it.
+///
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
+/// where the corners of the scene's bounds, widened by the largest radius, fit into the image with a margin of 5%. A
+/// view that is given wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only
+/// without it the clouds do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max),
+/// near = max(0.999·(z_min − r_max), far·10⁻⁵).
+///
+/// # Errors
+/// No points, coordinates too large for a camera, or an `up` that points along the view.
+pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
+    let Some(bounds) = points.bounds() else {
+        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+    };
+    let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
+    if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
+        return Err(Error::Extent { min: bounds.min, max: bounds.max });
+    }
+    let settings = &scene.camera;
+    let up = settings.up.and_then(nearest_axis).unwrap_or(up);
+    let projection = match settings.height {
+        Some(height) => Projection::Orthographic { height },
+        None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
+    };
+    let pose = Pose::new(settings, &Subject { bounds, radius }, projection, scene.image.size, up);
+    let (near, far) = depths(settings, &pose, &bounds, radius);
+    // Axes are computed around the origin: far from it, eye + direction would be rounded.
+    let Some(axes) = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection, near, far) else {
+        let problem = format!("{} points along the view {}; leave it out or turn it", pose.up, pose.forward);
+        return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
+    };
+    let camera = Camera { eye: pose.eye, ..axes };
+    if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+        return Err(Error::Extent { min: bounds.min, max: bounds.max });
+    }
+    let mut warnings = Vec::new();
+    if settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some() || settings.up.is_some()) {
+        warnings.push("the view asked for replaces `eye`, `target` and `up` of [camera]".to_owned());
+    }
+    if !sees_anything(&camera, points, scene.image.size) {
+        warnings.push(format!(
+            "the camera sees nothing: none of the {} points lies between near {near} and far {far} inside the image; \
+             leave [camera] out to frame the whole scene",
+            points.len()
+        ));
+    }
+    Ok((camera, warnings))
+}
+
+/// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.
+fn nearest_axis(up: DVec3) -> Option<UpAxis> {
+    let length = up.abs();
+    match length.max_element() {
+        max if length.y == max && length.y > length.z => Some(UpAxis::Y),
+        max if length.z == max && length.z > length.y => Some(UpAxis::Z),
+        _ => None,
+    }
+}
+
+/// What is framed: a box whose corners are spheres.
+struct Subject {
+    bounds: Bounds,
+    radius: f64,
+}
+
+/// Eye and directions, `up` not yet orthogonal.
+struct Pose {
+    eye: DVec3,
+    forward: DVec3,
+    up: DVec3,
+}
+
+impl Pose {
+    fn new(settings: &CameraSettings, subject: &Subject, projection: Projection, size: [u32; 2], up: UpAxis) -> Self {
+        let (forward, image_up) = settings.view.axes(up);
+        if settings.view.is_given() {
+            return Self { eye: framed(subject, projection, size, forward, image_up, None), forward, up: image_up };
+        }
+        let center = subject.bounds.center();
+        let direction = match settings.eye {
+            // An eye in the middle of the scene has no direction to it.
+            Some(eye) => (settings.target.unwrap_or(center) - eye).try_normalize().unwrap_or(forward),
+            None => forward,
+        };
+        let image_up = settings.up.unwrap_or_else(|| vertical(direction, up));
+        let eye =
+            settings.eye.unwrap_or_else(|| framed(subject, projection, size, direction, image_up, settings.target));
+        Self { eye, forward: direction, up: image_up }
+    }
+}
+
+/// The file's vertical, or, where that is along the view, the axis that a map has at its top.
+fn vertical(forward: DVec3, up: UpAxis) -> DVec3 {
+    let (vertical, other) = match up {
+        UpAxis::Z => (DVec3::Z, DVec3::Y),
+        UpAxis::Y => (DVec3::Y, -DVec3::Z),
+    };
+    // Within a thousandth of a radian the image's up would follow rounding rather than the scene.
+    if forward.cross(vertical).length() < 1e-3 { other } else { vertical }
+}
+
+/// The eye from which the subject fits; the image's centre shows `target` if one is given.
+fn framed(
+    subject: &Subject,
+    projection: Projection,
+    size: [u32; 2],
+    forward: DVec3,
+    up: DVec3,
+    target: Option<DVec3>,
+) -> DVec3 {
+    let center = target.unwrap_or_else(|| subject.bounds.center());
+    let right = forward.cross(up).normalize_or(DVec3::X);
+    let up = right.cross(forward);
+    let corners = subject.bounds.corners().map(|corner| {
+        let p = corner - center;
+        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward))
+    });
+    let fallback = match subject.bounds.diagonal() + subject.radius {
+        // One point without a size: any distance will do.
+        size if size > 0.0 => size,
+        _ => 1.0,
+    };
+    let (distance, shift) = match projection {
+        Projection::Perspective { fov_y } => {
+            let vertical = FILL * (0.5 * fov_y).tan();
+            let horizontal = vertical * f64::from(size[0]) / f64::from(size[1]);
+            let axis = |tangent: f64, pick: fn(DVec2) -> f64| {
+                fit(tangent, subject.radius, corners.iter().map(|(p, depth)| (pick(*p), *depth)), target.is_some())
+            };
+            let (distance_x, shift_x) = axis(horizontal, |p| p.x);
+            let (distance_y, shift_y) = axis(vertical, |p| p.y);
+            (distance_x.max(distance_y), DVec2::new(shift_x, shift_y))
+        }
+        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
+    };
+    // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
+    // its rounding would lie at the eye.
+    let nearest = corners.iter().map(|(_, depth)| *depth).fold(f64::INFINITY, f64::min);
+    let clear = subject.radius - nearest + CLEARANCE * fallback;
+    let distance = distance.max(clear).max(1e-6 * center.abs().max_element());
+    center + right * shift.x + up * shift.y - forward * distance
+}
+
+/// Along one image axis: the smallest distance from which spheres at (offset, depth) lie between the two planes of
+/// slope `tangent` through the eye, and the sideways shift of the eye that allows it.
+///
+/// A sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and so above the lower
+/// one. With a = max(offset − tangent·depth) + r/cos and b = min(offset + tangent·depth) − r/cos there is such a shift
+/// if a − b ≤ 2·tangent·distance, and then (a + b)/2 is one. Without a shift both must hold for 0.
+fn fit(tangent: f64, radius: f64, spheres: impl Iterator<Item = (f64, f64)>, centered: bool) -> (f64, f64) {
+    let reach = radius * (1.0 + tangent * tangent).sqrt();
+    let (upper, lower) = spheres.fold((f64::NEG_INFINITY, f64::INFINITY), |(upper, lower), (offset, depth)| {
+        (upper.max(offset - tangent * depth), lower.min(offset + tangent * depth))
+    });
+    let (upper, lower) = (upper + reach, lower - reach);
+    if centered {
+        (upper.max(-lower) / tangent, 0.0)
+    } else {
+        ((upper - lower) / (2.0 * tangent), 0.5 * (upper + lower))
+    }
+}
+
+fn depths(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> (f64, f64) {
+    let z = bounds.corners().map(|corner| (corner - pose.eye).dot(pose.forward));
+    let z_min = z.into_iter().fold(f64::INFINITY, f64::min);
+    let z_max = z.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let far = settings.far.unwrap_or_else(|| {
+        let far = 1.001 * (z_max + radius);
+        // Everything lies behind the camera or before `near`: any range is right, as nothing is drawn.
+        let far = if far > 0.0 { far } else { 1.0 };
+        settings.near.map_or(far, |near| far.max(1.001 * near))
+    });
+    let near = settings.near.unwrap_or_else(|| {
+        let near = (0.999 * (z_min - radius)).max(far * 1e-5);
+        if near < far { near } else { far * 1e-5 }
+    });
+    (near, far)
+}
+
+/// Whether any point's disc reaches into the image between near and far.
+fn sees_anything(camera: &Camera, points: &Points, size: [u32; 2]) -> bool {
+    let image = DVec2::new(f64::from(size[0]), f64::from(size[1]));
+    points.positions.iter().zip(&points.radii).any(|(position, radius)| {
+        let (pixel, z) = camera.project(*position, size);
+        let radius_px = f64::from(*radius) * camera.pixels_per_unit(z, size[1]);
+        z >= camera.near && z <= camera.far && (pixel - pixel.clamp(DVec2::ZERO, image)).length() <= radius_px
+    })
+}

@@ -1,0 +1,60 @@
+//! The keys of every method of the contract, so that a key of a method that is not in force can be told from a slip.
+
+/// Methods that this version renders, by the names a scene file gives them.
+pub const METHODS: &[&str] = &["auto", "points", "squares", "circles", "abuffer"];
+
+const SPLATS: &[&str] = &["size", "max_pixel_radius"];
+const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];
+const BLENDED: &[&str] = &["size", "max_pixel_radius", "shape", "blend_depth"];
+const DISCS: &[&str] = &["shape", "falloff", "raster"];
+const FILTERS: &[&str] = &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance"];
+const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells", "pixels_per_shell", "layout"];
+
+/// Every method of the contract with groups of keys of its own; `name` is everyone's.
+pub(crate) const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
+    ("auto", &[]),
+    ("points", &[]),
+    ("squares", &[SPLATS]),
+    ("circles", &[SPLATS]),
+    ("paraboloid", &[SHAPED]),
+    ("cone", &[SHAPED]),
+    ("sphere", &[SPLATS]),
+    ("hqs", &[BLENDED]),
+    ("splats", &[BLENDED]),
+    ("image-space", &[FILTERS]),
+    ("abuffer", &[DISCS]),
+    ("linked-list", &[DISCS]),
+    ("sorted", &[DISCS]),
+    ("peel", &[DISCS, &["layers"]]),
+    ("peel-layers", &[FILTERS, &["layers"]]),
+    ("stochastic", &[DISCS, &["samples", "alpha_correction"]]),
+    ("weighted", &[DISCS]),
+    ("hybrid", &[DISCS, &["k"]]),
+    ("average", &[DISCS]),
+    ("unsorted", &[DISCS]),
+    ("soft-base", &[SOFT]),
+    ("soft-concentric", &[SOFT]),
+    ("soft-express", &[SOFT]),
+    ("one-layer", &[&["threshold", "softness"]]),
+    ("spbr", &[&["ensembles", "cos_theta", "brighten"]]),
+    ("spbr-simplified", &[&["ensembles", "brightness"]]),
+];
+
+/// Whether `key` is one of `method`'s own.
+pub(crate) fn belongs(method: &str, key: &str) -> bool {
+    METHOD_KEYS.iter().any(|(name, groups)| *name == method && groups.iter().any(|group| group.contains(&key)))
+}
+
+/// The methods that have `key`.
+pub(crate) fn owners(key: &str) -> Vec<&'static str> {
+    METHOD_KEYS.iter().map(|(name, _)| *name).filter(|name| belongs(name, key)).collect()
+}
+
+/// Every key that some method has, `name` included, each once.
+pub(crate) fn all_method_keys() -> Vec<&'static str> {
+    let groups = METHOD_KEYS.iter().flat_map(|(_, groups)| groups.iter());
+    let mut keys: Vec<_> = groups.flat_map(|group| group.iter().copied()).chain(["name"]).collect();
+    keys.sort_unstable();
+    keys.dedup();
+    keys
+}

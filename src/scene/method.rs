@@ -1,0 +1,62 @@
+//! `[method]`: the method in force, its keys, and the keys of others.
+
+use super::error::{Error, nearest};
+use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
+use super::settings::{DiscShape, Discs, Falloff, Method, Raster, ScreenSplats};
+use super::table::{Range, Table};
+
+/// Reads the table; keys of other methods become warnings.
+pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Method, Error> {
+    table.refuse_unknown(&all_method_keys())?;
+    let name = name(table)?;
+    if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
+        let problem =
+            "`method.lambda` and `method.softness` are both given, one follows from the other: keep one".into();
+        return Err(Error::Conflict { place: softness.place.clone(), problem });
+    }
+    for (key, place) in table.keys().filter(|(key, _)| *key != "name" && !belongs(name, key)) {
+        warnings.push(format!("{place}: method {name:?} does not use `{key}` (a key of {})", owners(key).join(", ")));
+    }
+    Ok(match name {
+        "points" => Method::Points,
+        "squares" => Method::Squares(splats(table)?),
+        "circles" => Method::Circles(splats(table)?),
+        "abuffer" => Method::ABuffer(discs(table)?),
+        _ => Method::Auto,
+    })
+}
+
+fn name<'a>(table: &Table<'a>) -> Result<&'a str, Error> {
+    let (Some(name), Some(node)) = (table.string("name")?, table.get("name")) else { return Ok("auto") };
+    let place = node.place.clone();
+    if METHODS.contains(&name) {
+        Ok(name)
+    } else if METHOD_KEYS.iter().any(|(known, _)| *known == name) {
+        Err(Error::MethodAbsent { place, name: name.to_owned(), available: METHODS.join(", ") })
+    } else {
+        Err(Error::UnknownMethod {
+            place,
+            name: name.to_owned(),
+            hint: nearest(name, METHODS.iter().copied(), "this version has"),
+        })
+    }
+}
+
+fn splats(table: &Table<'_>) -> Result<ScreenSplats, Error> {
+    let default = ScreenSplats::default();
+    Ok(ScreenSplats {
+        size: table.number32("size", Range::NOT_NEGATIVE)?.unwrap_or(default.size),
+        max_pixel_radius: table.number32("max_pixel_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.max_pixel_radius),
+    })
+}
+
+fn discs(table: &Table<'_>) -> Result<Discs, Error> {
+    let shapes = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
+    let falloffs = [("flat", Falloff::Flat), ("gaussian", Falloff::Gaussian)];
+    let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
+    Ok(Discs {
+        shape: table.choice("shape", &shapes)?.unwrap_or_default(),
+        falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
+        raster: table.choice("raster", &rasters)?.unwrap_or_default(),
+    })
+}

@@ -1,0 +1,107 @@
+//! Options that stand for keys of the scene file: `--set KEY=VALUE` and the short forms.
+//!
+//! They are laid over the file's tree before any check, so that one set of checks serves both.
+
+use super::error::{Error, Place};
+use super::tree::{self, Entries, Node, Value};
+
+/// Keys given by options, in the order in which they win over the file and over each other.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    entries: Vec<(Vec<String>, Node)>,
+}
+
+impl Overrides {
+    /// Sets a dotted key from the text of an option. The text is read as TOML, else taken as a string. A segment that
+    /// is a number picks a table of an array (`cloud.0.opacity`), `*` takes all of them. `option` names the option in
+    /// errors, as typed.
+    ///
+    /// # Errors
+    /// A key with an empty segment.
+    pub fn set(&mut self, option: impl Into<String>, key: &str, text: &str) -> Result<(), Error> {
+        let place = Place::Option(option.into());
+        let path: Vec<_> = key.split('.').map(|segment| segment.trim().to_owned()).collect();
+        if path.iter().any(String::is_empty) {
+            let problem = format!("{key:?} is no key; write it as in method.shape or cloud.0.opacity");
+            return Err(Error::Conflict { place, problem });
+        }
+        self.entries.push((path, tree::parse_value(text, &place)?));
+        Ok(())
+    }
+
+    /// As [`Overrides::set`], from `KEY=VALUE`.
+    ///
+    /// # Errors
+    /// A text without `=`, or a key with an empty segment.
+    pub fn set_pair(&mut self, pair: &str) -> Result<(), Error> {
+        match pair.split_once('=') {
+            Some((key, value)) => self.set(format!("--set {pair}"), key.trim(), value.trim()),
+            None => Err(Error::Conflict {
+                place: Place::Option(format!("--set {pair}")),
+                problem: "expected KEY=VALUE, as in method.shape=oriented".into(),
+            }),
+        }
+    }
+
+    pub(super) fn apply(&self, root: &mut Node) -> Result<(), Error> {
+        self.entries.iter().try_for_each(|(path, node)| {
+            drop_rival(root, path);
+            insert(root, path, path, node)
+        })
+    }
+}
+
+/// Keys of which a scene has only one: the option wins over the file's other one.
+const RIVALS: [[&str; 3]; 2] = [["camera", "fov_y", "height"], ["method", "lambda", "softness"]];
+
+fn drop_rival(root: &mut Node, path: &[String]) {
+    let [table, key] = path else { return };
+    for [owner, a, b] in RIVALS {
+        let rival = match key.as_str() {
+            key if key == a => b,
+            key if key == b => a,
+            _ => continue,
+        };
+        if table == owner
+            && let Value::Table(entries) = &mut root.value
+            && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(owner)
+            && matches!(entries.get(rival), Some((Place::File { .. }, _)))
+        {
+            entries.remove(rival);
+        }
+    }
+}
+
+fn insert(at: &mut Node, path: &[String], rest: &[String], node: &Node) -> Result<(), Error> {
+    let Some((segment, rest)) = rest.split_first() else {
+        *at = node.clone();
+        return Ok(());
+    };
+    let key = path.join(".");
+    match &mut at.value {
+        Value::Table(entries) => {
+            let new = || (node.place.clone(), Node { place: node.place.clone(), value: Value::Table(Entries::new()) });
+            let (place, child) = entries.entry(segment.clone()).or_insert_with(new);
+            if rest.is_empty() {
+                *place = node.place.clone();
+            }
+            insert(child, path, rest, node)
+        }
+        Value::Array(items) if segment == "*" => items.iter_mut().try_for_each(|item| insert(item, path, rest, node)),
+        Value::Array(items) => {
+            let count = items.len();
+            match segment.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
+                Some(item) => insert(item, path, rest, node),
+                None => {
+                    let problem =
+                        format!("needs a number below {count} in place of `{segment}` (or * for all of them)");
+                    Err(Error::Value { place: node.place.clone(), key, problem })
+                }
+            }
+        }
+        other => {
+            let problem = format!("goes through {}, which holds no keys", other.describe());
+            Err(Error::Value { place: node.place.clone(), key, problem })
+        }
+    }
+}

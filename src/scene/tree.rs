@@ -1,0 +1,176 @@
+//! A TOML document in which every key and value knows where it was given, so that options can be laid over a file and
+//! the same checks name the line of the one or the other.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{Error, Place};
+
+/// A table's entries, with the place of each key.
+pub(crate) type Entries = BTreeMap<String, (Place, Node)>;
+
+/// A value and where it was given.
+#[derive(Debug, Clone)]
+pub(crate) struct Node {
+    pub place: Place,
+    pub value: Value,
+}
+
+/// The TOML types that a scene has use for.
+#[derive(Debug, Clone)]
+pub(crate) enum Value {
+    Table(Entries),
+    Array(Vec<Node>),
+    String(String),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    /// A path from the command line, which need not be UTF-8.
+    Path(PathBuf),
+}
+
+impl Value {
+    /// The type and, where it is short, the value: what an error says was found.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Table(_) => "a table".into(),
+            Self::Array(items) => format!("an array of {}", items.len()),
+            Self::String(text) if text.chars().count() <= 40 => format!("the string {text:?}"),
+            Self::String(_) => "a long string".into(),
+            Self::Integer(i) => i.to_string(),
+            Self::Float(f) => f.to_string(),
+            Self::Boolean(b) => b.to_string(),
+            Self::Path(path) => format!("the path {}", path.display()),
+        }
+    }
+
+    /// The value as JSON; what JSON has no word for (infinities) becomes null.
+    pub fn to_json(&self) -> serde_json::Value {
+        match self {
+            Self::Table(entries) => {
+                entries.iter().map(|(key, (_, node))| (key.clone(), node.value.to_json())).collect()
+            }
+            Self::Array(items) => items.iter().map(|node| node.value.to_json()).collect(),
+            Self::String(text) => text.as_str().into(),
+            Self::Integer(i) => (*i).into(),
+            Self::Float(f) => (*f).into(),
+            Self::Boolean(b) => (*b).into(),
+            Self::Path(path) => path.to_string_lossy().into(),
+        }
+    }
+}
+
+/// Turns byte offsets of one text into places.
+struct Source<'a> {
+    path: String,
+    text: &'a str,
+    line_starts: Vec<usize>,
+}
+
+impl<'a> Source<'a> {
+    fn new(text: &'a str, path: &Path) -> Self {
+        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Self { path: path.display().to_string(), text, line_starts }
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        let line = self.line_starts.partition_point(|start| *start <= offset);
+        let start = self.line_starts.get(line.saturating_sub(1)).copied().unwrap_or(0);
+        let column = 1 + self.text.get(start..offset).map_or(0, |before| before.chars().count());
+        Place::File { path: self.path.clone(), line, column }
+    }
+}
+
+/// Parses a whole document; `path` is only named in places.
+pub(crate) fn parse(text: &str, path: &Path) -> Result<Node, Error> {
+    let source = Source::new(text, path);
+    let place = |offset| source.place(offset);
+    let document = DeTable::parse(text).map_err(|error| Error::Syntax {
+        place: source.place(error.span().map_or(0, |span| span.start)),
+        message: error.message().to_owned(),
+    })?;
+    let start = document.span().start;
+    Ok(Node { place: place(start), value: Value::Table(entries(document.into_inner(), &place)?) })
+}
+
+/// Parses the value of an option: TOML if it is any, else the text itself as a string.
+pub(crate) fn parse_value(text: &str, place: &Place) -> Result<Node, Error> {
+    match DeValue::parse(text) {
+        Ok(value) => convert(value, &|_| place.clone()),
+        // TOML knows neither .5 nor 5. but shells are full of them.
+        Err(_) => Ok(Node {
+            place: place.clone(),
+            value: text.parse().map_or_else(|_| Value::String(text.to_owned()), Value::Float),
+        }),
+    }
+}
+
+fn entries(table: DeTable<'_>, place: &dyn Fn(usize) -> Place) -> Result<Entries, Error> {
+    let entry = |(key, value): (Spanned<_>, Spanned<DeValue<'_>>)| {
+        let at = place(key.span().start);
+        let key: std::borrow::Cow<'_, str> = key.into_inner();
+        Ok((key.into_owned(), (at, convert(value, place)?)))
+    };
+    table.into_iter().map(entry).collect()
+}
+
+fn convert(node: Spanned<DeValue<'_>>, place: &dyn Fn(usize) -> Place) -> Result<Node, Error> {
+    let at = place(node.span().start);
+    let bad = |message: String| Error::Syntax { place: at.clone(), message };
+    let value = match node.into_inner() {
+        DeValue::String(text) => Value::String(text.into_owned()),
+        DeValue::Integer(number) => Value::Integer(
+            i64::from_str_radix(number.as_str(), number.radix())
+                .map_err(|_| bad(format!("the integer {number} does not fit into 64 bits")))?,
+        ),
+        DeValue::Float(number) => {
+            Value::Float(number.as_str().parse().map_err(|_| bad(format!("{number} is not a number")))?)
+        }
+        DeValue::Boolean(value) => Value::Boolean(value),
+        DeValue::Datetime(date) => return Err(bad(format!("no key of a scene holds a date such as {date}"))),
+        DeValue::Array(items) => {
+            Value::Array(items.into_iter().map(|item| convert(item, place)).collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(table) => Value::Table(entries(table, place)?),
+    };
+    Ok(Node { place: at, value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(line: usize, column: usize) -> Place {
+        Place::File { path: "s.toml".into(), line, column }
+    }
+
+    #[test]
+    fn keys_and_values_know_their_line_and_column() {
+        let node = parse("# ä\n[image]\n size = [1, 22]\n", Path::new("s.toml")).unwrap();
+        let Value::Table(root) = node.value else { panic!("a document is a table") };
+        let Value::Table(image) = &root["image"].1.value else { panic!("[image] is a table") };
+        let (key, value) = &image["size"];
+        assert_eq!((key, &value.place), (&at(3, 2), &at(3, 9)));
+        let Value::Array(items) = &value.value else { panic!("size is an array") };
+        assert_eq!(items[1].place, at(3, 13));
+    }
+
+    #[test]
+    fn syntax_errors_have_a_place() {
+        let error = parse("[image]\nsize = [1,\n[x", Path::new("s.toml")).unwrap_err();
+        let Error::Syntax { place: Place::File { line, .. }, .. } = error else { panic!("{error:?}") };
+        assert!(line >= 2, "line {line}");
+    }
+
+    #[test]
+    fn what_is_no_toml_value_is_a_string() {
+        let place = Place::Option("--set".into());
+        assert!(matches!(parse_value("abuffer", &place).unwrap().value, Value::String(s) if s == "abuffer"));
+        assert!(matches!(parse_value(".5", &place).unwrap().value, Value::Float(f) if f == 0.5));
+        assert!(matches!(parse_value("-0.5", &place).unwrap().value, Value::Float(f) if f == -0.5));
+        assert!(matches!(parse_value("[1, 2]", &place).unwrap().value, Value::Array(a) if a.len() == 2));
+    }
+}

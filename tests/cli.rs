@@ -1,0 +1,297 @@
+//! The binary: exit status, standard output and standard error of what needs no device.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use glam::{DVec3, Vec3};
+use pellucid::cloud::Cloud;
+use pellucid::image::Image;
+use pellucid::output::{WriteOptions, write_image};
+use pellucid::scene::{ColorSpace, procedural};
+use tempfile::TempDir;
+
+/// Runs the binary in `folder`; exit status, standard output and standard error.
+fn run(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
+    let output = Command::cargo_bin("pellucid").unwrap().current_dir(folder).args(args).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// Asserts that a command fails as a failure should: the status, one `error: ` line that names `parts`, nothing on
+/// standard output, no new file.
+fn assert_refused(folder: &TempDir, args: &[&str], status: i32, parts: &[&str]) {
+    let files = || fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>();
+    let before = files();
+    let (code, stdout, stderr) = run(folder, args);
+    assert_eq!(code, status, "{args:?}: {stderr}");
+    assert!(stderr.starts_with("error: "), "{args:?}: {stderr}");
+    for part in parts {
+        assert!(stderr.contains(part), "{args:?}: {part:?} in {stderr}");
+    }
+    assert_eq!(stdout, "", "{args:?}");
+    assert_eq!(files(), before, "{args:?}: no file comes or goes");
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn write_cloud(path: &Path) {
+    let cloud = Cloud {
+        positions: vec![DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)],
+        colors: Some(vec![Vec3::ONE, Vec3::X]),
+        classification: Some(vec![2, 2]),
+        ..Cloud::default()
+    };
+    pellucid::io::ply::write(path, &cloud).unwrap();
+}
+
+fn write_picture(path: &Path, width: u32, red: f32) {
+    let pixels = width as usize * 2;
+    let mut image =
+        Image { width, height: 2, rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels], depth: vec![1.0; pixels], fragments: None };
+    image.rgba[1][0] = red;
+    let options =
+        WriteOptions { background: Vec3::ZERO, color: ColorSpace::Linear, transparent: false, metadata: Vec::new() };
+    write_image(path, &image, &options).unwrap();
+}
+
+/// The commands that take a scene.
+const COMMANDS: [&str; 3] = ["render", "profile", "plan"];
+
+#[test]
+fn missing_and_empty_inputs_exit_with_1() {
+    let folder = folder();
+    fs::write(folder.path().join("empty.ply"), "").unwrap();
+    fs::write(folder.path().join("empty.toml"), "").unwrap();
+    fs::write(folder.path().join("lost.toml"), "[[cloud]]\npath = \"nowhere.las\"\n").unwrap();
+    fs::create_dir(folder.path().join("dir")).unwrap();
+    fs::create_dir(folder.path().join("dir.toml")).unwrap();
+    for command in COMMANDS {
+        for input in ["no.toml", "no.ply", "empty.ply", "empty.toml", "dir", "dir.toml"] {
+            assert_refused(&folder, &[command, input], 1, &[input]);
+        }
+        assert_refused(&folder, &[command, "lost.toml"], 1, &["nowhere.las"]);
+    }
+    for input in ["no.ply", "empty.ply", "dir"] {
+        assert_refused(&folder, &["info", input, "--json"], 1, &[input]);
+    }
+}
+
+#[test]
+fn wrong_scene_files_exit_with_2_and_name_line_and_column() {
+    let folder = folder();
+    let cases = [
+        ("[image\n", "s.toml:1:"),
+        (
+            "[[cloud]]\npath = \"a.ply\"\nopactiy = 1\n",
+            "s.toml:3:1: unknown key `cloud.0.opactiy`; did you mean `opacity`?",
+        ),
+        ("[[cloud]]\npath = \"a.ply\"\nopacity = 2\n", "s.toml:3:11: `cloud.0.opacity` must be a number"),
+        ("[method]\nname = \"peel\"\n", "s.toml:2:8: method \"peel\" is not in this version"),
+        ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n", "s.toml:3:10: "),
+        ("[image]\nsize = [8, 8]\n", "there is no cloud"),
+    ];
+    for (text, expected) in cases {
+        fs::write(folder.path().join("s.toml"), text).unwrap();
+        for command in COMMANDS {
+            assert_refused(&folder, &[command, "s.toml"], 2, &[expected]);
+        }
+    }
+    fs::write(folder.path().join("s.toml"), b"# \xff\n").unwrap();
+    assert_refused(&folder, &["render", "s.toml"], 2, &["s.toml:1:3: not UTF-8"]);
+}
+
+#[test]
+fn wrong_options_exit_with_2() {
+    let folder = folder();
+    write_cloud(&folder.path().join("a.ply"));
+    fs::write(folder.path().join("s.toml"), "[[cloud]]\npath = \"a.ply\"\n").unwrap();
+    let cases: [(&[&str], &str); 14] = [
+        (&["a.ply", "-o", "a.jpg"], ".png"),
+        (&["a.ply", "-o", "a"], ".exr"),
+        (&["a.ply", "s.toml"], "a scene file (.toml) comes alone"),
+        (&["a.ply", "--size", "64"], "--size 64: expected WxH"),
+        (&["a.ply", "--size", "0x64"], "--size 0x64: `image.size`"),
+        (&["a.ply", "--opacity", "-1"], "--opacity -1: `cloud.0.opacity`"),
+        (&["a.ply", "--radius", "nan"], "--radius nan: `cloud.0.radius`"),
+        (&["a.ply", "--background", "1,2,3"], "--background 1,2,3: `image.background`"),
+        (&["a.ply", "--method", "nonsense"], "--method nonsense: unknown method"),
+        (&["a.ply", "--set", "method.nme=abuffer"], "did you mean `name`?"),
+        (&["a.ply", "--set", "cloud.1.opacity=1"], "needs a number below 1"),
+        (&["a.ply", "--view", "behind"], "invalid value"),
+        (&["a.ply", "--elevation", "91"], "expected degrees from -90 to 90"),
+        (&["a.ply", "--memory-budget", "much"], "--memory-budget"),
+    ];
+    for (args, expected) in cases {
+        assert_refused(&folder, &[&["render"], args].concat(), 2, &[expected]);
+    }
+    assert_refused(&folder, &["profile", "a.ply", "--frames", "0"], 2, &["--frames"]);
+    assert_refused(&folder, &["nonsense"], 2, &["nonsense"]);
+}
+
+#[test]
+fn targets_that_can_not_be_written_exit_with_1_before_any_work() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("d.png")).unwrap();
+    // The input is missing too: the target is looked at first.
+    assert_refused(&folder, &["render", "no.ply", "-o", "no/a.png"], 1, &["no/a.png", "no folder"]);
+    assert_refused(&folder, &["render", "no.ply", "-o", "d.png"], 1, &["d.png"]);
+    assert_refused(&folder, &["render", "no.ply", "--profile", "no/p.json"], 1, &["no/p.json"]);
+}
+
+#[test]
+fn info_prints_text_or_one_json_document() {
+    let folder = folder();
+    write_cloud(&folder.path().join("a.ply"));
+    let (code, text, stderr) = run(&folder, &["info", "a.ply"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(text.starts_with("a.ply\n  points      2\n"), "{text}");
+
+    let (_, json, _) = run(&folder, &["info", "--json", "a.ply"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(keys, ["points", "non_finite", "bounds", "attributes", "classes"]);
+    assert_eq!((&value["points"], &value["non_finite"]), (&2.into(), &0.into()));
+    assert_eq!(value["bounds"]["max"], serde_json::json!([1.0, 2.0, 3.0]));
+    assert_eq!(value["classes"], serde_json::json!({ "2": 2 }));
+
+    let (_, json, _) = run(&folder, &["info", "--json", "a.ply", "a.ply"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((value[1]["file"].as_str(), value.as_array().unwrap().len()), (Some("a.ply"), 2));
+}
+
+#[test]
+fn scenes_are_listed_one_a_line_and_written_whole() {
+    let folder = folder();
+    let (code, list, _) = run(&folder, &["scene", "--list"]);
+    assert_eq!(code, 0);
+    let names: Vec<_> = list.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
+    assert_eq!(names, procedural::BUILTINS.iter().map(|builtin| builtin.name).collect::<Vec<_>>());
+
+    let args = ["scene", "garden", "-o", "new/garden", "--set", "points=5000", "--seed", "3"];
+    assert_eq!(run(&folder, &args), (0, String::new(), String::new()));
+    let written = folder.path().join("new/garden");
+    let scene = pellucid::scene::Scene::read(&written.join("scene.toml"), &Default::default()).unwrap();
+    assert_eq!(scene.warnings, [""; 0]);
+    assert!(scene.clouds.iter().all(|cloud| cloud.path.starts_with(&written) && cloud.path.is_file()));
+    // The clouds, scene.toml, nothing temporary.
+    assert_eq!(fs::read_dir(&written).unwrap().count(), scene.clouds.len() + 1);
+}
+
+#[test]
+fn wrong_scenes_and_parameters_exit_with_2() {
+    let folder = folder();
+    assert_refused(&folder, &["scene", "gardn", "-o", "d"], 2, &["gardn"]);
+    assert_refused(&folder, &["scene", "garden", "-o", "d", "--set", "points=many"], 2, &["expected KEY=NUMBER"]);
+    assert_refused(&folder, &["scene", "garden", "-o", "d", "--set", "pints=3"], 2, &["pints"]);
+    assert_refused(&folder, &["scene", "garden"], 2, &["--output"]);
+}
+
+#[test]
+fn compare_measures_and_draws_the_difference() {
+    let folder = folder();
+    write_picture(&folder.path().join("a.exr"), 2, 0.0);
+    write_picture(&folder.path().join("b.exr"), 2, 0.5);
+    let (code, json, stderr) = run(&folder, &["compare", "a.exr", "b.exr", "--json", "-o", "d.png"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(keys, ["rmse", "psnr", "ssim", "flip", "max", "above_1_255"]);
+    // One channel of twelve differs by 0.5.
+    assert!((value["rmse"].as_f64().unwrap() - (0.25f64 / 12.0).sqrt()).abs() < 1e-12);
+    assert_eq!(value["max"], serde_json::json!({ "value": 0.5, "x": 1, "y": 0 }));
+    assert_eq!((&value["above_1_255"], &value["ssim"]), (&0.25.into(), &serde_json::Value::Null));
+    let difference = pellucid::output::read_image(&folder.path().join("d.png")).unwrap();
+    assert_eq!(difference.pixels[..2], [[0.0; 3], [1.0, 0.0, 0.0]]);
+
+    let (_, json, _) = run(&folder, &["compare", "a.exr", "a.exr", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&value["rmse"], &value["psnr"]), (&0.0.into(), &serde_json::Value::Null));
+    let (_, text, _) = run(&folder, &["compare", "a.exr", "b.exr"]);
+    assert!(text.contains("max          0.500000000 at (1, 0)") && !text.contains("ssim"), "{text}");
+}
+
+#[test]
+fn compare_fails_above_a_limit_and_only_then() {
+    let folder = folder();
+    write_picture(&folder.path().join("a.exr"), 2, 0.0);
+    write_picture(&folder.path().join("b.exr"), 2, 0.5);
+    let status = |limit: &str| run(&folder, &["compare", "a.exr", "b.exr", "--fail-above", limit]);
+    // RMSE 0.1443, PSNR 16.8, largest 0.5, one pixel of four.
+    for (passes, fails) in [
+        ("rmse=0.145", "rmse=0.144"),
+        ("psnr=17", "psnr=16"),
+        ("max=0.5", "max=0.49"),
+        ("above_1_255=0.25", "above_1_255=0.2"),
+    ] {
+        assert_eq!(status(passes).0, 0, "{passes}");
+        let (code, stdout, stderr) = status(fails);
+        assert_eq!(code, 1, "{fails}");
+        assert!(stderr.starts_with("error: ") && stderr.contains("above the allowed"), "{stderr}");
+        assert!(stdout.contains("rmse"), "the figures are printed all the same");
+    }
+    let both = ["compare", "a.exr", "b.exr", "--fail-above", "max=1", "--fail-above", "rmse=0"];
+    assert_eq!(run(&folder, &both).0, 1, "any limit counts");
+}
+
+#[test]
+fn compare_refuses_what_can_not_be_compared() {
+    let folder = folder();
+    write_picture(&folder.path().join("a.png"), 2, 0.0);
+    write_picture(&folder.path().join("wide.png"), 3, 0.0);
+    fs::write(folder.path().join("p.json"), "{}").unwrap();
+    fs::write(folder.path().join("broken.png"), "no png").unwrap();
+    assert_refused(&folder, &["compare", "a.png", "wide.png"], 1, &["a.png has 2 × 2", "wide.png has 3 × 2"]);
+    assert_refused(&folder, &["compare", "a.png", "no.png"], 1, &["no.png"]);
+    assert_refused(&folder, &["compare", "a.png", "broken.png"], 1, &["broken.png"]);
+    assert_refused(&folder, &["compare", "a.png", "a.tif"], 2, &["a.tif", "unknown image format"]);
+    assert_refused(&folder, &["compare", "a.png", "p.json"], 2, &["two of a kind"]);
+    assert_refused(&folder, &["compare", "p.json", "p.json"], 1, &["p.json", "not a profile"]);
+    let limit = |limit: &'static str| ["compare", "a.png", "a.png", "--fail-above", limit];
+    assert_refused(&folder, &limit("nonsense=1"), 2, &["unknown metric", "rmse"]);
+    assert_refused(&folder, &limit("ssim=1"), 2, &["ssim is not in this version"]);
+    assert_refused(&folder, &limit("rmse"), 2, &["METRIC=VALUE"]);
+    assert_refused(&folder, &limit("rmse=nan"), 2, &["METRIC=VALUE"]);
+    assert_refused(&folder, &["compare", "a.png", "a.png", "-o", "d.exr"], 2, &["d.exr"]);
+}
+
+#[test]
+fn two_profiles_are_compared_pass_by_pass() {
+    let folder = folder();
+    let profile = |name: &str, count_ms: f64| {
+        let text = format!(
+            r#"{{"version": 1, "frames": [{{"gpu_ms": 4, "wall_ms": 5, "passes": [{{"name": "abuffer/count", "gpu_ms": {count_ms}, "invocations": 1, "bytes": 2}}]}}]}}"#
+        );
+        fs::write(folder.path().join(name), text).unwrap();
+    };
+    profile("a.json", 2.0);
+    profile("b.json", 3.0);
+    let (code, text, _) = run(&folder, &["compare", "a.json", "b.json"]);
+    assert_eq!(code, 0);
+    let row: Vec<_> = text.lines().find(|line| line.contains("abuffer/count")).unwrap().split_whitespace().collect();
+    assert_eq!(row, ["abuffer/count", "2.000", "3.000", "1.500"]);
+    let (_, json, _) = run(&folder, &["compare", "a.json", "b.json", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&value["passes"][0]["ratio"], &value["frame"]["ratio"]), (&1.5.into(), &1.0.into()));
+    let status = |limit| run(&folder, &["compare", "a.json", "b.json", "--fail-above", limit]).0;
+    assert_eq!((status("abuffer/count=1.5"), status("abuffer/count=1.4"), status("frame=1.0")), (0, 1, 0));
+    assert_refused(&folder, &["compare", "a.json", "b.json", "--fail-above", "no=1"], 2, &["no pass", "no"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_stops_early_is_no_failure() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin("pellucid"))
+        .args(["scene", "--list"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert!(output.stderr.is_empty(), "{output:?}");
+}

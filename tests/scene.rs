@@ -1,0 +1,450 @@
+//! Scene files and options: what is read, what is refused and where; points and cameras of a scene.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec3, Vec3};
+use indicatif::ProgressBar;
+use pellucid::camera::{Camera, Projection};
+use pellucid::cloud::{Cloud, UpAxis};
+use pellucid::points::Points;
+use pellucid::scene::*;
+
+const CLOUD: &str = "[[cloud]]\npath = \"a.ply\"\n";
+
+fn read(text: &str) -> Result<Scene, Error> {
+    Scene::from_toml(text, Path::new("dir/s.toml"))
+}
+
+/// A scene of one cloud and `text` before it.
+fn with_cloud(text: &str) -> Scene {
+    read(&format!("{text}\n{CLOUD}")).unwrap()
+}
+
+/// The message for a text that must be refused with status 2.
+fn refused(text: &str) -> String {
+    let error = read(text).expect_err(text);
+    assert_eq!(error.exit_status(), 2, "{error}");
+    error.to_string()
+}
+
+fn overridden(text: &str, pairs: &[&str]) -> Result<Scene, Error> {
+    let mut overrides = Overrides::default();
+    for pair in pairs {
+        overrides.set_pair(pair)?;
+    }
+    Scene::from_toml_with(text, Path::new("s.toml"), &overrides)
+}
+
+#[test]
+fn defaults_are_those_of_the_contract() {
+    let scene = read(CLOUD).unwrap();
+    assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: ColorSpace::Linear });
+    assert_eq!(scene.method, Method::Auto);
+    assert_eq!(scene.shading, Shading::default());
+    let cloud = &scene.clouds[0];
+    assert_eq!(cloud.path, PathBuf::from("dir/a.ply"), "relative to the scene file");
+    assert_eq!((cloud.opacity, cloud.radius, cloud.neighbors, cloud.scale), (1.0, None, 24, 1.0));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
+#[test]
+fn every_key_of_the_contract_is_read() {
+    let scene = read(
+        r#"
+        [image]
+        size = [640, 480]
+        background = [0.0, 0.5, 1]
+        color = "encoded"
+        [camera]
+        eye = [0.0, 0.0, 5.0]
+        target = [0, 0, 0]
+        up = [0.0, 1.0, 0.0]
+        fov_y = 30.0
+        near = 0.01
+        far = 100.0
+        [shading]
+        model = "phong"
+        ambient = 0.1
+        diffuse = 0.7
+        specular = 0.2
+        shininess = 8
+        light = { position = [1.0, 2.0, 3.0] }
+        [[cloud]]
+        path = "/abs/scan.laz"
+        color = [1.0, 0.5, 0.25]
+        opacity = 0.3
+        radius = 0.01
+        neighbors = 12
+        translate = [500000.0, 4500000.0, 100.0]
+        scale = 2.0
+        [method]
+        name = "abuffer"
+        shape = "oriented"
+        falloff = "gaussian"
+        raster = "compute"
+        "#,
+    )
+    .unwrap();
+    assert_eq!(scene.image.size, [640, 480]);
+    assert_eq!(scene.image.color, ColorSpace::Encoded);
+    assert_eq!(scene.camera.eye, Some(DVec3::new(0.0, 0.0, 5.0)));
+    assert_eq!((scene.camera.near, scene.camera.far, scene.camera.fov_y), (Some(0.01), Some(100.0), Some(30.0)));
+    assert_eq!(scene.shading.light, Light::Position(DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(scene.shading.model, ShadingModel::Phong);
+    let cloud = &scene.clouds[0];
+    assert_eq!(cloud.path, PathBuf::from("/abs/scan.laz"));
+    assert_eq!((cloud.color, cloud.radius), (Some(Vec3::new(1.0, 0.5, 0.25)), Some(0.01)));
+    assert_eq!(cloud.translate, DVec3::new(500_000.0, 4_500_000.0, 100.0));
+    let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster: Raster::Compute };
+    assert_eq!(scene.method, Method::ABuffer(discs));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
+#[test]
+fn an_unknown_key_names_line_column_and_the_nearest_key() {
+    let message = refused("[[cloud]]\npath = \"a.ply\"\n  opactiy = 0.5\n");
+    assert_eq!(message, "dir/s.toml:3:3: unknown key `cloud.0.opactiy`; did you mean `opacity`?");
+    assert!(refused("[imge]\n").starts_with("dir/s.toml:1:2: unknown key `imge`; did you mean `image`?"));
+    assert!(refused(&format!("[method]\nname = \"abuffer\"\nshap = \"flat\"\n{CLOUD}")).contains(":3:1: "));
+    assert!(refused("[shading]\nlight = { positon = [0, 0, 1] }").contains("did you mean `position`?"));
+}
+
+#[test]
+fn wrong_values_name_line_column_and_what_was_expected() {
+    let cases = [
+        ("[image]\nsize = [0, 4]", "s.toml:2:9: `image.size` must be an integer from 1 to 65535, found 0"),
+        ("[image]\nsize = [4.0, 4]", "s.toml:2:9: `image.size` must be an integer"),
+        ("[image]\nsize = [4]", "s.toml:2:8: `image.size` must be an array of 2"),
+        ("[image]\nsize = [65535, 65535]", "must not exceed 268435456 pixels"),
+        ("[image]\nbackground = [0, nan, 0]", ":2:18: `image.background` must be a number from 0.0 to 1.0, found NaN"),
+        ("[image]\ncolor = \"srgb\"", "must be one of \"linear\", \"encoded\", found the string \"srgb\""),
+        ("image = 3", "s.toml:1:9: `image` must be a table, found 3"),
+        ("[camera]\neye = [0, 0, inf]", ":2:14: `camera.eye` must be a number"),
+        ("[camera]\nfov_y = 180", "between 0 and 180, both excluded, found 180"),
+        ("[camera]\nheight = 0.0", "`camera.height` must be a number above 0"),
+        ("[camera]\nnear = 2\nfar = 1", ":2:8: `camera.near` must lie below `camera.far`"),
+        ("[camera]\nup = [0, 0, 0]", "`camera.up` must be a direction"),
+        ("[shading]\nambient = -0.1", "`shading.ambient` must be a number of at least 0, found -0.1"),
+        ("[shading]\nambient = 1e39", "does not fit into float32"),
+        ("[shading]\nlight = [0, 0, 0]", "`shading.light` must be a direction"),
+        ("[shading]\nlight = \"sun\"", "`shading.light` must be \"headlight\""),
+        (
+            "[[cloud]]\npath = \"a\"\nopacity = 1.5",
+            ":3:11: `cloud.0.opacity` must be a number from 0.0 to 1.0, found 1.5",
+        ),
+        ("[[cloud]]\npath = \"a\"\nopacity = \"x\"", "found the string \"x\""),
+        ("[[cloud]]\npath = \"a\"\nneighbors = 0", "`cloud.0.neighbors` must be an integer from 1"),
+        ("[[cloud]]\npath = \"a\"\nscale = -1", "`cloud.0.scale` must be a number above 0"),
+        ("[[cloud]]\npath = 3", "`cloud.0.path` must be a string"),
+        ("[[cloud]]\npath = \"a\"\nsoft_classes = [256]", "`cloud.0.soft_classes` must be an integer from 0 to 255"),
+        ("[[cloud]]\npath = \"a\"\naxis = { direction = [0,0,0] }", "`cloud.0.axis.direction` must be a direction"),
+        ("[cloud]\npath = \"a\"", "must be written as [[cloud]]"),
+        ("[method]\nname = 3", "`method.name` must be a string"),
+    ];
+    for (text, expected) in cases {
+        let message = refused(text);
+        assert!(message.contains(expected), "{text:?}: {message}");
+    }
+}
+
+#[test]
+fn contradictions_are_refused() {
+    let cases = [
+        ("[camera]\nfov_y = 45\nheight = 2.0", ":3:10: `camera.fov_y` (perspective) and `camera.height`"),
+        ("[camera]\neye = [1, 2, 3]\ntarget = [1.0, 2, 3]", ":3:10: `camera.eye` and `camera.target` are the same"),
+        ("[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 0, 2]", ":4:6: `camera.up`"),
+        ("[[cloud]]\nopacity = 0.5", "a [[cloud]] needs `path`"),
+        ("[image]", "there is no cloud"),
+    ];
+    for (text, expected) in cases {
+        let message = refused(text);
+        assert!(message.contains(expected), "{text:?}: {message}");
+    }
+    assert!(refused(&format!("[method]\nlambda = 1\nsoftness = 0.5\n{CLOUD}")).contains("`method.lambda` and"));
+}
+
+#[test]
+fn syntax_errors_name_line_and_column() {
+    assert!(refused("[image]\nsize = [1, 2\n").starts_with("dir/s.toml:"));
+    let message = refused("[image]\nsize = = 3\n");
+    assert!(message.starts_with("dir/s.toml:2:8: "), "{message}");
+}
+
+#[test]
+fn methods_of_the_contract_that_are_missing_are_named() {
+    let message = refused(&format!("[method]\nname = \"peel\"\n{CLOUD}"));
+    let expected = "method \"peel\" is not in this version; it has: auto, points, squares, circles, abuffer";
+    assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
+    assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
+}
+
+#[test]
+fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
+    let scene = with_cloud("[method]\nname = \"circles\"\nsize = 2.0\nlayers = 4");
+    assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, max_pixel_radius: 25.0 }));
+    let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
+    assert!(
+        warning.contains(":4:1: method \"circles\" does not use `layers` (a key of peel, peel-layers)"),
+        "{warning}"
+    );
+    assert_eq!(with_cloud("[method]\nname = \"points\"\nsize = 2").warnings.len(), 1);
+}
+
+#[test]
+fn shadows_and_fields_are_known_but_have_no_effect() {
+    let scene = with_cloud("[shadows]\nmethod = \"texture\"\nresolution = 512");
+    assert!(scene.warnings[0].contains("casts no shadows"), "{:?}", scene.warnings);
+    let scene = read(&format!("{CLOUD}field = \"classification\"\nsoft_classes = [3, 4]\n")).unwrap();
+    assert_eq!(scene.warnings.len(), 2);
+    assert!(refused(&format!("[shadows]\nsample = 3\n{CLOUD}")).contains("did you mean `samples`?"));
+}
+
+#[test]
+fn options_win_over_the_file_and_are_checked_alike() {
+    let text = format!("[image]\nsize = [8, 8]\n{CLOUD}{CLOUD}");
+    let scene = overridden(
+        &text,
+        &[
+            "image.size=[64, 32]",
+            "cloud.*.opacity=0.5",
+            "cloud.1.opacity=0.25",
+            "method.name=abuffer",
+            "method.shape=oriented",
+        ],
+    )
+    .unwrap();
+    assert_eq!(scene.image.size, [64, 32]);
+    assert_eq!(scene.clouds.iter().map(|cloud| cloud.opacity).collect::<Vec<_>>(), [0.5, 0.25]);
+    assert!(matches!(scene.method, Method::ABuffer(discs) if discs.shape == DiscShape::Oriented));
+    assert!(scene.settings.contains("\"size\":[64,32]"), "{}", scene.settings);
+
+    let refused = |pair: &str| overridden(&text, &[pair]).expect_err(pair).to_string();
+    assert!(refused("cloud.0.opacity=2").starts_with("--set cloud.0.opacity=2: `cloud.0.opacity` must be a number"));
+    assert!(refused("cloud.0.opactiy=2").contains("did you mean `opacity`?"));
+    assert!(refused("cloud.2.opacity=1").contains("needs a number below 2"));
+    assert!(refused("image.size.x=1").contains("needs a number below 2"));
+    assert!(refused("image.color.x=1").starts_with("--set image.color.x=1: `image.color` must be one of"));
+    assert!(refused("image..size=1").contains("is no key"));
+    assert!(refused("image.size").contains("expected KEY=VALUE"));
+}
+
+#[test]
+fn an_option_replaces_the_rival_key_of_the_file() {
+    let text = format!("[camera]\nfov_y = 30\n{CLOUD}");
+    let scene = overridden(&text, &["camera.height=2"]).unwrap();
+    assert_eq!((scene.camera.height, scene.camera.fov_y), (Some(2.0), None));
+    assert!(overridden(CLOUD, &["camera.height=2", "camera.fov_y=30"]).is_err(), "two options still contradict");
+}
+
+fn scene_of(text: &str) -> Scene {
+    overridden(text, &[]).unwrap()
+}
+
+fn assembled(text: &str, clouds: Vec<Cloud>, needs_radii: bool) -> Points {
+    assemble(&scene_of(text), clouds, needs_radii, &ProgressBar::hidden()).unwrap()
+}
+
+/// The point at a position, as (color, opacity, radius, normal): the order of points is not this test's business.
+fn at(points: &Points, position: DVec3) -> (Vec3, f32, f32, Option<Vec3>) {
+    let i = points.positions.iter().position(|p| *p == position).expect("a point at that position");
+    (points.colors[i], points.opacities[i], points.radii[i], points.normals.as_ref().map(|normals| normals[i]))
+}
+
+#[test]
+fn settings_apply_to_points() {
+    let own = Cloud {
+        positions: vec![DVec3::new(1.0, 0.0, 0.0)],
+        colors: Some(vec![Vec3::new(0.1, 0.2, 0.3)]),
+        alphas: Some(vec![0.5]),
+        radii: Some(vec![0.25]),
+        normals: Some(vec![Vec3::Z]),
+        ..Cloud::default()
+    };
+    let bare = Cloud { positions: vec![DVec3::new(7.0, 7.0, 7.0)], ..Cloud::default() };
+    let text = "[[cloud]]\npath = \"a\"\nopacity = 0.5\ntranslate = [500000, 4500000, 100]\nscale = 2\n\
+                [[cloud]]\npath = \"b\"\nradius = 3.0\n";
+    let points = assembled(text, vec![own.clone(), bare.clone()], true);
+    let moved = DVec3::new(500_002.0, 4_500_000.0, 100.0);
+    // Alpha 0.5·0.5; the file's radius 0.25 times scale 2.
+    assert_eq!(at(&points, moved), (Vec3::new(0.1, 0.2, 0.3), 0.25, 0.5, Some(Vec3::Z)));
+    // White, opaque, the scene's radius, no normal beside one that has.
+    assert_eq!(at(&points, DVec3::splat(7.0)), (Vec3::ONE, 1.0, 3.0, Some(Vec3::ZERO)));
+
+    let points = assembled("[[cloud]]\npath = \"a\"\nradius = 3.0\nscale = 2\ncolor = [1, 0, 0]", vec![own], true);
+    // A radius of the scene is not scaled, its color wins.
+    assert_eq!(at(&points, DVec3::new(2.0, 0.0, 0.0)), (Vec3::X, 0.5, 3.0, Some(Vec3::Z)));
+    let points = assembled("[[cloud]]\npath = \"b\"", vec![bare], false);
+    assert_eq!(at(&points, DVec3::splat(7.0)), (Vec3::ONE, 1.0, 0.0, None));
+}
+
+#[test]
+fn radii_are_estimated_after_the_scale() {
+    let line = Cloud { positions: (0..5).map(|i| DVec3::X * f64::from(i)).collect(), ..Cloud::default() };
+    let radius = |scale: f64| {
+        let text = format!("[[cloud]]\npath = \"a\"\nneighbors = 4\nscale = {scale}");
+        at(&assembled(&text, vec![line.clone()], true), DVec3::ZERO).2
+    };
+    // Eq. 20 at the end of the line: its 4 neighbors reach to 4, so 2·4/sqrt(4).
+    assert_eq!(radius(1.0), 4.0);
+    assert_eq!(radius(1000.0), 4000.0);
+}
+
+#[test]
+fn points_that_leave_float64_are_dropped_with_their_attributes() {
+    let cloud = Cloud {
+        positions: vec![DVec3::X, DVec3::new(1e300, 0.0, 0.0), DVec3::Y],
+        colors: Some(vec![Vec3::X, Vec3::Y, Vec3::Z]),
+        ..Cloud::default()
+    };
+    let text = "[[cloud]]\npath = \"a\"\nscale = 1e10";
+    let points = assembled(text, vec![cloud], false);
+    assert_eq!(points.len(), 2);
+    assert_eq!(at(&points, DVec3::Y * 1e10).0, Vec3::Z);
+    let far = Cloud { positions: vec![DVec3::X * 1e300], ..Cloud::default() };
+    let error = assemble(&scene_of(text), vec![far], false, &ProgressBar::hidden()).unwrap_err();
+    assert_eq!(error.exit_status(), 1);
+}
+
+fn points(positions: &[DVec3], radius: f32) -> Points {
+    Points {
+        positions: positions.to_vec(),
+        colors: vec![Vec3::ONE; positions.len()],
+        opacities: vec![1.0; positions.len()],
+        radii: vec![radius; positions.len()],
+        normals: None,
+    }
+}
+
+fn camera_of(text: &str, points: &Points, up: UpAxis, view: View) -> (Camera, Vec<String>) {
+    let mut scene = scene_of(&format!("{text}\n{CLOUD}"));
+    scene.camera.view = view;
+    camera(&scene, points, up).unwrap()
+}
+
+/// Asserts that every disc at a corner of the bounds lies inside the image and the depth range.
+fn assert_frames(camera: &Camera, points: &Points, size: [u32; 2]) {
+    let radius = f64::from(points.radii.iter().copied().fold(0.0, f32::max));
+    for corner in points.bounds().unwrap().corners() {
+        let (pixel, z) = camera.project(corner, size);
+        let radius_px = radius * camera.pixels_per_unit(z, size[1]);
+        assert!(z >= camera.near && z <= camera.far, "{z} in {}..{}", camera.near, camera.far);
+        for (at, side) in [(pixel.x, size[0]), (pixel.y, size[1])] {
+            assert!(at - radius_px >= 0.0 && at + radius_px <= f64::from(side), "{pixel} ± {radius_px} in {size:?}");
+        }
+    }
+}
+
+#[test]
+fn automatic_cameras_frame_any_scene_at_any_shape_of_image() {
+    let scenes: [(&[DVec3], f32); 6] = [
+        (&[DVec3::new(-3.0, 0.0, 1.0), DVec3::new(5.0, 2.0, 9.0)], 0.1),
+        (&[DVec3::new(636_000.0, 850_500.0, 411.0), DVec3::new(638_000.0, 852_500.0, 598.0)], 2.0),
+        (&[DVec3::ZERO, DVec3::Z * 10.0], 0.0),
+        (&[DVec3::new(5e5, 4.5e6, 1e2)], 0.0),
+        (&[DVec3::ZERO], 7.0),
+        (&[DVec3::ZERO, DVec3::X * 1e-9], 0.0),
+    ];
+    let views = [None, Some(ViewName::Front), Some(ViewName::Top), Some(ViewName::Left), Some(ViewName::Iso)];
+    for (positions, radius) in scenes {
+        for (size, name) in [[100, 100], [400, 100], [100, 400], [1, 16384]].iter().zip(views.iter().cycle()) {
+            for up in [UpAxis::Y, UpAxis::Z] {
+                let points = points(positions, radius);
+                let text = format!("[image]\nsize = {size:?}");
+                let (camera, warnings) = camera_of(&text, &points, up, View { name: *name, ..View::default() });
+                assert!(warnings.is_empty(), "{warnings:?}");
+                assert_frames(&camera, &points, *size);
+            }
+        }
+    }
+}
+
+#[test]
+fn framing_fills_the_image_up_to_the_margin() {
+    // A square of side 2 across the view: 95% of 100 pixels.
+    let square = points(&[DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)], 0.0);
+    let (camera, _) = camera_of(
+        "[image]\nsize = [100, 100]",
+        &square,
+        UpAxis::Y,
+        View { name: Some(ViewName::Front), ..View::default() },
+    );
+    let (corner, _) = camera.project(DVec3::new(-1.0, 1.0, 0.0), [100, 100]);
+    assert!((corner.x - 2.5).abs() < 1e-9 && (corner.y - 2.5).abs() < 1e-9, "{corner}");
+    assert_eq!(camera.projection, Projection::Perspective { fov_y: 45f64.to_radians() });
+}
+
+#[test]
+fn surveys_stand_on_z_and_models_on_y() {
+    let cube = points(&[DVec3::ZERO, DVec3::ONE], 0.0);
+    let up = |axis| camera_of("", &cube, axis, View::default()).0;
+    assert!(up(UpAxis::Z).up.z > 0.5 && up(UpAxis::Z).eye.y < 0.0, "from the south, Z up");
+    assert!(up(UpAxis::Y).up.y > 0.5 && up(UpAxis::Y).eye.z > 1.0, "from the front, Y up");
+    let cloud = |up| Cloud { up, ..Cloud::default() };
+    assert_eq!(up_axis(&[cloud(UpAxis::Y), cloud(UpAxis::Z)]), UpAxis::Z);
+    assert_eq!(up_axis(&[cloud(UpAxis::Y), cloud(UpAxis::Y), cloud(UpAxis::Z)]), UpAxis::Y);
+}
+
+#[test]
+fn a_given_camera_is_taken_as_it_is_with_the_default_depths() {
+    let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.5);
+    let (camera, warnings) =
+        camera_of("[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 1, 0]", &cube, UpAxis::Z, View::default());
+    assert_eq!((camera.eye, camera.forward, camera.up), (DVec3::Z * 5.0, -DVec3::Z, DVec3::Y));
+    // z runs from 4 to 6 over the corners, r_max is 0.5.
+    assert!((camera.far - 1.001 * 6.5).abs() < 1e-12 && (camera.near - 0.999 * 3.5).abs() < 1e-12);
+    assert_eq!(warnings, [""; 0]);
+    // Inside the box z_min is negative: near is far·1e-5.
+    let (camera, _) = camera_of("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, -1]", &cube, UpAxis::Y, View::default());
+    assert!((camera.far - 1.001 * 1.5).abs() < 1e-12 && (camera.near - camera.far * 1e-5).abs() < 1e-15);
+}
+
+#[test]
+fn a_camera_that_sees_nothing_says_so() {
+    let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.1);
+    let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 10]";
+    let (camera, warnings) = camera_of(away, &cube, UpAxis::Y, View::default());
+    assert!(camera.near > 0.0 && camera.near < camera.far);
+    assert!(warnings[0].contains("the camera sees nothing"), "{warnings:?}");
+    let (_, warnings) = camera_of("[camera]\nfar = 0.01", &cube, UpAxis::Y, View::default());
+    assert!(warnings[0].contains("the camera sees nothing"), "{warnings:?}");
+    let beside = "[camera]\neye = [0, 0, 5]\ntarget = [100, 0, 5]\nup = [0, 1, 0]";
+    assert_eq!(camera_of(beside, &cube, UpAxis::Y, View::default()).1.len(), 1);
+}
+
+#[test]
+fn a_camera_moved_with_its_cloud_is_the_same_camera() {
+    let shift = DVec3::new(500_000.0, 4_500_000.0, 100.0);
+    let camera = |shift: DVec3| {
+        let [eye, target] = [shift + DVec3::new(1.0, 2.0, 5.0), shift].map(|v| format!("{:?}", v.to_array()));
+        let cube = points(&[shift - DVec3::ONE, shift + DVec3::ONE], 0.5);
+        camera_of(&format!("[camera]\neye = {eye}\ntarget = {target}"), &cube, UpAxis::Y, View::default()).0
+    };
+    let (here, there) = (camera(DVec3::ZERO), camera(shift));
+    assert_eq!(Camera { eye: here.eye, ..there }, here);
+}
+
+#[test]
+fn coordinates_that_no_camera_can_hold_are_an_error() {
+    let huge = points(&[DVec3::ZERO, DVec3::X * 1e200], 0.0);
+    let error = camera(&scene_of(CLOUD), &huge, UpAxis::Y).unwrap_err();
+    assert_eq!(error.exit_status(), 1, "{error}");
+}
+
+#[test]
+fn the_up_of_the_file_says_which_axis_views_take_as_the_vertical() {
+    let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.0);
+    let front = View { name: Some(ViewName::Front), ..View::default() };
+    let up = |text, axis| camera_of(text, &cube, axis, front).0.up;
+    assert_eq!(up("[camera]\nup = [0, 0.1, 1]", UpAxis::Y), DVec3::Z);
+    assert_eq!(up("[camera]\nup = [0, 2, 0]", UpAxis::Z), DVec3::Y);
+    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::Z, "no vertical: the clouds' own");
+}
+
+#[test]
+fn a_view_replaces_the_eye_but_keeps_the_projection() {
+    let cube = points(&[DVec3::splat(-1.0), DVec3::ONE], 0.0);
+    let view = View { name: Some(ViewName::Right), ..View::default() };
+    let (camera, warnings) = camera_of("[camera]\neye = [0, 0, 5]\nheight = 4", &cube, UpAxis::Y, view);
+    assert_eq!((camera.forward, camera.projection), (-DVec3::X, Projection::Orthographic { height: 4.0 }));
+    assert!(warnings[0].contains("replaces `eye`"), "{warnings:?}");
+}
