@@ -22,7 +22,7 @@ fn raster_variants() -> Vec<Variant> {
 }
 
 fn compose_variants() -> Vec<Variant> {
-    let windows = [abuffer::Windows { count: 1, shift: 28 }, abuffer::Windows { count: 4, shift: 23 }];
+    let windows = [abuffer::Windows { count: 1, len: 1 << 20 }, abuffer::Windows { count: 4, len: 1 << 20 }];
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
     let shapes = [Footprint::Disc, Footprint::Oriented];
     shapes

@@ -10,7 +10,7 @@ use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
 use crate::gpu::{self, Buffer, Device, Dispatch, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use crate::passes::raster::{Chunk, Kept, Tiled, Walker};
+use crate::passes::raster::{Chunk, Kept, Tiled, Walker, tile_offsets_len};
 use crate::passes::scan::Scan;
 use crate::scene::{DiscShape, Discs, Falloff};
 use crate::{gpu_struct, pass};
@@ -236,7 +236,7 @@ pub fn compose_variant(windows: Windows, footprint: Footprint, falloff: Falloff)
         .with("SHAPE", footprint as u32)
         .with("FALLOFF", u32::from(falloff == Falloff::Gaussian))
         .with("WINDOWS", windows.count)
-        .with("WINDOW_SHIFT", windows.shift)
+        .with("WINDOW_LENGTH", windows.len)
 }
 
 /// The variant of `abuffer/resolve` for lists of `lowest` to `capacity` fragments.
@@ -244,30 +244,30 @@ pub fn resolve_variant(compose: Variant, lowest: u32, capacity: u32) -> Variant 
     compose.constant("LOWEST", lowest).constant("CAPACITY", capacity)
 }
 
-/// How per-point buffers are cut so that every point can be reached from one pass: 1 or 4 windows of 2^shift points.
+/// How per-point buffers are cut so that every point can be reached from one pass: 1 or 4 windows of `len` points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Windows {
     /// 1 or 4.
     pub count: u32,
-    /// Binary logarithm of a window's length.
-    pub shift: u32,
+    /// Points of a window.
+    pub len: u32,
 }
 
 impl Windows {
     /// The windows for so many points on a device, or an error if four do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
-        let elements = device.limits().binding_bytes / 16;
-        let shift = elements.max(1).ilog2().min(31);
-        let limit = 4u64 << shift;
+        // Splats are the widest element; 64 of any element are a multiple of every offset alignment.
+        let len = (device.limits().binding_bytes / size_of::<Splat>() as u64 & !63).min(1 << 30);
+        let limit = 4 * len;
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });
         }
-        Ok(Self { count: if points <= 1 << shift { 1 } else { 4 }, shift })
+        Ok(Self { count: if points <= len { 1 } else { 4 }, len: len as u32 })
     }
 
     /// The windows of a buffer; those beyond its end repeat its first element and are not read.
     pub fn of<T: gpu::GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; 4] {
-        let len = 1u64 << self.shift;
+        let len = u64::from(self.len);
         std::array::from_fn(|i| {
             let start = i as u64 * len;
             if start < buffer.len() { buffer.slice(start, len.min(buffer.len() - start)) } else { buffer.slice(0, 1) }
@@ -433,11 +433,10 @@ impl ABuffer {
 
     fn count(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Counted, Error> {
         let pixels = bands::pixels(job.window);
-        let large: u64 = job.stats.iter().map(|s| u64::from(s.large)).sum();
         let longest_scan = (pixels + 1).max(job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0));
         self.counts.reserve(device, pixels + 1)?;
         self.offsets.reserve(device, pixels + 1)?;
-        self.tile_offsets.reserve(device, if large > 0 { job.cloud.len() } else { 1 })?;
+        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
         if self.scan.as_ref().is_none_or(|s| s.capacity() < longest_scan) {
             self.scan = None;
             self.scan = Some(Scan::new(device, longest_scan)?);
@@ -489,7 +488,8 @@ impl ABuffer {
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
         let pixels = bands::pixels(job.window);
-        let used = pixels * PIXEL_BYTES + self.tile_offsets.get().bytes();
+        let tiles = self.tile_offsets.get().bytes();
+        let used = pixels * PIXEL_BYTES + tiles;
         let left = job.budget.left(used);
         let each = Self::bytes_per_fragment(counted);
         let capacity = (left / each).min(device.limits().binding_bytes / FRAGMENT_BYTES);
@@ -506,7 +506,7 @@ impl ABuffer {
                 length,
                 needed,
                 available: capacity * each,
-                budget: Budget::wanted(used, needed),
+                budget: Budget::wanted(tiles, needed),
             }
         })
     }

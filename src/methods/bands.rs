@@ -87,9 +87,11 @@ impl Budget {
         self.bytes.saturating_sub(used + OVERHEAD_BYTES.min(self.bytes / 2))
     }
 
-    /// The budget under which `needed` bytes would be left beside `used`.
-    pub fn wanted(used: u64, needed: u64) -> u64 {
-        (used + needed + OVERHEAD_BYTES).max(4 * used)
+    /// A budget that leaves `needed` bytes for fragments whatever the windows: these take at most a quarter, beside `fixed` bytes.
+    pub fn wanted(fixed: u64, needed: u64) -> u64 {
+        let small = 4 * needed;
+        let wanted = if small <= 2 * OVERHEAD_BYTES { small } else { (needed + OVERHEAD_BYTES).div_ceil(3) * 4 };
+        wanted + 2 * fixed
     }
 }
 

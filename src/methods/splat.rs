@@ -8,7 +8,7 @@ use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Run, Variant};
 use crate::passes::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use crate::passes::raster::{Chunk, Kept, RasterPush, Tiled, Walker};
+use crate::passes::raster::{Chunk, Kept, RasterPush, Tiled, Walker, tile_offsets_len};
 use crate::passes::scan::Scan;
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
@@ -131,7 +131,7 @@ impl Opaque {
         let pixels = bands::pixels(job.window);
         let large: u64 = job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
         self.nearest.reserve(device, pixels)?;
-        self.tile_offsets.reserve(device, if large > 0 { job.cloud.len() } else { 1 })?;
+        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
         if self.scan.as_ref().is_none_or(|s| s.capacity() < large) {
             self.scan = Some(Scan::new(device, large)?);
         }

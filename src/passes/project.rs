@@ -12,20 +12,24 @@ gpu_struct! {
     /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
     pub struct View {
         right: [f32; 4],
+        right_lo: [f32; 4],
         down: [f32; 4],
+        down_lo: [f32; 4],
         forward: [f32; 4],
+        forward_lo: [f32; 4],
         eye_hi: [f32; 4],
         eye_lo: [f32; 4],
         light: [f32; 4],
         material: [f32; 4],
         window: [u32; 4],
         size: [u32; 2],
-        near: f32,
-        far: f32,
-        focal_px: f32,
+        focal: [f32; 2],
+        depth_range: [f32; 2],
+        radius_limits: [f32; 2],
         orthographic: u32,
-        radius_factor: f32,
-        max_radius_px: f32,
+        unused_0: u32,
+        unused_1: u32,
+        unused_2: u32,
     }
 }
 
@@ -42,7 +46,9 @@ gpu_struct! {
 gpu_struct! {
     /// A projected splat.
     pub struct Splat {
-        center: [f32; 2],
+        fraction_x: f32,
+        fraction_y: f32,
+        pixel: u32,
         depth: f32,
         radius: f32,
     }
@@ -258,24 +264,33 @@ impl DeviceCloud {
 
     /// Sets the camera and the rectangle of pixels that is rendered next.
     pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
-        let (eye_hi, eye_lo) = split(camera.eye - self.origin);
-        let row = |v: DVec3| padded(v.as_vec3());
+        let rows = |v: DVec3| {
+            let (hi, lo) = split(v);
+            (padded(hi), padded(lo))
+        };
+        let (eye_hi, eye_lo) = rows(camera.eye - self.origin);
+        let (right, right_lo) = rows(camera.right);
+        let (down, down_lo) = rows(-camera.up);
+        let (forward, forward_lo) = rows(camera.forward);
+        let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
         let view = View {
-            right: row(camera.right),
-            down: row(-camera.up),
-            forward: row(camera.forward),
-            eye_hi: padded(eye_hi),
-            eye_lo: padded(eye_lo),
+            right,
+            right_lo,
+            down,
+            down_lo,
+            forward,
+            forward_lo,
+            eye_hi,
+            eye_lo,
             light: light(camera, &how.shading.light),
             material: [how.shading.ambient, how.shading.diffuse, how.shading.specular, how.shading.shininess],
             window,
             size,
-            near: camera.near as f32,
-            far: camera.far as f32,
-            focal_px: camera.focal_px(size[1]) as f32,
+            focal: [focal.x, focal_lo.x],
+            depth_range: [camera.near as f32, camera.far as f32],
+            radius_limits: [how.radius_factor, how.max_radius_px],
             orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
-            radius_factor: how.radius_factor,
-            max_radius_px: how.max_radius_px,
+            ..View::default()
         };
         self.view.write(&[view]);
     }

@@ -55,7 +55,7 @@ pub struct Tiled<'a> {
 }
 
 impl<'a> Tiled<'a> {
-    /// `stats` are those of the last projection into `window`; `tile_offsets` has an element for each point.
+    /// `stats` are those of the last projection into `window`; `tile_offsets` has an element for each large splat of all chunks.
     pub fn new(
         cloud: &'a DeviceCloud,
         stats: &'a [Stats],
@@ -74,18 +74,23 @@ impl<'a> Tiled<'a> {
         scan: &'a Scan,
         overflow: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        for ((first, _), stats) in self.cloud.chunks().zip(self.stats) {
+        for (chunk, ((first, _), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
             if stats.large > 0 && self.walker == Walker::Compute {
-                let large = u64::from(stats.large);
-                scan.record(
-                    recorder,
-                    self.cloud.tile_counts.slice(first, large),
-                    self.tile_offsets.slice(first, large),
-                    overflow,
-                )?;
+                let counts = self.cloud.tile_counts.slice(first, u64::from(stats.large));
+                scan.record(recorder, counts, self.tiles_of(chunk), overflow)?;
             }
         }
         Ok(())
+    }
+
+    /// The chunk's part of the tiles' prefix sums; a stand-in if it has no large splat.
+    fn tiles_of(&self, chunk: usize) -> Slice<'a, u32> {
+        let large = |s: &Stats| u64::from(s.large).next_multiple_of(64);
+        let start: u64 = self.stats[..chunk].iter().map(large).sum();
+        match self.stats[chunk].large {
+            0 => self.tile_offsets.slice(0, 1),
+            n => self.tile_offsets.slice(start, u64::from(n)),
+        }
     }
 
     /// Records a stage over all splats and the pixels [`band.0`, `band.1`) of the window.
@@ -96,11 +101,11 @@ impl<'a> Tiled<'a> {
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        for ((first, count), stats) in self.cloud.chunks().zip(self.stats) {
+        for (chunk, ((first, count), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
             if stats.visible == 0 {
                 continue;
             }
-            let pass = stage(self.chunk(first, count));
+            let pass = stage(self.chunk(chunk, first, count));
             let push = RasterPush {
                 count: count as u32,
                 first: first as u32,
@@ -128,24 +133,26 @@ impl<'a> Tiled<'a> {
         Ok(())
     }
 
-    fn chunk(&self, first: u64, count: u64) -> Chunk<'a> {
+    fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {
         let tilts = if self.footprint == Footprint::Oriented {
             self.cloud.tilts_of(first, count)
         } else {
             self.cloud.tilts.all()
         };
-        // Without any large splat there is only a stand-in.
-        let reserved = self.tile_offsets.len() >= first + count;
-        let tile_offsets = if reserved { self.tile_offsets.slice(first, count) } else { self.tile_offsets.all() };
         Chunk {
             view: self.cloud.view(),
             splats: self.cloud.splats.slice(first, count),
             tilts,
             bounds: self.cloud.bounds.slice(first, count),
             large: self.cloud.large.slice(first, count),
-            tile_offsets,
+            tile_offsets: self.tiles_of(chunk),
         }
     }
+}
+
+/// Elements that the tiles' prefix sums need: each chunk's begin at a multiple of 64, and there is at least one.
+pub fn tile_offsets_len(stats: &[Stats]) -> u64 {
+    stats.iter().map(|s| u64::from(s.large).next_multiple_of(64)).sum::<u64>().max(1)
 }
 
 /// The variant of a stage for a footprint and a walker.
