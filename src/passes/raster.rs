@@ -3,8 +3,9 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::scan::Scan;
-use crate::gpu::{Buffer, Device, Dispatch, Draw, Error, Memory, Pass, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant};
 use crate::gpu_struct;
+use crate::methods::bands::Band;
 
 gpu_struct! {
     /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl says what the members are.
@@ -15,6 +16,7 @@ gpu_struct! {
         tiles: u32,
         band_start: u32,
         band_end: u32,
+        first_fragment: u32,
     }
 }
 
@@ -93,11 +95,11 @@ impl<'a> Tiled<'a> {
         }
     }
 
-    /// Records a stage over all splats and the pixels [`band.0`, `band.1`) of the window.
+    /// Records a stage over all splats and the pixels of a band.
     pub fn record<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        band: [u32; 2],
+        band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
@@ -112,8 +114,9 @@ impl<'a> Tiled<'a> {
                 large_count: stats.large,
                 // A window whose tiles overflow is cut before it comes here.
                 tiles: stats.tiles() as u32,
-                band_start: band[0],
-                band_end: band[1],
+                band_start: band.pixels[0],
+                band_end: band.pixels[1],
+                first_fragment: band.first_fragment,
             };
             match self.walker {
                 Walker::Compute => {
@@ -162,37 +165,3 @@ pub fn variant(footprint: Footprint, walker: &'static str) -> Variant {
 
 /// The walkers by the names of their shared pieces.
 pub const WALKERS: [&str; 3] = ["walk_small", "walk_large", "walk_fragment"];
-
-/// A buffer that is kept from frame to frame and only grows.
-pub struct Kept<T> {
-    name: &'static str,
-    memory: Memory,
-    buffer: Option<Buffer<T>>,
-}
-
-impl<T: crate::gpu::GpuType> Kept<T> {
-    /// Nothing yet.
-    pub fn new(name: &'static str, memory: Memory) -> Self {
-        Self { name, memory, buffer: None }
-    }
-
-    /// Makes sure there is room for `len` elements; what was there before may be lost.
-    pub fn reserve(&mut self, device: &Device, len: u64) -> Result<(), Error> {
-        if self.buffer.as_ref().is_none_or(|b| b.len() < len) {
-            // Freed first, so that old and new never exist together.
-            self.buffer = None;
-            self.buffer = Some(device.buffer(self.name, len, self.memory)?);
-        }
-        Ok(())
-    }
-
-    /// Frees the memory.
-    pub fn release(&mut self) {
-        self.buffer = None;
-    }
-
-    /// The buffer; there must have been a [`Self::reserve`].
-    pub fn get(&self) -> &Buffer<T> {
-        self.buffer.as_ref().expect("reserved before use")
-    }
-}
