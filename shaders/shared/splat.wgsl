@@ -77,11 +77,12 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -
         facing += along / view.focal.x;
     }
     let t = along / facing;
-    let distance = length(vec3<f32>(o, 0.0) - ray * t);
+    let from_center = vec3<f32>(o, 0.0) - ray * t;
+    let squared = dot(from_center, from_center);
     let depth = splat.depth - unit * t;
     // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
-    if distance <= splat.radius && (view.orthographic != 0u || depth > 0.0) {
-        return Coverage(true, depth, relative_distance(distance, splat.radius));
+    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth > 0.0) {
+        return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
     return Coverage(all(center_pixel(splat) == vec2<i32>(pixel)), splat.depth, 1.0);
 }

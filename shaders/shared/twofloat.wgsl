@@ -39,6 +39,13 @@ fn divide2(x: vec2<f32>, y: vec2<f32>) -> vec2<f32> {
     return quick_sum(q, rest.x / y.x);
 }
 
+// Compensated: the errors of the products and sums are added in one float (Ogita, Rump, Oishi 2005).
 fn dot2(a: array<vec2<f32>, 3>, b: array<vec2<f32>, 3>) -> vec2<f32> {
-    return add2(add2(multiply2(a[0], b[0]), multiply2(a[1], b[1])), multiply2(a[2], b[2]));
+    let p = two_product(a[0].x, b[0].x);
+    let q = two_product(a[1].x, b[1].x);
+    let r = two_product(a[2].x, b[2].x);
+    let s = two_sum(p.x, q.x);
+    let t = two_sum(s.x, r.x);
+    let crossed = (a[0].x * b[0].y + a[0].y * b[0].x) + (a[1].x * b[1].y + a[1].y * b[1].x) + (a[2].x * b[2].y + a[2].y * b[2].x);
+    return quick_sum(t.x, ((p.y + q.y) + r.y) + (s.y + t.y) + crossed);
 }

@@ -1,5 +1,5 @@
 // splat/project: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
-// One invocation per point of a chunk. Points outside near and far, or whose rectangle misses the part of the image in
+// One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose rectangle misses the part of the image in
 // work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they need.
 #import splat
 #import twofloat
@@ -55,6 +55,9 @@ override NORMALS: u32 = 0u;
 
 // Beyond any image, and with a square that stays finite.
 const HUGE = 1e18;
+
+// Points of one invocation.
+override RUN: u32 = 8u;
 
 // A vector in camera axes, each component a sum of two floats.
 fn in_camera(v: array<vec2<f32>, 3>) -> array<vec2<f32>, 3> {
@@ -203,23 +206,15 @@ fn add_area(n: u32) {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
-    if i >= push.count {
-        return;
-    }
+// Projects a point; returns the number of pixels of its rectangle.
+fn project(i: u32) -> u32 {
     let point = points[i];
     let place = in_camera(minus_eye(point.hi, point.lo));
     let position = rounded(place);
     // Written so that NaN is not drawn.
     if !(position.z >= view.depth_range.x && position.z <= view.depth_range.y) {
         bounds[i] = Bounds(0u, 0u);
-        return;
+        return 0u;
     }
     var scale = view.focal;
     if view.orthographic == 0u {
@@ -229,7 +224,7 @@ fn main(
     let y = multiply2(place[1], scale);
     if !(abs(x.x) <= HUGE && abs(y.x) <= HUGE) {
         bounds[i] = Bounds(0u, 0u);
-        return;
+        return 0u;
     }
     let column = on_screen(x, view.size.x);
     let row = on_screen(y, view.size.y);
@@ -251,7 +246,7 @@ fn main(
     let extent = bounds_max(rect) - bounds_min(rect);
     let area = extent.x * extent.y;
     if area == 0u {
-        return;
+        return 0u;
     }
     splats[i] = splat;
     if SHAPE == SHAPE_ORIENTED {
@@ -265,13 +260,36 @@ fn main(
         color = encode(color);
     }
     colors[i] = vec4<f32>(color, point.opacity);
-    atomicAdd(&stats[push.chunk].visible, 1u);
-    add_area(area);
     if area > SMALL_AREA {
         let tiles = (extent + TILE - 1u) / TILE;
         let place = atomicAdd(&stats[push.chunk].large, 1u);
         large[place] = i;
         tile_counts[place] = tiles.x * tiles.y;
         add_tiles(tiles.x * tiles.y);
+    }
+    return area;
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
+    var visible = 0u;
+    // A rectangle has at most 2^28 pixels, so the sum of a run fits.
+    var area = 0u;
+    for (var k = 0u; k < RUN; k++) {
+        let i = first + k * WG_SIZE;
+        if i < push.count {
+            let pixels = project(i);
+            visible += select(0u, 1u, pixels > 0u);
+            area += pixels;
+        }
+    }
+    if visible > 0u {
+        atomicAdd(&stats[push.chunk].visible, visible);
+        add_area(area);
     }
 }

@@ -315,7 +315,10 @@ impl DeviceCloud {
                 stats: self.stats.all(),
             };
             let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
-            recorder.run(&pass, &Run::new(Dispatch::Invocations(count)).push(&push).variant(variant.clone()))?;
+            recorder.run(
+                &pass,
+                &Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN))).push(&push).variant(variant.clone()),
+            )?;
         }
         recorder.copy("splat/stats", self.stats.all(), self.stats_host.all())
     }
@@ -342,6 +345,9 @@ impl DeviceCloud {
     }
 }
 
+/// Points of one invocation of `splat/project`: rectangles of at most 2^28 pixels then add up to less than 2^32.
+const PROJECT_RUN: u64 = 8;
+
 /// One variant of `splat/project`.
 pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, normals: bool) -> Variant {
     Variant::plain()
@@ -349,6 +355,7 @@ pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, no
         .with("SHADING", shading)
         .with("ENCODED", u32::from(color == ColorSpace::Encoded))
         .with("NORMALS", u32::from(normals))
+        .with("RUN", PROJECT_RUN as u32)
 }
 
 /// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.

@@ -8,15 +8,15 @@ use crate::methods::renderer::Target;
 use crate::passes::compose::{self, Composing, Cut};
 
 /// Lists of up to this length are sorted in registers.
-const NETWORK_LENGTH: u32 = 32;
+const NETWORK_LENGTH: u32 = 64;
 /// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
 pub const CLASSES: [(u32, &str); 8] = [
     (1, "abuffer/resolve-1"),
     (4, "abuffer/resolve-4"),
     (8, "abuffer/resolve-8"),
     (16, "abuffer/resolve-16"),
-    (NETWORK_LENGTH, "abuffer/resolve-32"),
-    (64, "abuffer/resolve-64"),
+    (32, "abuffer/resolve-32"),
+    (NETWORK_LENGTH, "abuffer/resolve-64"),
     (128, "abuffer/resolve-128"),
     (LOCAL_LENGTH, "abuffer/resolve-256"),
 ];
