@@ -5,7 +5,7 @@ use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::{abuffer, splat};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint};
-use pellucid::passes::{raster, scan};
+use pellucid::passes::{raster, scan, tiles};
 use pellucid::scene::{ColorSpace, Falloff};
 use pellucid::{gpu_struct, pass};
 
@@ -45,6 +45,8 @@ fn every_shader_matches_its_pass_in_every_variant() {
         })
     });
     check::<project::Project>(&mut seen, project);
+    check::<tiles::TileCount>(&mut seen, [Variant::plain()]);
+    check::<tiles::TileStore>(&mut seen, [Variant::plain()]);
     check::<scan::Reduce>(&mut seen, [Variant::plain().with("RUN", 64)]);
     check::<scan::Spread>(&mut seen, scan::variants());
     check::<abuffer::Count>(&mut seen, raster_variants());

@@ -7,21 +7,23 @@ struct RasterPush {
     count: u32,
     // Index of the chunk's first splat among all.
     first: u32,
-    large_count: u32,
-    tiles: u32,
     // The band of pixels in work: [band_start, band_end) in the order of window_index.
     band_start: u32,
     band_end: u32,
     // The band's first fragment among the window's.
     first_fragment: u32,
+    // The tiles that meet the band, and segments of their splats.
+    first_tile: u32,
+    tiles: u32,
+    segments: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> splats: array<Splat>;
 @group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
-@group(0) @binding(4) var<storage, read> large: array<u32>;
-@group(0) @binding(5) var<storage, read> tile_offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> tile_starts: array<u32>;
+@group(0) @binding(5) var<storage, read> tile_entries: array<u32>;
 var<immediate> push: RasterPush;
 
 fn tilt_of(i: u32) -> Tilt {

@@ -119,7 +119,14 @@ fn key_depth(key: u32) -> f32 {
     return bitcast<f32>(select(~key, key & 0x7fffffffu, (key & 0x80000000u) != 0u));
 }
 
-// Splats of at most this many pixels are walked by one invocation; larger ones are cut into tiles.
+// Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
 const SMALL_AREA = 256u;
-// Side of a tile in pixels.
+// Side of a tile in pixels. Tiles start at the corner of the rectangle in work.
 const TILE = 16u;
+// Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that
+// lavapipe allows.
+const SEGMENT = 4096u;
+
+fn tile_columns(window: vec4<u32>) -> u32 {
+    return (window.z - window.x + TILE - 1u) / TILE;
+}

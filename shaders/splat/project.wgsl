@@ -1,6 +1,6 @@
 // splat/project: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
 // One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose rectangle misses the part of the image in
-// work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they need.
+// work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they meet.
 #import splat
 #import twofloat
 #import dispatch
@@ -261,7 +261,9 @@ fn project(i: u32) -> u32 {
     }
     colors[i] = vec4<f32>(color, point.opacity);
     if area > SMALL_AREA {
-        let tiles = (extent + TILE - 1u) / TILE;
+        let first = (bounds_min(rect) - view.window.xy) / TILE;
+        let last = (bounds_max(rect) - 1u - view.window.xy) / TILE;
+        let tiles = last - first + 1u;
         let place = atomicAdd(&stats[push.chunk].large, 1u);
         large[place] = i;
         tile_counts[place] = tiles.x * tiles.y;

@@ -82,6 +82,8 @@ pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
 pub struct Budget {
     /// Bytes for everything but cloud and image.
     pub bytes: u64,
+    /// Those of them that tiles of large splats take.
+    pub tiles: u64,
     /// Bytes that one binding may have.
     pub binding: u64,
 }
@@ -95,16 +97,24 @@ impl Budget {
         (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
     }
 
-    /// Bytes left for fragments beside `used`.
-    pub fn left(&self, used: u64) -> u64 {
-        self.bytes.saturating_sub(used + OVERHEAD_BYTES.min(self.bytes / 2))
+    /// The budget with tiles of this many bytes; `None` if they take more than a quarter or a binding.
+    pub fn with_tiles(self, tiles: u64) -> Option<Self> {
+        (tiles <= self.bytes / 4 && tiles <= self.binding).then_some(Self { tiles, ..self })
     }
 
-    /// A budget that leaves `needed` bytes for fragments whatever the windows: these take at most a quarter, beside `fixed` bytes.
-    pub fn wanted(fixed: u64, needed: u64) -> u64 {
-        let small = 4 * needed;
-        let wanted = if small <= 2 * OVERHEAD_BYTES { small } else { (needed + OVERHEAD_BYTES).div_ceil(3) * 4 };
-        wanted + 2 * fixed
+    /// Bytes left for fragments beside `used` and the tiles.
+    pub fn left(&self, used: u64) -> u64 {
+        self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 2))
+    }
+
+    /// Bytes of a budget that leaves `needed` for fragments whatever the windows, which take at most a quarter.
+    pub fn wanted(&self, needed: u64) -> u64 {
+        let (small, tiles) = (4 * needed, 4 * self.tiles);
+        if small + tiles <= 2 * OVERHEAD_BYTES {
+            small + tiles
+        } else {
+            (needed + self.tiles + OVERHEAD_BYTES).div_ceil(3) * 4
+        }
     }
 }
 

@@ -11,7 +11,8 @@ use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
-use crate::passes::raster::Walker;
+use crate::passes::raster::{self, Walker};
+use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::scene::{ColorSpace, DiscShape, Discs, Method, Raster, ScreenSplats, Shading};
 
@@ -190,6 +191,7 @@ pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
     opaque: Opaque,
+    tiles: Tiles,
     target: Target,
     /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
@@ -201,7 +203,8 @@ impl Renderer {
         Ok(Self {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
-            opaque: Opaque::new(device)?,
+            opaque: Opaque::new(),
+            tiles: Tiles::new(device)?,
             target: Target::new(),
             wide_atomics: device.info().int64_atomics,
         })
@@ -231,9 +234,9 @@ impl Renderer {
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut timeline = Timeline::default();
         while let Some(window) = windows.pop() {
-            match self.render_window(cloud, frame, window, budget, &mut timeline, &mut facts)? {
+            let mut work = Work { window, budget, timeline: &mut timeline, facts: &mut facts, survey: false };
+            match self.work(cloud, frame, &mut work)? {
                 Outcome::Done => {
-                    facts.windows += 1;
                     self.target.deliver(window, &mut image);
                     self.deliver_counts(frame, window, &mut image)?;
                 }
@@ -250,12 +253,13 @@ impl Renderer {
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         let window = [0, 0, frame.size[0], frame.size[1]];
-        let mut facts = Facts::default();
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
-        let walker = self.walker(discs.raster, &stats, &mut facts)?;
+        let walker = self.walker(discs.raster, &stats)?;
+        self.tiles.reserve(&self.device, &stats, window)?;
+        let footprint = projecting(frame).footprint;
+        let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
-        let job = abuffer::WindowJob { cloud, stats: &stats, discs, walker, window, budget };
-        self.abuffer.lists(&self.device, &job)
+        self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget })
     }
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -264,62 +268,47 @@ impl Renderer {
         let mut windows = initial_windows(frame, budget);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         while let Some(window) = windows.pop() {
-            let mut timeline = Timeline::default();
-            let stats = self.project(cloud, frame, window, &mut timeline)?;
-            let fits = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
-            let outcome = match frame.method {
-                _ if !fits => Outcome::Overflow,
-                Method::ABuffer(discs) => {
-                    let walker = self.walker(discs.raster, &stats, &mut facts)?;
-                    let job = abuffer::WindowJob { cloud: &*cloud, stats: &stats, discs, walker, window, budget };
-                    self.abuffer.survey(&self.device, &job, &mut timeline, &mut facts)?
-                }
-                _ => {
-                    self.walker(Raster::Auto, &stats, &mut facts)?;
-                    Outcome::Done
-                }
-            };
-            match outcome {
-                Outcome::Done => {
-                    facts.windows += 1;
-                    note(&stats, &mut facts);
-                }
-                Outcome::Overflow => split(window, &mut windows)?,
+            let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
+            if let Outcome::Overflow = self.work(cloud, frame, &mut work)? {
+                split(window, &mut windows)?;
             }
         }
         Ok(facts)
     }
 
-    fn render_window(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        window: Window,
-        budget: Budget,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        let stats = self.project(cloud, frame, window, timeline)?;
-        if stats.iter().any(|s| u32::try_from(s.tiles()).is_err()) {
+    /// Renders a window, or only counts it.
+    fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let window = work.window;
+        let stats = self.project(cloud, frame, window, work.timeline)?;
+        let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
+        let walker = self.walker(asked, &stats)?;
+        let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
             return Ok(Outcome::Overflow);
-        }
-        let cloud = &*cloud;
+        };
+        self.tiles.reserve(&self.device, if tile_bytes > 0 { &stats } else { &[] }, window)?;
+        let footprint = projecting(frame).footprint;
+        let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
+        let device = &self.device;
         let outcome = match frame.method {
             Method::ABuffer(discs) => {
-                let walker = self.walker(discs.raster, &stats, facts)?;
-                let job = abuffer::WindowJob { cloud, stats: &stats, discs, walker, window, budget };
-                self.abuffer.render(&self.device, &job, &self.target, timeline, facts)?
+                let job = abuffer::WindowJob { raster, discs, budget };
+                if work.survey {
+                    self.abuffer.survey(device, &job, work.timeline, work.facts)?
+                } else {
+                    self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
+                }
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
-                let walker = self.walker(Raster::Auto, &stats, facts)?;
-                let footprint = projecting(frame).footprint;
-                let job = splat::WindowJob { cloud, stats: &stats, footprint, walker, wide: self.wide_atomics, window };
-                self.opaque.render(&self.device, &job, &self.target, timeline)?;
+                if !work.survey {
+                    self.opaque.render(device, &raster, self.wide_atomics, &self.target, work.timeline)?;
+                }
                 Outcome::Done
             }
         };
-        if matches!(outcome, Outcome::Done) {
-            note(&stats, facts);
+        if let Outcome::Done = outcome {
+            work.facts.note(&stats, walker);
         }
         Ok(outcome)
     }
@@ -339,21 +328,14 @@ impl Renderer {
         Ok(cloud.stats())
     }
 
-    fn walker(&self, raster: Raster, stats: &[Stats], facts: &mut Facts) -> Result<Walker, Error> {
+    fn walker(&self, raster: Raster, stats: &[Stats]) -> Result<Walker, Error> {
         let info = self.device.info();
-        let walker = match raster {
-            Raster::Compute => Walker::Compute,
-            Raster::Hardware if !info.fragment_atomics => {
-                return Err(Error::NoHardwareRaster { device: info.name.clone() });
-            }
-            Raster::Hardware => Walker::Hardware,
-            Raster::Auto => choose_walker(stats, info.fragment_atomics),
-        };
-        facts.raster = match walker {
-            Walker::Compute => "compute",
-            Walker::Hardware => "hardware",
-        };
-        Ok(walker)
+        match raster {
+            Raster::Compute => Ok(Walker::Compute),
+            Raster::Hardware if !info.fragment_atomics => Err(Error::NoHardwareRaster { device: info.name.clone() }),
+            Raster::Hardware => Ok(Walker::Hardware),
+            Raster::Auto => Ok(choose_walker(stats, info.fragment_atomics)),
+        }
     }
 
     fn budget(&self, cloud: &DeviceCloud, frame: &Frame) -> Budget {
@@ -362,7 +344,7 @@ impl Renderer {
             // A quarter stays free for the system and for other programs.
             (limits.heap_bytes / 4 * 3).saturating_sub(cloud.bytes()).max(64 << 20)
         });
-        Budget { bytes, binding: limits.binding_bytes }
+        Budget { bytes, tiles: 0, binding: limits.binding_bytes }
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
@@ -400,12 +382,30 @@ fn split(window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
     Ok(())
 }
 
-fn note(stats: &[Stats], facts: &mut Facts) {
-    for s in stats {
-        facts.visible += u64::from(s.visible);
-        facts.large += u64::from(s.large);
-        facts.area += s.area();
+impl Facts {
+    /// Adds a finished window.
+    fn note(&mut self, stats: &[Stats], walker: Walker) {
+        self.windows += 1;
+        self.raster = match walker {
+            Walker::Compute => "compute",
+            Walker::Hardware => "hardware",
+        };
+        for s in stats {
+            self.visible += u64::from(s.visible);
+            self.large += u64::from(s.large);
+            self.area += s.area();
+        }
     }
+}
+
+/// A window in work.
+struct Work<'a> {
+    window: Window,
+    budget: Budget,
+    timeline: &'a mut Timeline,
+    facts: &'a mut Facts,
+    /// Whether counting is enough.
+    survey: bool,
 }
 
 fn blank(frame: &Frame) -> Image {
@@ -455,8 +455,9 @@ fn aggregate(timeline: &[(PassTime, Duration)], facts: &Facts, frame: &Frame, cl
 fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
+    let transparent = matches!(frame.method, Method::ABuffer(_));
     let oriented = matches!(frame.method, Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }));
-    let splat = 16 + if oriented { 16 } else { 0 };
+    let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
     match name {
@@ -469,8 +470,11 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "abuffer/store" => {
             Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))
         }
-        "abuffer/resolve" => Some(facts.fragments * (FRAGMENT + 16) + pixels * (4 + 20)),
-        "splat/clear" => Some(pixels * 8),
+        "abuffer/cursors" => Some(pixels * 8),
+        "image/clear" => Some(pixels * 20),
+        "abuffer/classify" => Some(pixels * 4),
+        "abuffer/order" => Some(pixels * 8),
+        "splat/clear" if !transparent => Some(pixels * 8),
         "splat/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => None,

@@ -2,14 +2,13 @@
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
-use super::bands::{self, Band, Window};
+use super::bands::{self, Band};
 use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Run};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
 use crate::passes::compose::{self, Composing, Cut};
-use crate::passes::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use crate::passes::raster::{Chunk, RasterPush, Tiled, Walker, tile_offsets_len};
-use crate::passes::scan::Scan;
+use crate::passes::project::{Bounds, Footprint, Splat, Tilt, View};
+use crate::passes::raster::{Chunk, Raster, RasterPush};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -28,8 +27,8 @@ pass! {
         splats: Read<Splat>,
         tilts: Read<Tilt>,
         bounds: Read<Bounds>,
-        large: Read<u32>,
-        tile_offsets: Read<u32>,
+        tile_starts: Read<u32>,
+        tile_entries: Read<u32>,
         nearest: ReadWrite<u64>,
     }
 }
@@ -41,8 +40,8 @@ pass! {
         splats: Read<Splat>,
         tilts: Read<Tilt>,
         bounds: Read<Bounds>,
-        large: Read<u32>,
-        tile_offsets: Read<u32>,
+        tile_starts: Read<u32>,
+        tile_entries: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -54,8 +53,8 @@ pass! {
         splats: Read<Splat>,
         tilts: Read<Tilt>,
         bounds: Read<Bounds>,
-        large: Read<u32>,
-        tile_offsets: Read<u32>,
+        tile_starts: Read<u32>,
+        tile_entries: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -79,97 +78,65 @@ pub const PIXEL_BYTES: u64 = 8;
 /// Buffers of opaque splats, kept from frame to frame.
 pub struct Opaque {
     nearest: Kept<NearestSplat>,
-    tile_offsets: Kept<u32>,
-    scan: Option<Scan>,
-    overflow: Buffer<u32>,
-}
-
-/// Everything that stays the same while a window is rendered.
-pub struct WindowJob<'a> {
-    /// The projected cloud.
-    pub cloud: &'a DeviceCloud,
-    /// What its projection found.
-    pub stats: &'a [Stats],
-    /// Which pixels a splat covers.
-    pub footprint: Footprint,
-    /// Who visits pixels.
-    pub walker: Walker,
-    /// Whether 64-bit atomics are used.
-    pub wide: bool,
-    /// The rectangle.
-    pub window: Window,
 }
 
 impl Opaque {
-    /// No buffers but the small ones yet.
-    pub fn new(device: &Device) -> Result<Self, Error> {
-        Ok(Self {
-            nearest: Kept::new("nearest splats", Memory::Device),
-            tile_offsets: Kept::new("tile offsets", Memory::Device),
-            scan: None,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-        })
+    /// No buffers yet.
+    pub fn new() -> Self {
+        Self { nearest: Kept::new("nearest splats", Memory::Device) }
     }
 
-    /// Renders a window into the target.
+    /// Renders a window into the target; `wide` says whether 64-bit atomics are used.
     pub fn render(
         &mut self,
         device: &Device,
-        job: &WindowJob<'_>,
+        raster: &Raster<'_>,
+        wide: bool,
         target: &Target,
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
-        let pixels = bands::pixels(job.window);
-        let large: u64 = job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
+        let pixels = bands::pixels(raster.window);
         self.nearest.reserve(device, pixels)?;
-        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
-        if self.scan.as_ref().is_none_or(|s| s.capacity() < large) {
-            self.scan = Some(Scan::new(device, large)?);
-        }
 
         let mut recorder = device.recorder()?;
         let nearest = self.nearest.get().slice(0, pixels);
-        let tiled = Tiled::new(job.cloud, job.stats, self.tile_offsets.get(), job.walker, job.footprint, job.window);
         recorder.fill("splat/clear", nearest, u32::MAX)?;
-        recorder.fill("splat/clear", self.overflow.all(), 0)?;
-        if let Some(scan) = &self.scan {
-            tiled.record_tiles(&mut recorder, scan, self.overflow.all())?;
-        }
-        let all = &Band::whole(job.window, 0);
-        if job.wide {
-            tiled.record(&mut recorder, all, |c: Chunk<'_>| Nearest {
+        raster.record_tiles(&mut recorder)?;
+        let all = &Band::whole(raster.window, 0);
+        if wide {
+            raster.record(&mut recorder, all, |c: Chunk<'_>| Nearest {
                 view: c.view,
                 splats: c.splats,
                 tilts: c.tilts,
                 bounds: c.bounds,
-                large: c.large,
-                tile_offsets: c.tile_offsets,
+                tile_starts: c.tile_starts,
+                tile_entries: c.tile_entries,
                 nearest: nearest.cast(),
             })?;
         } else {
-            tiled.record(&mut recorder, all, |c: Chunk<'_>| NearestDepth {
+            raster.record(&mut recorder, all, |c: Chunk<'_>| NearestDepth {
                 view: c.view,
                 splats: c.splats,
                 tilts: c.tilts,
                 bounds: c.bounds,
-                large: c.large,
-                tile_offsets: c.tile_offsets,
+                tile_starts: c.tile_starts,
+                tile_entries: c.tile_entries,
                 nearest,
             })?;
-            tiled.record(&mut recorder, all, |c: Chunk<'_>| NearestId {
+            raster.record(&mut recorder, all, |c: Chunk<'_>| NearestId {
                 view: c.view,
                 splats: c.splats,
                 tilts: c.tilts,
                 bounds: c.bounds,
-                large: c.large,
-                tile_offsets: c.tile_offsets,
+                tile_starts: c.tile_starts,
+                tile_entries: c.tile_entries,
                 nearest,
             })?;
         }
-        let cut = Cut::new(device, job.cloud.len())?;
-        let Composing { colors, splats, tilts } = Composing::new(job.cloud, cut);
+        let cut = Cut::new(device, raster.cloud.len())?;
+        let Composing { colors, splats, tilts } = Composing::new(raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
-        let resolve = Resolve { view: job.cloud.view(), colors, splats, tilts, nearest, image, depths };
+        let resolve = Resolve { view: raster.cloud.view(), colors, splats, tilts, nearest, image, depths };
         let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
         recorder.run(&resolve, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;

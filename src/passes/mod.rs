@@ -4,3 +4,4 @@ pub mod compose;
 pub mod project;
 pub mod raster;
 pub mod scan;
+pub mod tiles;

@@ -2,28 +2,29 @@
 //! shaders/shared/raster.wgsl states.
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use super::scan::Scan;
-use crate::gpu::{Buffer, Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant};
+use super::tiles::{self, SEGMENT, TILE, Tiles};
+use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant};
 use crate::gpu_struct;
-use crate::methods::bands::Band;
+use crate::methods::bands::{Band, Window};
 
 gpu_struct! {
     /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl says what the members are.
     pub struct RasterPush {
         count: u32,
         first: u32,
-        large_count: u32,
-        tiles: u32,
         band_start: u32,
         band_end: u32,
         first_fragment: u32,
+        first_tile: u32,
+        tiles: u32,
+        segments: u32,
     }
 }
 
 /// Who visits the pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Walker {
-    /// Compute: one invocation per small splat, one workgroup per tile of a large one.
+    /// Compute: one invocation per small splat, large ones tile by tile.
     Compute,
     /// The rasteriser.
     Hardware,
@@ -39,59 +40,35 @@ pub struct Chunk<'a> {
     pub tilts: Slice<'a, Tilt>,
     /// Their rectangles.
     pub bounds: Slice<'a, Bounds>,
-    /// Indices of the large ones.
-    pub large: Slice<'a, u32>,
-    /// Prefix sums of their tiles.
-    pub tile_offsets: Slice<'a, u32>,
+    /// First entry of each tile.
+    pub tile_starts: Slice<'a, u32>,
+    /// Large splats of the tiles.
+    pub tile_entries: Slice<'a, u32>,
 }
 
-/// A projected cloud with its large splats cut into tiles.
-pub struct Tiled<'a> {
-    cloud: &'a DeviceCloud,
-    stats: &'a [Stats],
-    tile_offsets: &'a Buffer<u32>,
-    /// The walker in force.
+/// A projected cloud whose pixels are visited.
+#[derive(Clone, Copy)]
+pub struct Raster<'a> {
+    /// The cloud.
+    pub cloud: &'a DeviceCloud,
+    /// What its projection into the window found.
+    pub stats: &'a [Stats],
+    /// The window's tiles; recorded before, if the walker is [`Walker::Compute`].
+    pub tiles: &'a Tiles,
+    /// Who visits.
     pub walker: Walker,
-    footprint: Footprint,
-    window: [u32; 4],
+    /// Which pixels a splat covers.
+    pub footprint: Footprint,
+    /// The rectangle of pixels in work.
+    pub window: Window,
 }
 
-impl<'a> Tiled<'a> {
-    /// `stats` are those of the last projection into `window`; `tile_offsets` has an element for each large splat of all chunks.
-    pub fn new(
-        cloud: &'a DeviceCloud,
-        stats: &'a [Stats],
-        tile_offsets: &'a Buffer<u32>,
-        walker: Walker,
-        footprint: Footprint,
-        window: [u32; 4],
-    ) -> Self {
-        Self { cloud, stats, tile_offsets, walker, footprint, window }
-    }
-
-    /// Records the prefix sums over the tiles of large splats, if there are any.
-    pub fn record_tiles(
-        &self,
-        recorder: &mut Recorder<'a>,
-        scan: &'a Scan,
-        overflow: Slice<'a, u32>,
-    ) -> Result<(), Error> {
-        for (chunk, ((first, _), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
-            if stats.large > 0 && self.walker == Walker::Compute {
-                let counts = self.cloud.tile_counts.slice(first, u64::from(stats.large));
-                scan.record(recorder, counts, self.tiles_of(chunk), overflow)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The chunk's part of the tiles' prefix sums; a stand-in if it has no large splat.
-    fn tiles_of(&self, chunk: usize) -> Slice<'a, u32> {
-        let large = |s: &Stats| u64::from(s.large).next_multiple_of(64);
-        let start: u64 = self.stats[..chunk].iter().map(large).sum();
-        match self.stats[chunk].large {
-            0 => self.tile_offsets.slice(0, 1),
-            n => self.tile_offsets.slice(start, u64::from(n)),
+impl<'a> Raster<'a> {
+    /// Records the tiles of large splats, if the walker asks for them.
+    pub fn record_tiles(&self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        match self.walker {
+            Walker::Compute => self.tiles.record(recorder, self.cloud, self.stats, self.window),
+            Walker::Hardware => Ok(()),
         }
     }
 
@@ -103,28 +80,30 @@ impl<'a> Tiled<'a> {
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
+        let [first_tile, tiles] = self.tiles_of(band);
         for (chunk, ((first, count), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
             if stats.visible == 0 {
                 continue;
             }
             let pass = stage(self.chunk(chunk, first, count));
+            let segments = stats.large.div_ceil(SEGMENT);
             let push = RasterPush {
                 count: count as u32,
                 first: first as u32,
-                large_count: stats.large,
-                // A window whose tiles overflow is cut before it comes here.
-                tiles: stats.tiles() as u32,
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
+                first_tile,
+                tiles,
+                segments,
             };
             match self.walker {
                 Walker::Compute => {
                     let small = Run::new(Dispatch::Invocations(count)).push(&push);
                     recorder.run(&pass, &small.variant(variant(self.footprint, "walk_small")))?;
                     if stats.large > 0 {
-                        let large = Run::new(Dispatch::Groups(stats.tiles())).push(&push);
-                        recorder.run(&pass, &large.variant(variant(self.footprint, "walk_large")))?;
+                        let large = Run::new(Dispatch::Groups(u64::from(tiles) * u64::from(segments))).push(&push);
+                        recorder.run(&pass, &large.variant(variant(self.footprint, "walk_tiles")))?;
                     }
                 }
                 Walker::Hardware => {
@@ -136,26 +115,26 @@ impl<'a> Tiled<'a> {
         Ok(())
     }
 
+    /// First tile and number of tiles of the rows of tiles that meet a band.
+    fn tiles_of(&self, band: &Band) -> [u32; 2] {
+        let columns = tiles::grid(self.window)[0];
+        let row = |pixel: u32| pixel / (self.window[2] - self.window[0]) / TILE;
+        let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
+        [first * columns, (last - first + 1) * columns]
+    }
+
     fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {
-        let tilts = if self.footprint == Footprint::Oriented {
-            self.cloud.tilts_of(first, count)
-        } else {
-            self.cloud.tilts.all()
-        };
+        let cloud = self.cloud;
+        let oriented = self.footprint == Footprint::Oriented;
         Chunk {
-            view: self.cloud.view(),
-            splats: self.cloud.splats.slice(first, count),
-            tilts,
-            bounds: self.cloud.bounds.slice(first, count),
-            large: self.cloud.large.slice(first, count),
-            tile_offsets: self.tiles_of(chunk),
+            view: cloud.view(),
+            splats: cloud.splats.slice(first, count),
+            tilts: if oriented { cloud.tilts_of(first, count) } else { cloud.tilts.all() },
+            bounds: cloud.bounds.slice(first, count),
+            tile_starts: self.tiles.starts_of(self.stats, chunk, self.window),
+            tile_entries: self.tiles.entries_of(self.stats, chunk),
         }
     }
-}
-
-/// Elements that the tiles' prefix sums need: each chunk's begin at a multiple of 64, and there is at least one.
-pub fn tile_offsets_len(stats: &[Stats]) -> u64 {
-    stats.iter().map(|s| u64::from(s.large).next_multiple_of(64)).sum::<u64>().max(1)
 }
 
 /// The variant of a stage for a footprint and a walker.
@@ -164,4 +143,4 @@ pub fn variant(footprint: Footprint, walker: &'static str) -> Variant {
 }
 
 /// The walkers by the names of their shared pieces.
-pub const WALKERS: [&str; 3] = ["walk_small", "walk_large", "walk_fragment"];
+pub const WALKERS: [&str; 3] = ["walk_small", "walk_tiles", "walk_fragment"];

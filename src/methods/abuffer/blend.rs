@@ -1,7 +1,7 @@
 //! Sorting and blending: each class of list lengths by its own kernel, long lists run by run.
 
 use super::passes::*;
-use super::{Counted, LOCAL_LENGTH, WindowJob, footprint};
+use super::{Counted, LOCAL_LENGTH, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
@@ -86,12 +86,12 @@ impl Blender {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
-        let variant = compose::variant(cut, footprint(job.discs.shape), job.discs.falloff);
-        let Composing { colors, splats, tilts } = Composing::new(job.cloud, cut);
+        let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
+        let Composing { colors, splats, tilts } = Composing::new(job.raster.cloud, cut);
         let Stored { offsets, fragments } = stored;
         let (image, depths) = (target.image(), target.depths());
         self.record_classes(recorder, offsets, band)?;
-        let (classes, pixels, view) = (self.classes.all(), self.pixels.get().all(), job.cloud.view());
+        let (classes, pixels, view) = (self.classes.all(), self.pixels.get().all(), job.raster.cloud.view());
         for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
             if counted.lengths.longest <= lower_bound(index) {
                 break;

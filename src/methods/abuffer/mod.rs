@@ -16,8 +16,8 @@ use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Footprint, Stats};
-use crate::passes::raster::{Chunk, Tiled, Walker, tile_offsets_len};
+use crate::passes::project::Footprint;
+use crate::passes::raster::{Chunk, Raster};
 use crate::passes::scan::Scan;
 use crate::scene::{DiscShape, Discs};
 use blend::{Blender, Stored};
@@ -47,7 +47,6 @@ pub struct ABuffer {
     overflow: Buffer<u32>,
     lengths: Buffer<Lengths>,
     summary: Buffer<u32>,
-    tile_offsets: Kept<u32>,
     fragments: Kept<[u32; 2]>,
     blender: Blender,
 }
@@ -71,18 +70,13 @@ impl Counted {
 }
 
 /// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// The projected cloud.
-    pub cloud: &'a DeviceCloud,
-    /// What its projection found.
-    pub stats: &'a [Stats],
+    /// The projected cloud and who visits its pixels.
+    pub raster: Raster<'a>,
     /// Shape and falloff.
     pub discs: Discs,
-    /// Who visits pixels.
-    pub walker: Walker,
-    /// The rectangle.
-    pub window: Window,
-    /// The memory that may be used.
+    /// The memory that may be used, without what tiles take.
     pub budget: Budget,
 }
 
@@ -113,7 +107,6 @@ impl ABuffer {
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             lengths: device.buffer("list lengths", 1, Memory::Device)?,
             summary: device.buffer("fragment summary", 4, Memory::Readback)?,
-            tile_offsets: Kept::new("tile offsets", Memory::Device),
             fragments: Kept::new("fragments", Memory::Device),
             blender: Blender::new(device)?,
         })
@@ -133,22 +126,22 @@ impl ABuffer {
             return Ok(Outcome::Overflow);
         }
         let bands = self.plan_bands(device, job, &counted)?;
-        self.reserve_fragments(device, job.window, &bands, &counted)?;
+        self.reserve_fragments(device, job.raster.window, &bands, &counted)?;
         counted.note(&bands, facts);
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
-        let cut = Cut::new(device, job.cloud.len())?;
+        let cut = Cut::new(device, job.raster.cloud.len())?;
         let stored = Stored { offsets: self.offsets.get().all(), fragments: self.fragments.get().all() };
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
             if i == 0 {
-                blend::record_nothing(&mut recorder, target, job.window)?;
+                blend::record_nothing(&mut recorder, target, job.raster.window)?;
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band)?;
                 self.blender.record(&mut recorder, cut, job, stored, target, band, &counted)?;
             }
             if i + 1 == bands.len() {
-                target.record_read_back(&mut recorder, bands::pixels(job.window))?;
+                target.record_read_back(&mut recorder, bands::pixels(job.raster.window))?;
             }
             timeline.add(recorder.submit("abuffer/store and blend")?);
         }
@@ -182,9 +175,9 @@ impl ABuffer {
     pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<Lists, Error> {
         let mut timeline = Timeline::default();
         let counted = self.count(device, job, &mut timeline)?;
-        let pixels = bands::pixels(job.window);
-        let band = Band::whole(job.window, u64::from(counted.total));
-        self.reserve_fragments(device, job.window, &[band], &counted)?;
+        let pixels = bands::pixels(job.raster.window);
+        let band = Band::whole(job.raster.window, u64::from(counted.total));
+        self.reserve_fragments(device, job.raster.window, &[band], &counted)?;
         let mut recorder = device.recorder()?;
         self.record_store(&mut recorder, job, &band)?;
         recorder.submit("abuffer/store")?;
@@ -195,32 +188,29 @@ impl ABuffer {
     }
 
     fn count(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Counted, Error> {
-        let pixels = bands::pixels(job.window);
-        let longest_scan = (pixels + 1).max(job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0));
+        let pixels = bands::pixels(job.raster.window);
         self.counts.reserve(device, pixels + 1)?;
         self.offsets.reserve(device, pixels + 1)?;
-        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
-        if self.scan.as_ref().is_none_or(|s| s.capacity() < longest_scan) {
+        if self.scan.as_ref().is_none_or(|s| s.capacity() < pixels + 1) {
             self.scan = None;
-            self.scan = Some(Scan::new(device, longest_scan)?);
+            self.scan = Some(Scan::new(device, pixels + 1)?);
         }
         let (Some(scan), counts, offsets) = (&self.scan, self.counts.get(), self.offsets.get()) else {
             unreachable!("the scan was made above")
         };
 
         let mut recorder = device.recorder()?;
-        let tiled = self.tiled(job);
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
-        tiled.record_tiles(&mut recorder, scan, self.overflow.all())?;
-        tiled.record(&mut recorder, &Band::whole(job.window, 0), |c: Chunk<'_>| Count {
+        job.raster.record_tiles(&mut recorder)?;
+        job.raster.record(&mut recorder, &Band::whole(job.raster.window, 0), |c: Chunk<'_>| Count {
             view: c.view,
             splats: c.splats,
             tilts: c.tilts,
             bounds: c.bounds,
-            large: c.large,
-            tile_offsets: c.tile_offsets,
+            tile_starts: c.tile_starts,
+            tile_entries: c.tile_entries,
             counts: counts.all(),
         })?;
         let measure =
@@ -242,28 +232,22 @@ impl ABuffer {
         })
     }
 
-    fn tiled<'a>(&'a self, job: &WindowJob<'a>) -> Tiled<'a> {
-        Tiled::new(job.cloud, job.stats, self.tile_offsets.get(), job.walker, footprint(job.discs.shape), job.window)
-    }
-
     /// Bytes that a band needs per fragment: twice the fragment and the runs' records where long lists are merged.
     fn bytes_per_fragment(counted: &Counted) -> u64 {
         if counted.lengths.in_long_lists > 0 { 2 * FRAGMENT_BYTES + 1 } else { FRAGMENT_BYTES }
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
-        let pixels = bands::pixels(job.window);
-        let tiles = self.tile_offsets.get().bytes();
-        let used = pixels * PIXEL_BYTES + tiles;
-        let left = job.budget.left(used);
+        let pixels = bands::pixels(job.raster.window);
+        let left = job.budget.left(pixels * PIXEL_BYTES);
         let each = Self::bytes_per_fragment(counted);
         let capacity = (left / each).min(device.limits().binding_bytes / FRAGMENT_BYTES);
         if u64::from(counted.total) <= capacity {
-            return Ok(vec![Band::whole(job.window, u64::from(counted.total))]);
+            return Ok(vec![Band::whole(job.raster.window, u64::from(counted.total))]);
         }
         let offsets = self.offsets.get().read(0, pixels + 1)?;
         bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
-            let [x, y] = bands::place(job.window, pixel);
+            let [x, y] = bands::place(job.raster.window, pixel);
             let needed = u64::from(length) * each;
             Error::PixelOverBudget {
                 x,
@@ -271,7 +255,7 @@ impl ABuffer {
                 length,
                 needed,
                 available: capacity * each,
-                budget: Budget::wanted(tiles, needed),
+                budget: job.budget.wanted(needed),
             }
         })
     }
@@ -289,13 +273,13 @@ impl ABuffer {
     }
 
     fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>, band: &Band) -> Result<(), Error> {
-        Ok(self.tiled(job).record(recorder, band, |c: Chunk<'a>| Store {
+        Ok(job.raster.record(recorder, band, |c: Chunk<'a>| Store {
             view: c.view,
             splats: c.splats,
             tilts: c.tilts,
             bounds: c.bounds,
-            large: c.large,
-            tile_offsets: c.tile_offsets,
+            tile_starts: c.tile_starts,
+            tile_entries: c.tile_entries,
             cursors: self.counts.get().all(),
             fragments: self.fragments.get().all(),
         })?)

@@ -86,8 +86,8 @@ pass! {
         splats: Read<Splat>,
         tilts: Read<Tilt>,
         bounds: Read<Bounds>,
-        large: Read<u32>,
-        tile_offsets: Read<u32>,
+        tile_starts: Read<u32>,
+        tile_entries: Read<u32>,
         counts: ReadWrite<u32>,
     }
 }
@@ -107,8 +107,8 @@ pass! {
         splats: Read<Splat>,
         tilts: Read<Tilt>,
         bounds: Read<Bounds>,
-        large: Read<u32>,
-        tile_offsets: Read<u32>,
+        tile_starts: Read<u32>,
+        tile_entries: Read<u32>,
         cursors: ReadWrite<u32>,
         fragments: ReadWrite<[u32; 2]>,
     }

@@ -1,0 +1,18 @@
+// splat/tile-store: the large splats of each tile, in any order: tile t owns entries[starts[t] .. starts[t + 1]]. One
+// invocation per pair. cursors is a copy of starts before.
+#import tiles
+@group(0) @binding(4) var<storage, read_write> cursors: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> entries: array<u32>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let number = invocation_index(workgroup, groups, local);
+    if number < push.pairs {
+        let pair = pair_at(number);
+        entries[atomicAdd(&cursors[pair.tile], 1u)] = pair.splat;
+    }
+}

@@ -1,0 +1,161 @@
+//! Large splats by tile: which of them meet each tile of 16 × 16 pixels of the window, chunk by chunk.
+
+use super::project::{Bounds, DeviceCloud, Stats, View};
+use super::scan::Scan;
+use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice};
+use crate::methods::bands::Window;
+use crate::{gpu_struct, pass};
+
+/// Side of a tile in pixels; `TILE` in WGSL.
+pub const TILE: u32 = 16;
+/// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
+pub const SEGMENT: u32 = 4096;
+
+gpu_struct! {
+    /// Push constants: large splats of the chunk, and their pairs with tiles.
+    pub struct TilePush {
+        large_count: u32,
+        pairs: u32,
+    }
+}
+
+pass! {
+    /// Large splats per tile.
+    pub TileCount(TilePush) = "splat/tile-count" in "splat/tile_count" {
+        view: Uniform<View>,
+        bounds: Read<Bounds>,
+        large: Read<u32>,
+        pair_offsets: Read<u32>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Large splats into their tiles.
+    pub TileStore(TilePush) = "splat/tile-store" in "splat/tile_store" {
+        view: Uniform<View>,
+        bounds: Read<Bounds>,
+        large: Read<u32>,
+        pair_offsets: Read<u32>,
+        cursors: ReadWrite<u32>,
+        entries: ReadWrite<u32>,
+    }
+}
+
+/// Columns and rows of tiles over a window.
+pub fn grid([x0, y0, x1, y1]: Window) -> [u32; 2] {
+    [(x1 - x0).div_ceil(TILE), (y1 - y0).div_ceil(TILE)]
+}
+
+/// Buffers of tiles, kept from frame to frame.
+pub struct Tiles {
+    pair_offsets: Kept<u32>,
+    cursors: Kept<u32>,
+    starts: Kept<u32>,
+    entries: Kept<u32>,
+    scan: Option<Scan>,
+    overflow: Buffer<u32>,
+}
+
+impl Tiles {
+    /// No buffers but the small ones yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            pair_offsets: Kept::new("tile pair offsets", Memory::Device),
+            cursors: Kept::new("tile cursors", Memory::Device),
+            starts: Kept::new("tile starts", Memory::Device),
+            entries: Kept::new("tile entries", Memory::Device),
+            scan: None,
+            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
+        })
+    }
+
+    /// Device bytes that the tiles of these splats take in a window.
+    pub fn bytes(stats: &[Stats], window: Window) -> u64 {
+        let pairs: u64 = stats.iter().map(Stats::tiles).sum();
+        let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
+        let tiles = stride(window) * (stats.len() as u64 + 1);
+        4 * (pairs + large + tiles) + Scan::bytes(large.max(tiles))
+    }
+
+    /// Makes room for these splats (none if the rasteriser visits them). There must be less than 2^32 pairs per chunk.
+    pub fn reserve(&mut self, device: &Device, stats: &[Stats], window: Window) -> Result<(), Error> {
+        let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
+        let any = large > 0;
+        let stride = stride(window);
+        self.pair_offsets.reserve(device, large.max(1))?;
+        self.cursors.reserve(device, if any { stride } else { 1 })?;
+        self.starts.reserve(device, if any { stride * stats.len() as u64 } else { 1 })?;
+        self.entries.reserve(device, stats.iter().map(|s| aligned(s.tiles())).sum::<u64>().max(1))?;
+        let longest = if any { large.max(stride) } else { 0 };
+        if self.scan.as_ref().is_none_or(|s| s.capacity() < longest) {
+            self.scan = None;
+            self.scan = Some(Scan::new(device, longest)?);
+        }
+        Ok(())
+    }
+
+    /// Records the lists of all tiles, if there are large splats at all.
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        cloud: &'a DeviceCloud,
+        stats: &[Stats],
+        window: Window,
+    ) -> Result<(), Error> {
+        let Some(scan) = &self.scan else { return Ok(()) };
+        let [columns, rows] = grid(window);
+        let len = u64::from(columns) * u64::from(rows) + 1;
+        let overflow = self.overflow.all();
+        for (chunk, ((first, count), s)) in cloud.chunks().zip(stats).enumerate() {
+            if s.large == 0 {
+                continue;
+            }
+            let (view, bounds, large) =
+                (cloud.view(), cloud.bounds.slice(first, count), cloud.large.slice(first, count));
+            let pair_offsets = self.pair_offsets.get().slice(0, u64::from(s.large));
+            let cursors = self.cursors.get().slice(0, len);
+            let starts = self.starts.get().slice(chunk as u64 * stride(window), len);
+            let push = TilePush { large_count: s.large, pairs: s.tiles() as u32 };
+            let run = Run::new(Dispatch::Invocations(s.tiles())).push(&push);
+            scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets, overflow)?;
+            recorder.fill("splat/clear", cursors, 0)?;
+            recorder.run(&TileCount { view, bounds, large, pair_offsets, counts: cursors }, &run)?;
+            scan.record(recorder, cursors, starts, overflow)?;
+            recorder.copy("splat/tile-cursors", starts, cursors)?;
+            let entries = self.entries_of(stats, chunk);
+            recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, &run)?;
+        }
+        Ok(())
+    }
+
+    /// First entry of each tile of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
+    pub fn starts_of(&self, stats: &[Stats], chunk: usize, window: Window) -> Slice<'_, u32> {
+        let end = (chunk as u64 + 1) * stride(window);
+        if stats[chunk].large == 0 || self.starts.get().len() < end {
+            return self.starts.get().slice(0, 1);
+        }
+        self.starts.get().slice(chunk as u64 * stride(window), stride(window))
+    }
+
+    /// Splats of the tiles of a chunk; a stand-in if the chunk has no large splat or no tiles were made.
+    pub fn entries_of(&self, stats: &[Stats], chunk: usize) -> Slice<'_, u32> {
+        let start: u64 = stats[..chunk].iter().map(|s| aligned(s.tiles())).sum();
+        let pairs = stats[chunk].tiles();
+        if pairs == 0 || self.entries.get().len() < start + pairs {
+            return self.entries.get().slice(0, 1);
+        }
+        self.entries.get().slice(start, pairs)
+    }
+}
+
+/// Elements between the starts of two chunks' tiles.
+fn stride(window: Window) -> u64 {
+    let [columns, rows] = grid(window);
+    aligned(u64::from(columns) * u64::from(rows) + 1)
+}
+
+/// Elements of four bytes up to the next multiple of every offset alignment.
+fn aligned(elements: u64) -> u64 {
+    elements.next_multiple_of(64)
+}
