@@ -97,24 +97,20 @@ impl Budget {
         (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
     }
 
-    /// The budget with tiles of this many bytes; `None` if they take more than a quarter or a binding.
+    /// The budget with tiles of this many bytes; `None` if they take more than an eighth or a binding.
     pub fn with_tiles(self, tiles: u64) -> Option<Self> {
-        (tiles <= self.bytes / 4 && tiles <= self.binding).then_some(Self { tiles, ..self })
+        (tiles <= self.bytes / 8 && tiles <= self.binding).then_some(Self { tiles, ..self })
     }
 
     /// Bytes left for fragments beside `used` and the tiles.
     pub fn left(&self, used: u64) -> u64 {
-        self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 2))
+        self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 4))
     }
 
-    /// Bytes of a budget that leaves `needed` for fragments whatever the windows, which take at most a quarter.
-    pub fn wanted(&self, needed: u64) -> u64 {
-        let (small, tiles) = (4 * needed, 4 * self.tiles);
-        if small + tiles <= 2 * OVERHEAD_BYTES {
-            small + tiles
-        } else {
-            (needed + self.tiles + OVERHEAD_BYTES).div_ceil(3) * 4
-        }
+    /// Bytes of a budget that leaves `needed` for fragments whatever windows (at most a quarter) and tiles (an eighth) take.
+    pub fn wanted(needed: u64) -> u64 {
+        let small = (needed * 8).div_ceil(3);
+        if small <= 4 * OVERHEAD_BYTES { small } else { ((needed + OVERHEAD_BYTES) * 8).div_ceil(5) }
     }
 }
 
@@ -172,6 +168,15 @@ mod tests {
         assert!(found.iter().all(|b| b.first_fragment == offsets[b.pixels[0] as usize]));
         assert_eq!(found.iter().map(|b| b.fragments).sum::<u64>(), 23);
         assert_eq!(bands(&offsets, 4), Err((3, 5)));
+    }
+
+    #[test]
+    fn the_wanted_budget_leaves_what_is_needed() {
+        for needed in [1u64, 1000, 37_400, 50 << 20, 60 << 20, 61 << 20, 3 << 30] {
+            let bytes = Budget::wanted(needed);
+            let budget = Budget { bytes, tiles: 0, binding: u64::MAX }.with_tiles(bytes / 8).expect("an eighth");
+            assert!(budget.left(bytes / 4) >= needed, "{needed} of {bytes}");
+        }
     }
 
     #[test]

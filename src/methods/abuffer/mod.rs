@@ -249,14 +249,7 @@ impl ABuffer {
         bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
             let [x, y] = bands::place(job.raster.window, pixel);
             let needed = u64::from(length) * each;
-            Error::PixelOverBudget {
-                x,
-                y,
-                length,
-                needed,
-                available: capacity * each,
-                budget: job.budget.wanted(needed),
-            }
+            Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
         })
     }
 
