@@ -1,6 +1,6 @@
 use super::{Buffer, Device, Error, GpuType, Memory};
 
-/// A buffer that is kept from frame to frame and only grows.
+/// A buffer that is kept from frame to frame while it is large enough.
 pub struct Kept<T> {
     name: &'static str,
     memory: Memory,
@@ -15,17 +15,17 @@ impl<T: GpuType> Kept<T> {
 
     /// Makes sure there is room for `len` elements; what was there before may be lost.
     pub fn reserve(&mut self, device: &Device, len: u64) -> Result<(), Error> {
-        if self.buffer.as_ref().is_none_or(|b| b.len() < len) {
+        self.reserve_within(device, len, u64::MAX)
+    }
+
+    /// Makes sure there is room for `len` elements, but not for more than `limit`; what was there before may be lost.
+    pub fn reserve_within(&mut self, device: &Device, len: u64, limit: u64) -> Result<(), Error> {
+        if self.buffer.as_ref().is_none_or(|b| b.len() < len || b.len() > limit) {
             // Freed first, so that old and new never exist together.
             self.buffer = None;
             self.buffer = Some(device.buffer(self.name, len, self.memory)?);
         }
         Ok(())
-    }
-
-    /// Frees the memory.
-    pub fn release(&mut self) {
-        self.buffer = None;
     }
 
     /// The buffer; there must have been a [`Self::reserve`].

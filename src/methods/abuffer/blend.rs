@@ -59,15 +59,22 @@ impl Blender {
         })
     }
 
-    /// Room for a window of `pixels`, with at most `most` fragments in a band.
-    pub fn reserve(&mut self, device: &Device, pixels: u64, most: u64, counted: &Counted) -> Result<(), Error> {
+    /// Room for a window of `pixels`, with at most `most` fragments in a band, but for no more than `limit`.
+    pub fn reserve(
+        &mut self,
+        device: &Device,
+        pixels: u64,
+        most: u64,
+        limit: u64,
+        counted: &Counted,
+    ) -> Result<(), Error> {
         self.pixels.reserve(device, pixels)?;
         if counted.lengths.in_long_lists > 0 {
             let long = most.min(u64::from(counted.lengths.in_long_lists));
             let local = u64::from(LOCAL_LENGTH);
             // A long list has more than `local` fragments, so it fills more than half of its runs.
             let runs = (2 * long).div_ceil(local);
-            self.merged.reserve(device, most)?;
+            self.merged.reserve_within(device, most, limit)?;
             self.runs.reserve(device, runs)?;
             self.lists.reserve(device, long.div_ceil(local))?;
             self.partials.reserve(device, runs)?;

@@ -14,7 +14,7 @@ pub use passes::*;
 use super::Error;
 use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{Chunk, Raster};
@@ -126,7 +126,7 @@ impl ABuffer {
             return Ok(Outcome::Overflow);
         }
         let bands = self.plan_bands(device, job, &counted)?;
-        self.reserve_fragments(device, job.raster.window, &bands, &counted)?;
+        self.reserve_fragments(device, job, &bands, &counted)?;
         counted.note(&bands, facts);
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
         let cut = Cut::new(device, job.raster.cloud.len())?;
@@ -177,7 +177,7 @@ impl ABuffer {
         let counted = self.count(device, job, &mut timeline)?;
         let pixels = bands::pixels(job.raster.window);
         let band = Band::whole(job.raster.window, u64::from(counted.total));
-        self.reserve_fragments(device, job.raster.window, &[band], &counted)?;
+        self.reserve_fragments(device, job, &[band], &counted)?;
         let mut recorder = device.recorder()?;
         self.record_store(&mut recorder, job, &band)?;
         recorder.submit("abuffer/store")?;
@@ -237,17 +237,27 @@ impl ABuffer {
         if counted.lengths.in_long_lists > 0 { 2 * FRAGMENT_BYTES + 1 } else { FRAGMENT_BYTES }
     }
 
+    /// Fragments that fit at a time: within the budget, and within a binding.
+    fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
+        let left = job.budget.left(bands::pixels(job.raster.window) * PIXEL_BYTES);
+        (left / Self::bytes_per_fragment(counted)).min(device.limits().binding_bytes / FRAGMENT_BYTES)
+    }
+
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
-        let pixels = bands::pixels(job.raster.window);
-        let left = job.budget.left(pixels * PIXEL_BYTES);
-        let each = Self::bytes_per_fragment(counted);
-        let capacity = (left / each).min(device.limits().binding_bytes / FRAGMENT_BYTES);
+        let window = job.raster.window;
+        let capacity = Self::capacity(device, job, counted);
         if u64::from(counted.total) <= capacity {
-            return Ok(vec![Band::whole(job.raster.window, u64::from(counted.total))]);
+            return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
-        let offsets = self.offsets.get().read(0, pixels + 1)?;
+        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
-            let [x, y] = bands::place(job.raster.window, pixel);
+            let [x, y] = bands::place(window, pixel);
+            let (bytes, limit) = (u64::from(length) * FRAGMENT_BYTES, device.limits().binding_bytes);
+            if bytes > limit {
+                let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
+                return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
+            }
+            let each = Self::bytes_per_fragment(counted);
             let needed = u64::from(length) * each;
             Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
         })
@@ -256,13 +266,15 @@ impl ABuffer {
     fn reserve_fragments(
         &mut self,
         device: &Device,
-        window: Window,
+        job: &WindowJob<'_>,
         bands: &[Band],
         counted: &Counted,
     ) -> Result<(), Error> {
         let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
-        self.fragments.reserve(device, most)?;
-        Ok(self.blender.reserve(device, bands::pixels(window), most, counted)?)
+        // What an earlier frame left may be more than this one's budget allows.
+        let limit = Self::capacity(device, job, counted).max(most);
+        self.fragments.reserve_within(device, most, limit)?;
+        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), most, limit, counted)?)
     }
 
     fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>, band: &Band) -> Result<(), Error> {
