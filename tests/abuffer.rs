@@ -312,7 +312,7 @@ fn bands_and_windows_change_no_byte() {
             assert!(bits(&cut.image) == bits(&whole.image), "budget {budget}");
             assert_eq!(cut.image.fragments, whole.image.fragments);
         }
-        frame.memory_budget = Some(60 << 10);
+        frame.memory_budget = Some(40 << 10);
         match renderer.render(&mut cloud, &frame) {
             Err(Error::PixelOverBudget { x: 3, y: 5, length: 2200, budget, .. }) => {
                 frame.memory_budget = Some(budget);
