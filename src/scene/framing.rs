@@ -21,10 +21,10 @@ const CLEARANCE: f64 = 0.1;
 /// The scene's camera and what is to be said about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
-/// where the corners of the scene's bounds, widened by the largest radius, fit into the image with a margin of 5%. A
-/// view that is given wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only
-/// without it the clouds do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max),
-/// near = max(0.999·(z_min − r_max), far·10⁻⁵).
+/// where every point, as a sphere of its own radius, fits into the image with a margin of 5%. A view that is given wins over
+/// `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only without it the clouds do (`up`,
+/// the argument). Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z over the
+/// corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -43,7 +43,7 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         Some(height) => Projection::Orthographic { height },
         None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
     };
-    let pose = Pose::new(settings, &Subject { bounds, radius }, projection, scene.image.size, up);
+    let pose = Pose::new(settings, &Subject { points, bounds, radius }, projection, scene.image.size, up);
     let (near, far) = depths(settings, &pose, &bounds, radius);
     // Axes are computed around the origin: far from it, eye + direction would be rounded.
     let Some(axes) = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection, near, far) else {
@@ -78,9 +78,11 @@ fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     }
 }
 
-/// What is framed: a box whose corners are spheres.
-struct Subject {
+/// What is framed.
+struct Subject<'a> {
+    points: &'a Points,
     bounds: Bounds,
+    /// The largest one.
     radius: f64,
 }
 
@@ -92,7 +94,7 @@ struct Pose {
 }
 
 impl Pose {
-    fn new(settings: &CameraSettings, subject: &Subject, projection: Projection, size: [u32; 2], up: UpAxis) -> Self {
+    fn new(settings: &CameraSettings, subject: &Subject<'_>, projection: Projection, size: [u32; 2], up: UpAxis) -> Self {
         let (forward, image_up) = settings.view.axes(up);
         if settings.view.is_given() {
             return Self { eye: framed(subject, projection, size, forward, image_up, None), forward, up: image_up };
@@ -122,7 +124,7 @@ fn vertical(forward: DVec3, up: UpAxis) -> DVec3 {
 
 /// The eye from which the subject fits; the image's centre shows `target` if one is given.
 fn framed(
-    subject: &Subject,
+    subject: &Subject<'_>,
     projection: Projection,
     size: [u32; 2],
     forward: DVec3,
@@ -132,52 +134,66 @@ fn framed(
     let center = target.unwrap_or_else(|| subject.bounds.center());
     let right = forward.cross(up).normalize_or(DVec3::X);
     let up = right.cross(forward);
-    let corners = subject.bounds.corners().map(|corner| {
-        let p = corner - center;
-        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward))
-    });
+    let tangents = match projection {
+        Projection::Perspective { fov_y } => {
+            let vertical = FILL * (0.5 * fov_y).tan();
+            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
+        }
+        // Not used: neither distance nor shift changes what fits, the height alone does.
+        Projection::Orthographic { .. } => DVec2::ONE,
+    };
+    let extent = Extent::of(subject.points, center, [right, up, forward], tangents);
+    let (distance, shift) = match projection {
+        Projection::Perspective { .. } => extent.fit(tangents, target.is_some()),
+        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
+    };
     let fallback = match subject.bounds.diagonal() + subject.radius {
         // One point without a size: any distance will do.
         size if size > 0.0 => size,
         _ => 1.0,
     };
-    let (distance, shift) = match projection {
-        Projection::Perspective { fov_y } => {
-            let vertical = FILL * (0.5 * fov_y).tan();
-            let horizontal = vertical * f64::from(size[0]) / f64::from(size[1]);
-            let axis = |tangent: f64, pick: fn(DVec2) -> f64| {
-                fit(tangent, subject.radius, corners.iter().map(|(p, depth)| (pick(*p), *depth)), target.is_some())
-            };
-            let (distance_x, shift_x) = axis(horizontal, |p| p.x);
-            let (distance_y, shift_y) = axis(vertical, |p| p.y);
-            (distance_x.max(distance_y), DVec2::new(shift_x, shift_y))
-        }
-        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
-    };
     // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
     // its rounding would lie at the eye.
-    let nearest = corners.iter().map(|(_, depth)| *depth).fold(f64::INFINITY, f64::min);
-    let clear = subject.radius - nearest + CLEARANCE * fallback;
+    let clear = CLEARANCE * fallback - extent.nearest;
     let distance = distance.max(clear).max(1e-6 * center.abs().max_element());
     center + right * shift.x + up * shift.y - forward * distance
 }
 
-/// Along one image axis: the smallest distance from which spheres at (offset, depth) lie between the two planes of
-/// slope `tangent` through the eye, and the sideways shift of the eye that allows it.
+/// How far spheres at (x, y, depth) reach toward the four planes through the eye, whose slopes are `tangents`.
 ///
-/// A sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and so above the lower
-/// one. With a = max(offset − tangent·depth) + r/cos and b = min(offset + tangent·depth) − r/cos there is such a shift
-/// if a − b ≤ 2·tangent·distance, and then (a + b)/2 is one. Without a shift both must hold for 0.
-fn fit(tangent: f64, radius: f64, spheres: impl Iterator<Item = (f64, f64)>, centered: bool) -> (f64, f64) {
-    let reach = radius * (1.0 + tangent * tangent).sqrt();
-    let (upper, lower) = spheres.fold((f64::NEG_INFINITY, f64::INFINITY), |(upper, lower), (offset, depth)| {
-        (upper.max(offset - tangent * depth), lower.min(offset + tangent * depth))
-    });
-    let (upper, lower) = (upper + reach, lower - reach);
-    if centered {
-        (upper.max(-lower) / tangent, 0.0)
-    } else {
-        ((upper - lower) / (2.0 * tangent), 0.5 * (upper + lower))
+/// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
+/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth − r/cos)
+/// there is such a shift if upper − lower ≤ 2·tangent·distance, and then (upper + lower)/2 is one.
+struct Extent {
+    upper: DVec2,
+    lower: DVec2,
+    /// Least depth that any sphere reaches.
+    nearest: f64,
+}
+
+impl Extent {
+    fn of(points: &Points, center: DVec3, [right, up, forward]: [DVec3; 3], tangents: DVec2) -> Self {
+        // 1/cos of the planes' angles.
+        let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
+        let nothing = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+        points.positions.iter().zip(&points.radii).fold(nothing, |extent, (position, radius)| {
+            let p = *position - center;
+            let (offset, depth, radius) = (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius));
+            Self {
+                upper: extent.upper.max(offset - tangents * depth + reach * radius),
+                lower: extent.lower.min(offset + tangents * depth - reach * radius),
+                nearest: extent.nearest.min(depth - radius),
+            }
+        })
+    }
+
+    /// The smallest distance from which all fits, and the sideways shift of the eye that allows it; none if `centered`.
+    fn fit(&self, tangents: DVec2, centered: bool) -> (f64, DVec2) {
+        if centered {
+            ((self.upper.max(-self.lower) / tangents).max_element(), DVec2::ZERO)
+        } else {
+            (((self.upper - self.lower) / (2.0 * tangents)).max_element(), 0.5 * (self.upper + self.lower))
+        }
     }
 }
 
