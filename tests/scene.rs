@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use indicatif::ProgressBar;
 use pellucid::camera::{Camera, Projection};
 use pellucid::cloud::{Cloud, UpAxis};
@@ -388,6 +388,27 @@ fn framing_follows_the_points_and_not_the_corners_of_their_box() {
         let wide = (min.x - 7.5).abs() < 1e-6 && (max.x - 292.5).abs() < 1e-6;
         let high = (min.y - 2.5).abs() < 1e-6 && (max.y - 97.5).abs() < 1e-6;
         assert!(wide || high, "{name:?}: {min} to {max}");
+    }
+}
+
+#[test]
+fn framing_centers_what_does_not_fill_the_image() {
+    // A flat square of ground from above its front edge: the far edge is shorter and higher in the image.
+    let mut ground: Vec<_> = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
+    ground.push(DVec3::new(3.0, 4.0, 2.0));
+    let ground = points(&ground, 0.0);
+    for text in ["", "[camera]\nfov_y = 100.0", "[camera]\nheight = 60.0"] {
+        for elevation in [Some(5.0), Some(35.0), Some(80.0)] {
+            let size = [200, 200];
+            let view = View { elevation, ..View::default() };
+            let (camera, _) = camera_of(&format!("[image]\nsize = [200, 200]\n{text}"), &ground, UpAxis::Z, view);
+            assert_frames(&camera, &ground, size);
+            let pixels = || ground.positions.iter().map(|p| camera.project(*p, size).0);
+            let (min, max) = pixels().fold((DVec2::INFINITY, -DVec2::INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+            // The last step of the search is below a ten-thousandth of the distance: 0.03 pixels at 45°.
+            let off = (0.5 * (min + max) - 100.0).abs();
+            assert!(off.max_element() < 0.05, "{text} {elevation:?}: {min} to {max}");
+        }
     }
 }
 

@@ -21,10 +21,10 @@ const CLEARANCE: f64 = 0.1;
 /// The scene's camera and what is to be said about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
-/// where every point, as a sphere of its own radius, fits into the image with a margin of 5%. A view that is given wins over
-/// `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only without it the clouds do (`up`,
-/// the argument). Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵), z over the
-/// corners of the scene's bounds.
+/// where every point, as a sphere of its own radius, fits into the image with a margin of 5%. A view that is given
+/// wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only without it the clouds
+/// do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵),
+/// z over the corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -94,7 +94,13 @@ struct Pose {
 }
 
 impl Pose {
-    fn new(settings: &CameraSettings, subject: &Subject<'_>, projection: Projection, size: [u32; 2], up: UpAxis) -> Self {
+    fn new(
+        settings: &CameraSettings,
+        subject: &Subject<'_>,
+        projection: Projection,
+        size: [u32; 2],
+        up: UpAxis,
+    ) -> Self {
         let (forward, image_up) = settings.view.axes(up);
         if settings.view.is_given() {
             return Self { eye: framed(subject, projection, size, forward, image_up, None), forward, up: image_up };
@@ -134,36 +140,109 @@ fn framed(
     let center = target.unwrap_or_else(|| subject.bounds.center());
     let right = forward.cross(up).normalize_or(DVec3::X);
     let up = right.cross(forward);
-    let tangents = match projection {
-        Projection::Perspective { fov_y } => {
-            let vertical = FILL * (0.5 * fov_y).tan();
-            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
-        }
-        // Not used: neither distance nor shift changes what fits, the height alone does.
-        Projection::Orthographic { .. } => DVec2::ONE,
-    };
-    let extent = Extent::of(subject.points, center, [right, up, forward], tangents);
-    let (distance, shift) = match projection {
-        Projection::Perspective { .. } => extent.fit(tangents, target.is_some()),
-        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
-    };
     let fallback = match subject.bounds.diagonal() + subject.radius {
         // One point without a size: any distance will do.
         size if size > 0.0 => size,
         _ => 1.0,
     };
+    let tangents = match projection {
+        Projection::Perspective { fov_y } => {
+            let vertical = FILL * (0.5 * fov_y).tan();
+            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
+        }
+        Projection::Orthographic { .. } => DVec2::ZERO,
+    };
+    let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
+    let extent = spheres.extent(tangents);
     // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
     // its rounding would lie at the eye.
-    let clear = CLEARANCE * fallback - extent.nearest;
-    let distance = distance.max(clear).max(1e-6 * center.abs().max_element());
+    let clear = (CLEARANCE * fallback - extent.nearest).max(1e-6 * center.abs().max_element());
+    let (distance, shift) = match (projection, target) {
+        (Projection::Perspective { .. }, Some(_)) => (extent.centered_distance(tangents).max(clear), DVec2::ZERO),
+        (Projection::Perspective { .. }, None) => {
+            let distance = extent.distance(tangents).max(clear);
+            let (first, last) = extent.shifts(tangents, distance);
+            // The axis that decided the distance has one shift; rounding may turn its interval around.
+            (distance, spheres.middle(distance, 0.5 * (first + last)).max(first).min(last))
+        }
+        (Projection::Orthographic { .. }, Some(_)) => (clear, DVec2::ZERO),
+        (Projection::Orthographic { .. }, None) => (clear, 0.5 * (extent.upper + extent.lower)),
+    };
     center + right * shift.x + up * shift.y - forward * distance
 }
 
-/// How far spheres at (x, y, depth) reach toward the four planes through the eye, whose slopes are `tangents`.
+/// Points as spheres at (offset, depth) around a centre.
+struct Spheres<'a> {
+    points: &'a Points,
+    center: DVec3,
+    /// Right, up, forward.
+    axes: [DVec3; 3],
+}
+
+impl Spheres<'_> {
+    /// Offset, depth, radius.
+    fn iter(&self) -> impl Iterator<Item = (DVec2, f64, f64)> {
+        let [right, up, forward] = self.axes;
+        self.points.positions.iter().zip(&self.points.radii).map(move |(position, radius)| {
+            let p = *position - self.center;
+            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius))
+        })
+    }
+
+    fn extent(&self, tangents: DVec2) -> Extent {
+        // 1/cos of the planes' angles.
+        let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
+        let nothing = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+        self.iter().fold(nothing, |extent, (offset, depth, radius)| Extent {
+            upper: extent.upper.max(offset - tangents * depth + reach * radius),
+            lower: extent.lower.min(offset + tangents * depth - reach * radius),
+            nearest: extent.nearest.min(depth - radius),
+        })
+    }
+
+    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
+    /// both axes.
+    ///
+    /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at
+    /// shift = (a/z + b/w)/(1/z + 1/w); then another pair may be the outermost one. It settles after two or three
+    /// rounds; a pair that comes and goes is left with less than a perfect middle.
+    fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
+        const ROUNDS: usize = 8;
+        for _ in 0..ROUNDS {
+            // Slope, and 1/z of the disc that has it.
+            let start = [(f64::NEG_INFINITY, 0.0); 2];
+            let mut most = start;
+            let mut least = start;
+            for (offset, depth, radius) in self.iter() {
+                let inverse = 1.0 / (depth + distance);
+                for (axis, offset) in (offset - shift).to_array().into_iter().enumerate() {
+                    most[axis] = later(most[axis], ((offset + radius) * inverse, inverse));
+                    least[axis] = later(least[axis], ((radius - offset) * inverse, inverse));
+                }
+            }
+            let step = |axis: usize| (most[axis].0 - least[axis].0) / (most[axis].1 + least[axis].1);
+            let step = DVec2::new(step(0), step(1));
+            shift += step;
+            // A ten-thousandth of the image.
+            if !(step.abs().max_element() > 1e-4 * distance) {
+                break;
+            }
+        }
+        shift
+    }
+}
+
+/// The pair with the greater first element.
+fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.0 > a.0 { b } else { a }
+}
+
+/// How far spheres reach toward the four planes through the eye, whose slopes are `tangents`.
 ///
 /// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
-/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth − r/cos)
-/// there is such a shift if upper − lower ≤ 2·tangent·distance, and then (upper + lower)/2 is one.
+/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and
+/// lower = min(offset + tangent·depth − r/cos) all fit with a shift between upper − tangent·distance and
+/// lower + tangent·distance, and there is one if upper − lower ≤ 2·tangent·distance.
 struct Extent {
     upper: DVec2,
     lower: DVec2,
@@ -172,28 +251,19 @@ struct Extent {
 }
 
 impl Extent {
-    fn of(points: &Points, center: DVec3, [right, up, forward]: [DVec3; 3], tangents: DVec2) -> Self {
-        // 1/cos of the planes' angles.
-        let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
-        let nothing = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
-        points.positions.iter().zip(&points.radii).fold(nothing, |extent, (position, radius)| {
-            let p = *position - center;
-            let (offset, depth, radius) = (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius));
-            Self {
-                upper: extent.upper.max(offset - tangents * depth + reach * radius),
-                lower: extent.lower.min(offset + tangents * depth - reach * radius),
-                nearest: extent.nearest.min(depth - radius),
-            }
-        })
+    /// The smallest distance from which all fits with some shift of the eye.
+    fn distance(&self, tangents: DVec2) -> f64 {
+        ((self.upper - self.lower) / (2.0 * tangents)).max_element()
     }
 
-    /// The smallest distance from which all fits, and the sideways shift of the eye that allows it; none if `centered`.
-    fn fit(&self, tangents: DVec2, centered: bool) -> (f64, DVec2) {
-        if centered {
-            ((self.upper.max(-self.lower) / tangents).max_element(), DVec2::ZERO)
-        } else {
-            (((self.upper - self.lower) / (2.0 * tangents)).max_element(), 0.5 * (self.upper + self.lower))
-        }
+    /// The smallest distance without a shift.
+    fn centered_distance(&self, tangents: DVec2) -> f64 {
+        (self.upper.max(-self.lower) / tangents).max_element()
+    }
+
+    /// The least and the greatest shift with which all fits.
+    fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
+        (self.upper - tangents * distance, self.lower + tangents * distance)
     }
 }
 
