@@ -22,7 +22,7 @@ pub struct Step {
 /// Opaque splats need no transparency: the nearest decides. Everything else needs an order of fragments.
 pub fn resolve(method: Method, points: &Points) -> (Method, String) {
     if method != Method::Auto {
-        return (method, "asked for".to_owned());
+        return (method, format!("{} was asked for", method.name()));
     }
     match points.opacities.iter().filter(|a| **a < 1.0).count() {
         0 => {
@@ -49,18 +49,14 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     let transparent = matches!(frame.method, Method::ABuffer(_));
     if transparent {
-        plan.abuffer(facts, seen, why);
+        plan.abuffer(frame, facts, seen, why);
         for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
-            plan.add(name, false, format!("not an opaque method: {why}"));
+            plan.add(name, false, format!("no opaque method: {why}"));
         }
     } else {
         plan.opaque(device, facts, wide_atomics, seen, why);
         for name in ABUFFER {
-            plan.add(
-                name,
-                false,
-                format!("no transparency: {}", if why == "asked for" { "an opaque method was asked for" } else { why }),
-            );
+            plan.add(name, false, format!("no transparency: {why}"));
         }
     }
     plan.add(
@@ -87,6 +83,14 @@ const ABUFFER: [&str; 12] = [
     "abuffer/combine",
 ];
 
+/// Elements that a prefix sum takes in one run, without a level of sums above.
+const SCAN_RUN: u64 = 64;
+
+/// Pixels of the image.
+fn pixels(frame: &Frame) -> u64 {
+    u64::from(frame.size[0]) * u64::from(frame.size[1])
+}
+
 struct Plan {
     steps: Vec<Step>,
 }
@@ -96,14 +100,19 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
-    fn abuffer(&mut self, facts: &Facts, seen: bool, why: &str) {
+    fn abuffer(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
         let nothing = "no splat touches the image";
         let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
         let large = if facts.large > 0 { format!(", tiles of {} large splats", facts.large) } else { String::new() };
-        self.add("scan/reduce", true, format!("prefix sums over the pixels{large}"));
+        // One element more than pixels: the last prefix sum is the total.
+        let scanned = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+        let tiles = if facts.raster == "compute" { facts.large } else { 0 };
+        let on = scanned.max(tiles) > SCAN_RUN;
+        let reason = if on { format!("more than {SCAN_RUN}") } else { format!("no more than {SCAN_RUN}") };
+        self.add("scan/reduce", on, format!("prefix sums over {scanned} elements{large}: {reason}"));
         self.add("scan/spread", true, format!("prefix sums over the pixels{large}"));
         self.add("abuffer/summary", true, "the fragments' total decides the bands");
         self.add(
@@ -134,7 +143,7 @@ impl Plan {
         let tiles = facts.large > 0 && facts.raster == "compute";
         for name in ["scan/reduce", "scan/spread"] {
             // A single run of the scan has nothing to reduce.
-            let on = tiles && (name == "scan/spread" || facts.large > 64);
+            let on = tiles && (name == "scan/spread" || facts.large > SCAN_RUN);
             self.add(name, on, format!("{} splats are large enough for tiles", facts.large));
         }
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
