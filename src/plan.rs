@@ -106,10 +106,10 @@ impl Plan {
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
-        let large = if facts.large > 0 { format!(", tiles of {} large splats", facts.large) } else { String::new() };
+        let tiles = if facts.raster == "compute" { facts.large } else { 0 };
+        let large = if tiles > 0 { format!(", tiles of {tiles} large splats") } else { String::new() };
         // One element more than pixels: the last prefix sum is the total.
         let scanned = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
-        let tiles = if facts.raster == "compute" { facts.large } else { 0 };
         let on = scanned.max(tiles) > SCAN_RUN;
         let reason = if on { format!("more than {SCAN_RUN}") } else { format!("no more than {SCAN_RUN}") };
         self.add("scan/reduce", on, format!("prefix sums over {scanned} elements{large}: {reason}"));

@@ -70,16 +70,16 @@ fn real_models_fill_the_image_up_to_its_margin() {
     let Some(data) = data() else { return };
     with_device(|_| {
         let folder = tempfile::tempdir().unwrap();
-        // The share of the image that the object covers, from pictures that were looked at, ± a fifth.
+        // The share of the image that the object covers, measured in pictures that were looked at and found right.
         for (file, opacity, share) in [
-            ("models/bun_zipper.ply", "0.1", 0.43),
-            ("models/stanford_dragon_437k.ply", "0.2", 0.34),
-            ("lidar/autzen_trim.laz", "0.3", 0.35),
+            ("models/bun_zipper.ply", "0.1", 0.50),
+            ("models/stanford_dragon_437k.ply", "0.2", 0.38),
+            ("lidar/autzen_trim.laz", "0.3", 0.21),
         ] {
             let output = render(&folder, &["--size", "256x256", "--opacity", opacity], &data.join(file));
             assert!(output.status.success() && output.stderr.is_empty() && output.stdout.is_empty(), "{output:?}");
             let (covered, [x0, y0, x1, y1]) = silhouette(&folder.path().join("out.png"));
-            assert!((0.8 * share..1.2 * share).contains(&covered), "{file}: {covered} of the image is covered");
+            assert!((0.9 * share..1.1 * share).contains(&covered), "{file}: {covered} of the image is covered");
             // The margin is 2.5% of 256 pixels on each side, 6.4; a disc that reaches it covers the pixels whose
             // centres it holds, or the one of its own centre.
             let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
@@ -119,8 +119,7 @@ fn nasty_files_give_a_picture_or_one_clean_error() {
                 Some(0) => {
                     assert_eq!(stderr, "", "{name}");
                     let (covered, _) = silhouette(&picture);
-                    // Black points are there, too.
-                    assert!(covered > 0.0 || name == "100-points.las", "{name}: an empty picture");
+                    assert!(covered > 0.0, "{name}: an empty picture");
                 }
                 Some(1) => {
                     assert!(stderr.starts_with(&format!("error: {}: ", file.display())), "{name}: {stderr}");

@@ -224,7 +224,7 @@ impl Spheres<'_> {
             let step = DVec2::new(step(0), step(1));
             shift += step;
             // A ten-thousandth of the image.
-            if !(step.abs().max_element() > 1e-4 * distance) {
+            if step.abs().max_element() <= 1e-4 * distance {
                 break;
             }
         }

@@ -4,6 +4,7 @@ use std::fs;
 
 use glam::{DVec3, Vec3};
 use pellucid::cloud::Cloud;
+use pellucid::gpu::{Device, DeviceOptions};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -193,6 +194,12 @@ fn the_plan_is_what_runs() {
         for opacity in ["0.5", "1"] {
             assert_planned(&folder, &["row.ply", "--size", "64x64", "--opacity", opacity]);
         }
+    }
+    // Large splats drawn by the rasteriser need no tiles; nor does a device without it have a plan.
+    let device = crate::device();
+    let opened = Device::open(&DeviceOptions { device, validation: false }).unwrap();
+    if opened.info().fragment_atomics {
+        assert_planned(&folder, &["row.ply", "--size", "7x9", "--opacity", "0.5", "--set", "method.raster=hardware"]);
     }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
