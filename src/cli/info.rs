@@ -26,8 +26,8 @@ pub struct InfoArgs {
 pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let load = |file: &PathBuf| {
+        progress.reset();
         progress.set_message(format!("reading {}", file.display()));
-        progress.set_position(0);
         io::load(file, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;

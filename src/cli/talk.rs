@@ -77,10 +77,9 @@ pub fn counted(bar: &ProgressBar, name: &str, length: u64) {
     if let Ok(style) = counted_style() {
         bar.set_style(style);
     }
+    bar.reset();
     bar.set_message(name.to_owned());
     bar.set_length(length);
-    bar.set_position(0);
-    bar.reset_eta();
 }
 
 fn counted_style() -> Result<ProgressStyle, indicatif::style::TemplateError> {

@@ -16,8 +16,8 @@ use crate::{io, prepare};
 /// The first file that can't be read.
 pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, io::Error> {
     let load = |cloud: &CloudSettings| {
+        progress.reset();
         progress.set_message(format!("reading {}", cloud.path.display()));
-        progress.set_position(0);
         io::load(&cloud.path, progress)
     };
     scene.clouds.iter().map(load).collect()
@@ -83,8 +83,8 @@ fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, pr
         (Some(radius), _) => vec![radius; count],
         (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
         (None, None) if needs_radii => {
+            progress.reset();
             progress.set_message("finding neighbors");
-            progress.set_position(0);
             prepare::radius::estimate(&cloud.positions, settings.neighbors, progress)
         }
         (None, None) => vec![0.0; count],

@@ -195,11 +195,12 @@ fn the_plan_is_what_runs() {
             assert_planned(&folder, &["row.ply", "--size", "64x64", "--opacity", opacity]);
         }
     }
-    // Large splats drawn by the rasteriser need no tiles; nor does a device without it have a plan.
+    // Large splats drawn by the rasteriser need no tiles.
     let device = crate::device();
     let opened = Device::open(&DeviceOptions { device, validation: false }).unwrap();
     if opened.info().fragment_atomics {
-        assert_planned(&folder, &["row.ply", "--size", "7x9", "--opacity", "0.5", "--set", "method.raster=hardware"]);
+        let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
+        assert_planned(&folder, &[&["row.ply", "--size", "7x9", "--opacity", "0.5"], &hardware[..]].concat());
     }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
