@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::Result;
-use pellucid::image::Image;
 use pellucid::output::{self, WriteOptions};
 
 use super::input::{InputArgs, prepare};
@@ -48,7 +47,7 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, args.aov || args.measure.profile.is_some(), &progress)?;
     session.describe(talk);
-    let rendered = session.render()?;
+    let mut rendered = session.render()?;
     progress.finish_and_clear();
     Session::describe_frame(&rendered, talk);
     let options = WriteOptions {
@@ -57,13 +56,10 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
         transparent: args.transparent,
         metadata: resolved.metadata(session.frame.method.name(), &session.device.info().name),
     };
-    if args.aov {
-        output::write_image(&output, &rendered.image, &options)?;
-    } else {
-        // Lists may have been counted, but for the profile's histogram only.
-        let image = Image { fragments: None, ..rendered.image.clone() };
-        output::write_image(&output, &image, &options)?;
-    }
+    // Lists may have been counted, but for the profile's histogram only.
+    let counted = if args.aov { None } else { rendered.image.fragments.take() };
+    output::write_image(&output, &rendered.image, &options)?;
+    rendered.image.fragments = rendered.image.fragments.or(counted);
     args.measure.write(&session.profile(vec![rendered]))?;
     talk.detail(format_args!("{}: written", output.display()));
     Ok(ExitCode::SUCCESS)
