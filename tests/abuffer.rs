@@ -377,7 +377,14 @@ fn hard_cameras_and_sizes_equal_the_reference() {
 #[test]
 fn odd_points_are_drawn_as_the_reference_says() {
     with_device(|device| {
-        let base = P { position: DVec3::ZERO, color: Vec3::ONE, opacity: 0.5, radius: 0.1, normal: Vec3::ZERO };
+        // Off the middle: the origin projects to a corner of pixels.
+        let base = P {
+            position: DVec3::new(0.013, 0.021, 0.0),
+            color: Vec3::ONE,
+            opacity: 0.5,
+            radius: 0.1,
+            normal: Vec3::ZERO,
+        };
         let odd = [
             P { radius: 0.0, ..base },
             P { radius: 1e-40, position: DVec3::new(0.51, 0.5, 0.0), ..base },

@@ -3,6 +3,7 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::{abuffer, splat};
+use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint};
 use pellucid::passes::{raster, scan};
 use pellucid::scene::{ColorSpace, Falloff};
@@ -22,13 +23,16 @@ fn raster_variants() -> Vec<Variant> {
 }
 
 fn compose_variants() -> Vec<Variant> {
-    let windows = [abuffer::Windows { count: 1, shift: 28 }, abuffer::Windows { count: 4, shift: 23 }];
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
     let shapes = [Footprint::Disc, Footprint::Oriented];
-    shapes
-        .iter()
-        .flat_map(|s| falloffs.iter().flat_map(move |f| windows.map(|w| abuffer::compose_variant(w, *s, *f))))
-        .collect()
+    shapes.iter().flat_map(|s| falloffs.iter().flat_map(move |f| cuts.map(|c| compose::variant(c, *s, *f)))).collect()
+}
+
+/// The variants of the kernels for lists of up to the lengths that `wanted` picks.
+fn resolve_variants(wanted: fn(u32) -> bool) -> Vec<Variant> {
+    let capacities = abuffer::CLASSES.map(|(capacity, _)| capacity).into_iter().filter(|c| wanted(*c));
+    capacities.flat_map(|c| compose_variants().into_iter().map(move |v| abuffer::resolve_variant(v, c))).collect()
 }
 
 #[test]
@@ -46,12 +50,14 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::Count>(&mut seen, raster_variants());
     check::<abuffer::Store>(&mut seen, raster_variants());
     check::<abuffer::Measure>(&mut seen, [abuffer::measure_variant()]);
-    let resolve = compose_variants()
-        .into_iter()
-        .flat_map(|v| abuffer::capacities().map(move |(low, high)| abuffer::resolve_variant(v.clone(), low, high)));
-    check::<abuffer::Resolve>(&mut seen, resolve);
-    check::<abuffer::Split>(&mut seen, [Variant::plain()]);
-    check::<abuffer::Arguments>(&mut seen, [Variant::plain()]);
+    let classes = || [abuffer::class_variant()];
+    check::<abuffer::Classify>(&mut seen, classes());
+    check::<abuffer::Groups>(&mut seen, classes());
+    check::<abuffer::Order>(&mut seen, classes());
+    check::<abuffer::ResolveNetwork>(&mut seen, resolve_variants(abuffer::is_network));
+    check::<abuffer::ResolveMerge>(&mut seen, resolve_variants(|c| !abuffer::is_network(c)));
+    check::<abuffer::Split>(&mut seen, classes());
+    check::<abuffer::RunGroups>(&mut seen, [Variant::plain()]);
     check::<abuffer::SortRuns>(&mut seen, [abuffer::sort_runs_variant()]);
     check::<abuffer::Merge>(&mut seen, [Variant::plain()]);
     check::<abuffer::BlendRuns>(&mut seen, compose_variants());
@@ -69,12 +75,13 @@ fn every_shader_matches_its_pass_in_every_variant() {
 #[test]
 fn every_compute_shader_has_the_common_workgroup() {
     for stem in shader::stems() {
-        let variant = Variant::plain().constant("CAPACITY", 32).constant("LOWEST", 0).walker("walk_small");
+        let variant = abuffer::class_variant().constant("CAPACITY", 32).network(4).walker("walk_small");
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
         } else {
-            let wanted = if stem == "abuffer/arguments" { 1 } else { WORKGROUP };
+            let single = ["abuffer/groups", "abuffer/run_groups"].contains(&stem.as_str());
+            let wanted = if single { 1 } else { WORKGROUP };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");
         }
     }

@@ -1,17 +1,20 @@
-// abuffer/split: lists the runs of every long list. One invocation per pixel of the band. The order of the lists in the
-// work list depends on arrival, but every run writes only what belongs to its own list.
+// abuffer/split: lists the runs of every long list. One invocation per pixel of the last class. The order of the lists
+// depends on arrival, but every run writes only what belongs to its own list.
+#import classes
 #import long_list
 #import dispatch
 
 struct Push {
-    band_start: u32,
-    band_end: u32,
+    class_index: u32,
+    first_fragment: u32,
 }
 
 @group(0) @binding(0) var<storage, read> offsets: array<u32>;
-@group(0) @binding(1) var<storage, read_write> work: LongWork;
-@group(0) @binding(2) var<storage, read_write> runs: array<ListRun>;
-@group(0) @binding(3) var<storage, read_write> lists: array<LongList>;
+@group(0) @binding(1) var<storage, read> classes: array<u32>;
+@group(0) @binding(2) var<storage, read> pixels: array<u32>;
+@group(0) @binding(3) var<storage, read_write> work: LongWork;
+@group(0) @binding(4) var<storage, read_write> runs: array<ListRun>;
+@group(0) @binding(5) var<storage, read_write> lists: array<LongList>;
 var<immediate> push: Push;
 
 @compute @workgroup_size(WG_SIZE)
@@ -20,15 +23,14 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let p = push.band_start + invocation_index(workgroup, groups, local);
-    if p >= push.band_end {
+    let item = invocation_index(workgroup, groups, local);
+    let word = push.class_index * CLASS_WORDS;
+    if item >= classes[word + CLASS_TOTAL] {
         return;
     }
+    let p = pixels[classes[word + CLASS_START] + item];
     let n = offsets[p + 1u] - offsets[p];
-    if n <= RUN_LENGTH {
-        return;
-    }
-    let start = offsets[p] - offsets[push.band_start];
+    let start = offsets[p] - push.first_fragment;
     let count = (n + RUN_LENGTH - 1u) / RUN_LENGTH;
     let first = atomicAdd(&work.run_count, count);
     lists[atomicAdd(&work.list_count, 1u)] = LongList(p, first, count);

@@ -2,7 +2,7 @@
 #import splat
 
 // Splats' colors (linear or encoded RGB, opacity) and footprints. A binding is limited (128 MiB on lavapipe), so each
-// array is bound as four windows of 2^WINDOW_SHIFT elements.
+// array is bound as four parts of PART_LENGTH elements.
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> colors_0: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> colors_1: array<vec4<f32>>;
@@ -17,18 +17,18 @@
 @group(0) @binding(11) var<storage, read> tilts_2: array<Tilt>;
 @group(0) @binding(12) var<storage, read> tilts_3: array<Tilt>;
 
-override WINDOWS: u32 = 1u;
-override WINDOW_SHIFT: u32 = 23u;
+override PARTS: u32 = 1u;
+override PART_LENGTH: u32 = 1u;
 const FALLOFF_FLAT = 0u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 
 fn color_at(i: u32) -> vec4<f32> {
-    if WINDOWS == 1u {
+    if PARTS == 1u {
         return colors_0[i];
     }
-    let k = i & ((1u << WINDOW_SHIFT) - 1u);
-    switch i >> WINDOW_SHIFT {
+    let k = i % PART_LENGTH;
+    switch i / PART_LENGTH {
         case 0u: { return colors_0[k]; }
         case 1u: { return colors_1[k]; }
         case 2u: { return colors_2[k]; }
@@ -37,11 +37,11 @@ fn color_at(i: u32) -> vec4<f32> {
 }
 
 fn splat_at(i: u32) -> Splat {
-    if WINDOWS == 1u {
+    if PARTS == 1u {
         return splats_0[i];
     }
-    let k = i & ((1u << WINDOW_SHIFT) - 1u);
-    switch i >> WINDOW_SHIFT {
+    let k = i % PART_LENGTH;
+    switch i / PART_LENGTH {
         case 0u: { return splats_0[k]; }
         case 1u: { return splats_1[k]; }
         case 2u: { return splats_2[k]; }
@@ -53,11 +53,11 @@ fn tilt_at(i: u32) -> Tilt {
     if SHAPE != SHAPE_ORIENTED {
         return Tilt(vec4<f32>(0.0));
     }
-    if WINDOWS == 1u {
+    if PARTS == 1u {
         return tilts_0[i];
     }
-    let k = i & ((1u << WINDOW_SHIFT) - 1u);
-    switch i >> WINDOW_SHIFT {
+    let k = i % PART_LENGTH;
+    switch i / PART_LENGTH {
         case 0u: { return tilts_0[k]; }
         case 1u: { return tilts_1[k]; }
         case 2u: { return tilts_2[k]; }

@@ -12,6 +12,8 @@ struct RasterPush {
     // The band of pixels in work: [band_start, band_end) in the order of window_index.
     band_start: u32,
     band_end: u32,
+    // The band's first fragment among the window's.
+    first_fragment: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -8,15 +8,20 @@ const SHAPE_POINT = 3u;
 override SHAPE: u32 = 0u;
 
 struct Splat {
-    // Projected centre in pixels, relative to the image's centre.
-    center: vec2<f32>,
+    // Where in its pixel the projected centre lies, in [0, 1); the pixel is apart, so that a fraction of a pixel is as
+    // fine at the image's edge as in its middle.
+    fraction_x: f32,
+    fraction_y: f32,
+    // Column (low 16 bits) and row of that pixel, signed; a centre farther out has a fraction beyond [0, 1).
+    pixel: u32,
     // z of the centre.
     depth: f32,
     // In pixels.
     radius: f32,
 }
 
-// What an oriented disc needs besides: its unit normal in camera axes; all zero for a flat one.
+// What an oriented disc needs besides: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
+// plane against the centre's ray. The normal is zero for a flat disc.
 struct Tilt {
     normal: vec4<f32>,
 }
@@ -43,25 +48,43 @@ fn bounds_max(b: Bounds) -> vec2<u32> {
     return vec2<u32>(b.columns >> 16u, b.rows >> 16u);
 }
 
+// The pixel that contains the centre.
+fn center_pixel(splat: Splat) -> vec2<i32> {
+    let packed = bitcast<i32>(splat.pixel);
+    return vec2<i32>((packed << 16u) >> 16u, packed >> 16u);
+}
+
+// From the projected centre to a pixel's centre, in pixels: exact but for one rounding.
+fn offset_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
+    let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
+    return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
+}
+
 // The ray through a pixel against the disc's plane, with everything in pixels at the centre's depth and relative to the
 // centre, so that nothing cancels: with o = (pixel - centre, 0), d the ray and t = n.o / n.d, the hit lies at o - d t from
 // the centre and t pixels nearer than it.
-fn cover_oriented(splat: Splat, normal: vec3<f32>, offset: vec2<f32>, view: View, center_pixel: bool) -> Coverage {
-    let o = vec3<f32>(offset, 0.0);
+fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -> Coverage {
+    let normal = tilt.xyz;
+    let o = offset_to(splat, pixel);
+    let along = normal.x * o.x + normal.y * o.y;
     var ray = vec3<f32>(0.0, 0.0, 1.0);
-    var unit = 1.0 / view.focal_px;
+    var unit = 1.0 / view.focal.x;
+    var facing = tilt.w;
     if view.orthographic == 0u {
-        ray = vec3<f32>((splat.center + offset) / view.focal_px, 1.0);
-        unit = splat.depth / view.focal_px;
+        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
+        ray = vec3<f32>(from_middle / view.focal.x, 1.0);
+        unit = splat.depth / view.focal.x;
+        facing += along / view.focal.x;
     }
-    let t = dot(normal, o) / dot(normal, ray);
-    let distance = length(o - ray * t);
+    let t = along / facing;
+    let from_center = vec3<f32>(o, 0.0) - ray * t;
+    let squared = dot(from_center, from_center);
     let depth = splat.depth - unit * t;
     // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
-    if distance <= splat.radius && (view.orthographic != 0u || depth > 0.0) {
-        return Coverage(true, depth, relative_distance(distance, splat.radius));
+    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth > 0.0) {
+        return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
-    return Coverage(center_pixel, splat.depth, 1.0);
+    return Coverage(all(center_pixel(splat) == vec2<i32>(pixel)), splat.depth, 1.0);
 }
 
 fn relative_distance(distance: f32, radius: f32) -> f32 {
@@ -69,21 +92,21 @@ fn relative_distance(distance: f32, radius: f32) -> f32 {
 }
 
 fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
-    let offset = pixel_center(pixel, view.size) - splat.center;
-    let center_pixel = all(pixel_at(splat.center, view.size) == vec2<i32>(pixel));
+    let in_center = all(center_pixel(splat) == vec2<i32>(pixel));
     if SHAPE == SHAPE_POINT {
-        return Coverage(center_pixel, splat.depth, 1.0);
-    }
-    if SHAPE == SHAPE_SQUARE {
-        let inside = all(abs(offset) <= vec2<f32>(splat.radius));
-        return Coverage(inside || center_pixel, splat.depth, 1.0);
+        return Coverage(in_center, splat.depth, 1.0);
     }
     if SHAPE == SHAPE_ORIENTED && any(tilt.normal.xyz != vec3<f32>(0.0)) {
-        return cover_oriented(splat, tilt.normal.xyz, offset, view, center_pixel);
+        return cover_oriented(splat, tilt.normal, pixel, view);
+    }
+    let offset = offset_to(splat, pixel);
+    if SHAPE == SHAPE_SQUARE {
+        let inside = all(abs(offset) <= vec2<f32>(splat.radius));
+        return Coverage(inside || in_center, splat.depth, 1.0);
     }
     let squared = dot(offset, offset);
     let inside = squared <= splat.radius * splat.radius;
-    return Coverage(inside || center_pixel, splat.depth, relative_distance(sqrt(squared), splat.radius));
+    return Coverage(inside || in_center, splat.depth, relative_distance(sqrt(squared), splat.radius));
 }
 
 // Maps floats to integers of the same order, negative ones included.

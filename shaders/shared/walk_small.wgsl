@@ -20,9 +20,13 @@ fn main(
     }
     let splat = splats[i];
     let tilt = tilt_of(i);
-    for (var y = low.y; y < high.y; y++) {
-        for (var x = low.x; x < high.x; x++) {
-            visit(i, splat, tilt, vec2<u32>(x, y));
+    // One loop over both axes: invocations that run in step wait for the largest rectangle, not for the widest row of each.
+    var pixel = low;
+    for (var k = extent.x * extent.y; k > 0u; k--) {
+        visit(i, splat, tilt, pixel);
+        pixel.x += 1u;
+        if pixel.x == high.x {
+            pixel = vec2<u32>(low.x, pixel.y + 1u);
         }
     }
 }

@@ -1,7 +1,8 @@
 // splat/project: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
-// One invocation per point of a chunk. Points outside near and far, or whose rectangle misses the part of the image in
+// One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose rectangle misses the part of the image in
 // work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they need.
 #import splat
+#import twofloat
 #import dispatch
 
 struct Point {
@@ -55,8 +56,55 @@ override NORMALS: u32 = 0u;
 // Beyond any image, and with a square that stays finite.
 const HUGE = 1e18;
 
-fn in_camera(v: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(dot(v, view.right.xyz), dot(v, view.down.xyz), dot(v, view.forward.xyz));
+// Points of one invocation.
+override RUN: u32 = 8u;
+
+// A vector in camera axes, each component a sum of two floats.
+fn in_camera(v: array<vec2<f32>, 3>) -> array<vec2<f32>, 3> {
+    return array<vec2<f32>, 3>(
+        dot2(v, axis(view.right, view.right_lo)),
+        dot2(v, axis(view.down, view.down_lo)),
+        dot2(v, axis(view.forward, view.forward_lo)),
+    );
+}
+
+fn axis(hi: vec4<f32>, lo: vec4<f32>) -> array<vec2<f32>, 3> {
+    return array<vec2<f32>, 3>(vec2<f32>(hi.x, lo.x), vec2<f32>(hi.y, lo.y), vec2<f32>(hi.z, lo.z));
+}
+
+fn minus_eye(hi: vec3<f32>, lo: vec3<f32>) -> array<vec2<f32>, 3> {
+    return array<vec2<f32>, 3>(
+        add2(vec2<f32>(hi.x, lo.x), -vec2<f32>(view.eye_hi.x, view.eye_lo.x)),
+        add2(vec2<f32>(hi.y, lo.y), -vec2<f32>(view.eye_hi.y, view.eye_lo.y)),
+        add2(vec2<f32>(hi.z, lo.z), -vec2<f32>(view.eye_hi.z, view.eye_lo.z)),
+    );
+}
+
+fn rounded(v: array<vec2<f32>, 3>) -> vec3<f32> {
+    return vec3<f32>(v[0].x, v[1].x, v[2].x);
+}
+
+// Pixel of a screen coordinate relative to the image's middle, and the fraction within it.
+struct Screen {
+    pixel: i32,
+    fraction: f32,
+}
+
+fn on_screen(relative: vec2<f32>, size: u32) -> Screen {
+    // An even image's middle is a border of pixels, an odd one's lies half a pixel in.
+    let shifted = add2(relative, vec2<f32>(0.5 * f32(size % 2u), 0.0));
+    let whole = clamp(floor(shifted.x), -16000.0, 16000.0);
+    var screen = Screen(i32(whole), (shifted.x - whole) + shifted.y);
+    if screen.fraction < 0.0 && whole > -16000.0 {
+        screen.pixel -= 1;
+        screen.fraction = ((shifted.x - whole) + 1.0) + shifted.y;
+    }
+    screen.pixel += i32(size / 2u);
+    // Rounded up to the next pixel, it would lie in none.
+    if screen.fraction == 1.0 {
+        screen.fraction = 0.99999994;
+    }
+    return screen;
 }
 
 fn encode(c: vec3<f32>) -> vec3<f32> {
@@ -104,7 +152,7 @@ fn extent_perspective(slope: f32, n: f32, n_z: f32, depth: f32, radius: f32) -> 
 }
 
 // Distances from the projected centre to the left, top, right and bottom of the covered area, in pixels.
-fn extents(splat: Splat, tilt: Tilt) -> vec4<f32> {
+fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     if SHAPE == SHAPE_POINT {
         return vec4<f32>(0.0);
     }
@@ -116,38 +164,27 @@ fn extents(splat: Splat, tilt: Tilt) -> vec4<f32> {
             let half = splat.radius * sqrt(max(vec2<f32>(1.0) - n.xy * n.xy, vec2<f32>(0.0))) + margin;
             return half.xyxy;
         }
-        let radius = splat.radius * splat.depth / view.focal_px;
-        let slope = splat.center / view.focal_px;
-        let x = extent_perspective(slope.x, n.x, n.z, splat.depth, radius) * view.focal_px + margin;
-        let y = extent_perspective(slope.y, n.y, n.z, splat.depth, radius) * view.focal_px + margin;
+        let radius = splat.radius * splat.depth / view.focal.x;
+        let slope = center / view.focal.x;
+        let x = extent_perspective(slope.x, n.x, n.z, splat.depth, radius) * view.focal.x + margin;
+        let y = extent_perspective(slope.y, n.y, n.z, splat.depth, radius) * view.focal.x + margin;
         return vec4<f32>(x.x, y.x, x.y, y.y);
     }
     return vec4<f32>(splat.radius);
 }
 
-// First pixel whose centre is not before a position, and last one whose centre is not behind it.
-fn pixel_from(position: vec2<f32>) -> vec2<i32> {
-    return on_image(ceil(position + 0.5 * vec2<f32>(view.size % 2u) - 0.5));
-}
-
-fn pixel_to(position: vec2<f32>) -> vec2<i32> {
-    return on_image(floor(position + 0.5 * vec2<f32>(view.size % 2u) - 0.5));
-}
-
-fn on_image(relative: vec2<f32>) -> vec2<i32> {
-    let limit = vec2<f32>(view.size);
-    return vec2<i32>(clamp(relative, -limit, limit)) + vec2<i32>(view.size / 2u);
-}
-
-fn rectangle(splat: Splat, tilt: Tilt) -> Bounds {
-    let reach = extents(splat, tilt);
-    let center = pixel_at(splat.center, view.size);
-    let low = min(pixel_from(splat.center - reach.xy), center);
-    let high = max(pixel_to(splat.center + reach.zw), center) + 1;
+fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> Bounds {
+    let reach = extents(splat, tilt, center);
+    let pixel = center_pixel(splat);
+    let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
+    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own.
+    let limit = vec2<f32>(65536.0);
+    let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5), -limit, limit));
+    let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));
     let window_low = vec2<i32>(view.window.xy);
     let window_high = vec2<i32>(view.window.zw);
-    let l = vec2<u32>(clamp(low, window_low, window_high));
-    let h = vec2<u32>(clamp(high, window_low, window_high));
+    let l = vec2<u32>(clamp(min(low, pixel), window_low, window_high));
+    let h = vec2<u32>(clamp(max(high, pixel) + 1, window_low, window_high));
     if any(l >= h) {
         return Bounds(0u, 0u);
     }
@@ -169,39 +206,47 @@ fn add_area(n: u32) {
     }
 }
 
-@compute @workgroup_size(WG_SIZE)
-fn main(
-    @builtin(workgroup_id) workgroup: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = invocation_index(workgroup, groups, local);
-    if i >= push.count {
-        return;
-    }
+// Projects a point; returns the number of pixels of its rectangle.
+fn project(i: u32) -> u32 {
     let point = points[i];
-    let position = in_camera((point.hi - view.eye_hi.xyz) + (point.lo - view.eye_lo.xyz));
+    let place = in_camera(minus_eye(point.hi, point.lo));
+    let position = rounded(place);
     // Written so that NaN is not drawn.
-    if !(position.z >= view.near && position.z <= view.far) {
+    if !(position.z >= view.depth_range.x && position.z <= view.depth_range.y) {
         bounds[i] = Bounds(0u, 0u);
-        return;
+        return 0u;
     }
-    var scale = view.focal_px;
+    var scale = view.focal;
     if view.orthographic == 0u {
-        scale = view.focal_px / position.z;
+        scale = divide2(view.focal, place[2]);
     }
-    let radius = min(min(point.radius * view.radius_factor * scale, view.max_radius_px), HUGE);
-    let splat = Splat(clamp(position.xy * scale, vec2<f32>(-HUGE), vec2<f32>(HUGE)), position.z, radius);
+    let x = multiply2(place[0], scale);
+    let y = multiply2(place[1], scale);
+    if !(abs(x.x) <= HUGE && abs(y.x) <= HUGE) {
+        bounds[i] = Bounds(0u, 0u);
+        return 0u;
+    }
+    let column = on_screen(x, view.size.x);
+    let row = on_screen(y, view.size.y);
+    let pixel = bitcast<u32>(column.pixel & 0xffff | row.pixel << 16u);
+    let radius = min(min(point.radius * view.radius_limits.x * scale.x, view.radius_limits.y), HUGE);
+    let splat = Splat(column.fraction, row.fraction, pixel, position.z, radius);
     var tilt = Tilt(vec4<f32>(0.0));
     if NORMALS != 0u {
-        tilt.normal = vec4<f32>(in_camera(normals[i].xyz), 0.0);
+        let n = normals[i].xyz;
+        let turned = in_camera(array<vec2<f32>, 3>(vec2<f32>(n.x, 0.0), vec2<f32>(n.y, 0.0), vec2<f32>(n.z, 0.0)));
+        var facing = turned[2].x;
+        if view.orthographic == 0u {
+            facing = dot2(turned, place).x / position.z;
+        }
+        tilt.normal = vec4<f32>(rounded(turned), facing);
     }
-    let rect = rectangle(splat, tilt);
+    let rect = rectangle(splat, tilt, vec2<f32>(x.x, y.x));
     bounds[i] = rect;
     let extent = bounds_max(rect) - bounds_min(rect);
     let area = extent.x * extent.y;
     if area == 0u {
-        return;
+        return 0u;
     }
     splats[i] = splat;
     if SHAPE == SHAPE_ORIENTED {
@@ -215,13 +260,36 @@ fn main(
         color = encode(color);
     }
     colors[i] = vec4<f32>(color, point.opacity);
-    atomicAdd(&stats[push.chunk].visible, 1u);
-    add_area(area);
     if area > SMALL_AREA {
         let tiles = (extent + TILE - 1u) / TILE;
         let place = atomicAdd(&stats[push.chunk].large, 1u);
         large[place] = i;
         tile_counts[place] = tiles.x * tiles.y;
         add_tiles(tiles.x * tiles.y);
+    }
+    return area;
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
+    var visible = 0u;
+    // A rectangle has at most 2^28 pixels, so the sum of a run fits.
+    var area = 0u;
+    for (var k = 0u; k < RUN; k++) {
+        let i = first + k * WG_SIZE;
+        if i < push.count {
+            let pixels = project(i);
+            visible += select(0u, 1u, pixels > 0u);
+            area += pixels;
+        }
+    }
+    if visible > 0u {
+        atomicAdd(&stats[push.chunk].visible, visible);
+        add_area(area);
     }
 }

@@ -9,6 +9,7 @@ mod context;
 mod device;
 mod error;
 mod instance;
+mod kept;
 pub mod layout;
 mod pass;
 mod pipeline;
@@ -19,8 +20,9 @@ mod spirv;
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
 pub use error::Error;
+pub use kept::Kept;
 pub use layout::{GpuType, Shape};
-pub use pass::{Access, Binding, Pass};
+pub use pass::{Access, Binding, PARTS, Pass};
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted};
 pub use shader::Variant;
 

@@ -38,7 +38,11 @@ pub trait Pass {
     fn resources(&self) -> Vec<RawSlice>;
 }
 
+/// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
+pub const PARTS: usize = 4;
+
 /// Declares a pass: name of the timing label, the shader file if it is called otherwise, push constants, bindings.
+/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, or `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, ….
 ///
 /// ```ignore
 /// pass! {
@@ -57,17 +61,15 @@ macro_rules! pass {
         $(#[$doc])*
         #[allow(missing_docs, reason = "the shader says what the members are")]
         $vis struct $name<'a> {
-            $($(#[$field_doc])* pub $field: $crate::gpu::Slice<'a, $type>),*
+            $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
         impl $crate::gpu::Pass for $name<'_> {
             const NAME: &'static str = $label;
             const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
             fn bindings() -> Vec<$crate::gpu::Binding> {
-                vec![$($crate::gpu::Binding {
-                    name: stringify!($field),
-                    access: $crate::gpu::Access::$access,
-                    shape: <$type as $crate::gpu::GpuType>::shape(),
-                }),*]
+                let mut list = Vec::new();
+                $($crate::pass!(@bind list, $field, $access, $type);)*
+                list
             }
             fn push() -> Option<$crate::gpu::Shape> {
                 #[allow(unused_mut, unused_assignments)]
@@ -76,9 +78,33 @@ macro_rules! pass {
                 shape
             }
             fn resources(&self) -> Vec<$crate::gpu::RawSlice> {
-                vec![$(self.$field.raw()),*]
+                let mut list = Vec::new();
+                $($crate::pass!(@resource list, self.$field, $access);)*
+                list
             }
         }
     };
     (@first $first:literal $(, $rest:literal)*) => { $first };
+    (@type Parts $life:lifetime, $type:ty) => { [$crate::gpu::Slice<$life, $type>; $crate::gpu::PARTS] };
+    (@type $access:ident $life:lifetime, $type:ty) => { $crate::gpu::Slice<$life, $type> };
+    (@bind $list:ident, $field:ident, Parts, $type:ty) => {
+        for name in [
+            concat!(stringify!($field), "_0"),
+            concat!(stringify!($field), "_1"),
+            concat!(stringify!($field), "_2"),
+            concat!(stringify!($field), "_3"),
+        ] {
+            let shape = <$type as $crate::gpu::GpuType>::shape();
+            $list.push($crate::gpu::Binding { name, access: $crate::gpu::Access::Read, shape });
+        }
+    };
+    (@bind $list:ident, $field:ident, $access:ident, $type:ty) => {
+        $list.push($crate::gpu::Binding {
+            name: stringify!($field),
+            access: $crate::gpu::Access::$access,
+            shape: <$type as $crate::gpu::GpuType>::shape(),
+        });
+    };
+    (@resource $list:ident, $slices:expr, Parts) => { $list.extend($slices.iter().map(|s| s.raw())) };
+    (@resource $list:ident, $slice:expr, $access:ident) => { $list.push($slice.raw()) };
 }

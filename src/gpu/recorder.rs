@@ -44,6 +44,7 @@ pub struct Draw {
 /// Variant, push constants and size of one run of a pass.
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
+    label: Option<&'static str>,
     variant: Variant,
     push: Vec<u8>,
     dispatch: Dispatch<'a>,
@@ -52,7 +53,13 @@ pub struct Run<'a> {
 impl<'a> Run<'a> {
     /// A run of the plain variant without push constants.
     pub fn new(dispatch: Dispatch<'a>) -> Self {
-        Self { variant: Variant::plain(), push: Vec::new(), dispatch }
+        Self { label: None, variant: Variant::plain(), push: Vec::new(), dispatch }
+    }
+
+    /// Under another name than the pass's own.
+    pub fn label(mut self, label: &'static str) -> Self {
+        self.label = Some(label);
+        self
     }
 
     /// With a variant.
@@ -143,7 +150,7 @@ impl<'a> Recorder<'a> {
             Dispatch::Indirect(_) => [0; 2],
         };
         let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
-        self.begin_pass(P::NAME, true)?;
+        self.begin_pass(run.label.unwrap_or(P::NAME), true)?;
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been waited for.
         unsafe {

@@ -27,6 +27,10 @@ pub struct Variant {
     pub overrides: Vec<(&'static str, f64)>,
     /// Text constants with their WGSL value, as `("CAPACITY", "256u")`.
     pub constants: Vec<(&'static str, String)>,
+    /// Declarations that the host writes, put before the source.
+    pub text: String,
+    /// Inputs of the sorting network that stands in for `#network`; a power of two.
+    pub network: Option<u32>,
     /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
     pub walker: Option<&'static str>,
 }
@@ -46,6 +50,18 @@ impl Variant {
     /// Adds a text constant of type u32.
     pub fn constant(mut self, name: &'static str, value: u32) -> Self {
         self.constants.push((name, format!("{value}u")));
+        self
+    }
+
+    /// Adds declarations.
+    pub fn text(mut self, text: &str) -> Self {
+        self.text.push_str(text);
+        self
+    }
+
+    /// Sets the size of the sorting network.
+    pub fn network(mut self, inputs: u32) -> Self {
+        self.network = Some(inputs);
         self
     }
 
@@ -84,21 +100,26 @@ pub fn source(stem: &str, variant: &Variant) -> Result<String, Error> {
     for (name, value) in &variant.constants {
         let _ = writeln!(out, "const {name} = {value};");
     }
-    paste(stem, text, variant.walker, &mut out, &mut Vec::new())?;
+    out.push_str(&variant.text);
+    paste(stem, text, variant, &mut out, &mut Vec::new())?;
     Ok(out)
 }
 
 fn paste<'a>(
     stem: &str,
     text: &'a str,
-    walker: Option<&'static str>,
+    variant: &Variant,
     out: &mut String,
     pasted: &mut Vec<&'a str>,
 ) -> Result<(), Error> {
     for line in text.lines() {
         let name = match line.strip_prefix("#import ") {
             Some(name) => name.trim(),
-            None if line == "#walker" => walker.ok_or_else(|| error(stem, "the variant names no walker"))?,
+            None if line == "#walker" => variant.walker.ok_or_else(|| error(stem, "the variant names no walker"))?,
+            None if line == "#network" => {
+                out.push_str(&network(variant.network.ok_or_else(|| error(stem, "the variant has no network"))?));
+                continue;
+            }
             None => {
                 out.push_str(line);
                 out.push('\n');
@@ -109,10 +130,50 @@ fn paste<'a>(
             let shared =
                 file(&format!("shared/{name}")).ok_or_else(|| error(stem, format!("no shared piece {name:?}")))?;
             pasted.push(name);
-            paste(stem, shared, walker, out, pasted)?;
+            paste(stem, shared, variant, out, pasted)?;
         }
     }
     Ok(())
+}
+
+/// Pairs of Batcher's odd-even merge sort of `n` inputs (a power of two), in order: the smaller goes to the first place.
+fn comparators(n: u32) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    let mut p = 1;
+    while p < n {
+        let mut k = p;
+        while k >= 1 {
+            for j in (k % p..n - k).step_by(2 * k as usize) {
+                for i in 0..k.min(n - j - k) {
+                    if (i + j) / (2 * p) == (i + j + k) / (2 * p) {
+                        pairs.push((i + j, i + j + k));
+                    }
+                }
+            }
+            k /= 2;
+        }
+        p *= 2;
+    }
+    pairs
+}
+
+/// WGSL that loads, sorts and blends `n` fragments held in variables: the functions `slot`, `before` and `blend` and the variables
+/// start, n, pixel and sum are the shader's.
+fn network(n: u32) -> String {
+    let mut out = String::new();
+    for i in 0..n {
+        let _ = writeln!(out, "    var f{i} = slot(start, {i}u, n);");
+    }
+    for (number, (a, b)) in comparators(n).into_iter().enumerate() {
+        let _ = writeln!(out, "    let s{number} = before(f{b}, f{a});");
+        let _ = writeln!(out, "    let t{number} = select(f{a}, f{b}, s{number});");
+        let _ = writeln!(out, "    f{b} = select(f{b}, f{a}, s{number});");
+        let _ = writeln!(out, "    f{a} = t{number};");
+    }
+    for i in 0..n {
+        let _ = writeln!(out, "    sum = blend(sum, f{i}, {i}u < n, pixel);");
+    }
+    out
 }
 
 fn error(name: &str, message: impl Into<String>) -> Error {
@@ -313,5 +374,28 @@ pub fn entry_point(stem: &str, variant: &Variant) -> Result<(ShaderStage, [u32; 
     match module.entry_points.as_slice() {
         [entry] if entry.name == ENTRY => Ok((entry.stage, entry.workgroup_size)),
         _ => Err(error(stem, "wants exactly one entry point, called main")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn networks_sort_every_pattern_of_zeros_and_ones() {
+        // By the zero-one principle that is every input.
+        for n in [1u32, 2, 4, 8, 16] {
+            let pairs = comparators(n);
+            for pattern in 0u32..1 << n {
+                let mut bits: Vec<u32> = (0..n).map(|i| pattern >> i & 1).collect();
+                for &(a, b) in &pairs {
+                    let (a, b) = (a as usize, b as usize);
+                    (bits[a], bits[b]) = (bits[a].min(bits[b]), bits[a].max(bits[b]));
+                }
+                assert!(bits.is_sorted(), "{n} inputs, pattern {pattern:b}");
+            }
+        }
+        // Knuth, TAOCP 3, 5.3.4: 191 comparators for 32 inputs.
+        assert_eq!(comparators(32).len(), 191);
     }
 }

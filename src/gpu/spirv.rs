@@ -14,6 +14,11 @@ const STORAGE_FUNCTION: u32 = 7;
 const DECORATION_BUILT_IN: u32 = 11;
 const BUILT_IN_SAMPLE_MASK: u32 = 20;
 const HEADER_WORDS: usize = 5;
+const DECORATION_NO_CONTRACTION: u32 = 42;
+/// OpTypeVoid to OpTypeFunction.
+const FIRST_TYPES: std::ops::RangeInclusive<u32> = 19..=33;
+/// OpFNegate, OpFAdd, OpFSub, OpFMul, OpFDiv, OpFRem, OpFMod, and OpVectorTimesScalar to OpDot.
+const FLOAT_ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143, 144, 145, 146, 147, 148];
 /// Index of the id bound in the header.
 const BOUND: usize = 3;
 
@@ -33,9 +38,31 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
     out.extend_from_slice(operands);
 }
 
-/// Both corrections.
+/// All corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
-    correct_sample_mask(&drop_array_initialisers(words))
+    forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words)))
+}
+
+/// Decorates all floating-point arithmetic NoContraction, which naga cannot say.
+///
+/// Without it a driver may fuse a multiplication with an addition in one shader and not in another: the pass that stores
+/// fragments would then see other pixels than the one that counted them. Sums of two floats need it anyway.
+fn forbid_contraction(words: &[u32]) -> Vec<u32> {
+    let results: Vec<u32> =
+        instructions(words).filter(|(op, _)| FLOAT_ARITHMETIC.contains(op)).map(|(_, i)| i[2]).collect();
+    let mut out = words[..HEADER_WORDS.min(words.len())].to_vec();
+    let mut decorated = false;
+    for (op, instruction) in instructions(words) {
+        // Annotations end where types begin.
+        if !decorated && FIRST_TYPES.contains(&op) {
+            for id in &results {
+                emit(&mut out, OP_DECORATE, &[*id, DECORATION_NO_CONTRACTION]);
+            }
+            decorated = true;
+        }
+        out.extend_from_slice(instruction);
+    }
+    out
 }
 
 /// Drops the initialiser of function-local arrays.
@@ -146,6 +173,17 @@ mod tests {
         let after = count(&drop_array_initialisers(&words), initialised);
         assert!(before >= 2, "the shader has an initialised array and scalar");
         assert_eq!(after, before - 1);
+    }
+
+    #[test]
+    fn float_arithmetic_is_not_contracted_and_integers_stay() {
+        let words = compiled(
+            "@group(0) @binding(0) var<storage, read_write> data: array<f32>;
+            @compute @workgroup_size(1) fn main() { data[0] = data[1] * data[2] + data[3]; data[4] = f32(7u + u32(data[5])); }",
+        );
+        let decorated = |w: &[u32]| count(w, |op, i| op == OP_DECORATE && i[2] == DECORATION_NO_CONTRACTION);
+        assert_eq!(decorated(&words), 0);
+        assert_eq!(decorated(&forbid_contraction(&words)), 2);
     }
 
     const MASK: &str = "struct Out { @location(0) color: vec4<f32>, @builtin(sample_mask) mask: u32 }

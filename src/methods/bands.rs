@@ -40,8 +40,17 @@ pub fn halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
 pub struct Band {
     /// First pixel and one past the last.
     pub pixels: [u32; 2],
+    /// The band's first fragment among the window's.
+    pub first_fragment: u32,
     /// Fragments of the band.
     pub fragments: u64,
+}
+
+impl Band {
+    /// The whole window.
+    pub fn whole(window: Window, fragments: u64) -> Self {
+        Self { pixels: [0, pixels(window) as u32], first_fragment: 0, fragments }
+    }
 }
 
 /// Cuts a window's pixels into bands of at most `capacity` fragments.
@@ -58,7 +67,11 @@ pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
         if end == start {
             return Err((start as u32, offsets[start + 1] - offsets[start]));
         }
-        found.push(Band { pixels: [start as u32, end as u32], fragments: u64::from(offsets[end] - offsets[start]) });
+        found.push(Band {
+            pixels: [start as u32, end as u32],
+            first_fragment: offsets[start],
+            fragments: u64::from(offsets[end] - offsets[start]),
+        });
         start = end;
     }
     Ok(found)
@@ -87,9 +100,11 @@ impl Budget {
         self.bytes.saturating_sub(used + OVERHEAD_BYTES.min(self.bytes / 2))
     }
 
-    /// The budget under which `needed` bytes would be left beside `used`.
-    pub fn wanted(used: u64, needed: u64) -> u64 {
-        (used + needed + OVERHEAD_BYTES).max(4 * used)
+    /// A budget that leaves `needed` bytes for fragments whatever the windows: these take at most a quarter, beside `fixed` bytes.
+    pub fn wanted(fixed: u64, needed: u64) -> u64 {
+        let small = 4 * needed;
+        let wanted = if small <= 2 * OVERHEAD_BYTES { small } else { (needed + OVERHEAD_BYTES).div_ceil(3) * 4 };
+        wanted + 2 * fixed
     }
 }
 
@@ -144,12 +159,13 @@ mod tests {
         assert_eq!(found.last().map(|b| b.pixels[1]), Some(10));
         assert!(found.windows(2).all(|w| w[0].pixels[1] == w[1].pixels[0]));
         assert!(found.iter().all(|b| b.fragments <= 5));
+        assert!(found.iter().all(|b| b.first_fragment == offsets[b.pixels[0] as usize]));
         assert_eq!(found.iter().map(|b| b.fragments).sum::<u64>(), 23);
         assert_eq!(bands(&offsets, 4), Err((3, 5)));
     }
 
     #[test]
     fn no_fragments_are_one_band() {
-        assert_eq!(bands(&[0, 0, 0], 1), Ok(vec![Band { pixels: [0, 2], fragments: 0 }]));
+        assert_eq!(bands(&[0, 0, 0], 1), Ok(vec![Band { pixels: [0, 2], first_fragment: 0, fragments: 0 }]));
     }
 }

@@ -7,10 +7,11 @@ use super::bands::{self, Budget, Window};
 use super::splat::Opaque;
 use super::{Error, abuffer, splat};
 use crate::camera::Camera;
-use crate::gpu::{Device, Memory, PassTime, Recorder, Slice, Submitted};
+use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
+use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
-use crate::passes::raster::{Kept, Walker};
+use crate::passes::raster::Walker;
 use crate::points::Points;
 use crate::scene::{ColorSpace, DiscShape, Discs, Method, Raster, ScreenSplats, Shading};
 
@@ -213,7 +214,7 @@ impl Renderer {
 
     /// Uploads a scene's points.
     pub fn upload(&self, points: &Points) -> Result<DeviceCloud, Error> {
-        abuffer::Windows::new(&self.device, points.len() as u64)?;
+        Cut::new(&self.device, points.len() as u64)?;
         Ok(DeviceCloud::new(&self.device, points)?)
     }
 

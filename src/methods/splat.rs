@@ -2,13 +2,13 @@
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
-use super::abuffer::{Windows, compose_variant};
-use super::bands::{self, Window};
+use super::bands::{self, Band, Window};
 use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
-use crate::gpu::{Buffer, Device, Dispatch, Memory, Run, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Run};
+use crate::passes::compose::{self, Composing, Cut};
 use crate::passes::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
-use crate::passes::raster::{Chunk, Kept, RasterPush, Tiled, Walker};
+use crate::passes::raster::{Chunk, RasterPush, Tiled, Walker, tile_offsets_len};
 use crate::passes::scan::Scan;
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
@@ -64,18 +64,9 @@ pass! {
     /// Index to color.
     pub Resolve(abuffer::CountPush) = "splat/resolve" {
         view: Uniform<View>,
-        colors_0: Read<[f32; 4]>,
-        colors_1: Read<[f32; 4]>,
-        colors_2: Read<[f32; 4]>,
-        colors_3: Read<[f32; 4]>,
-        splats_0: Read<Splat>,
-        splats_1: Read<Splat>,
-        splats_2: Read<Splat>,
-        splats_3: Read<Splat>,
-        tilts_0: Read<Tilt>,
-        tilts_1: Read<Tilt>,
-        tilts_2: Read<Tilt>,
-        tilts_3: Read<Tilt>,
+        colors: Parts<[f32; 4]>,
+        splats: Parts<Splat>,
+        tilts: Parts<Tilt>,
         nearest: Read<NearestSplat>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
@@ -131,7 +122,7 @@ impl Opaque {
         let pixels = bands::pixels(job.window);
         let large: u64 = job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
         self.nearest.reserve(device, pixels)?;
-        self.tile_offsets.reserve(device, if large > 0 { job.cloud.len() } else { 1 })?;
+        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
         if self.scan.as_ref().is_none_or(|s| s.capacity() < large) {
             self.scan = Some(Scan::new(device, large)?);
         }
@@ -144,7 +135,7 @@ impl Opaque {
         if let Some(scan) = &self.scan {
             tiled.record_tiles(&mut recorder, scan, self.overflow.all())?;
         }
-        let all = [0, pixels as u32];
+        let all = &Band::whole(job.window, 0);
         if job.wide {
             tiled.record(&mut recorder, all, |c: Chunk<'_>| Nearest {
                 view: c.view,
@@ -175,37 +166,14 @@ impl Opaque {
                 nearest,
             })?;
         }
-        let windows = Windows::new(device, job.cloud.len())?;
-        let [colors_0, colors_1, colors_2, colors_3] = windows.of(&job.cloud.colors);
-        let [splats_0, splats_1, splats_2, splats_3] = windows.of(&job.cloud.splats);
-        let [tilts_0, tilts_1, tilts_2, tilts_3] = windows.of(&job.cloud.tilts);
-        let resolve = Resolve {
-            view: job.cloud.view(),
-            colors_0,
-            colors_1,
-            colors_2,
-            colors_3,
-            splats_0,
-            splats_1,
-            splats_2,
-            splats_3,
-            tilts_0,
-            tilts_1,
-            tilts_2,
-            tilts_3,
-            nearest,
-            image: target.image(),
-            depths: target.depths(),
-        };
+        let cut = Cut::new(device, job.cloud.len())?;
+        let Composing { colors, splats, tilts } = Composing::new(job.cloud, cut);
+        let (image, depths) = (target.image(), target.depths());
+        let resolve = Resolve { view: job.cloud.view(), colors, splats, tilts, nearest, image, depths };
         let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
-        recorder.run(&resolve, &run.variant(resolve_variant(windows)))?;
+        recorder.run(&resolve, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("splat/nearest")?);
         Ok(())
     }
-}
-
-/// The variant of `splat/resolve`.
-pub fn resolve_variant(windows: Windows) -> Variant {
-    compose_variant(windows, Footprint::Disc, Falloff::Flat)
 }

@@ -12,20 +12,24 @@ gpu_struct! {
     /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
     pub struct View {
         right: [f32; 4],
+        right_lo: [f32; 4],
         down: [f32; 4],
+        down_lo: [f32; 4],
         forward: [f32; 4],
+        forward_lo: [f32; 4],
         eye_hi: [f32; 4],
         eye_lo: [f32; 4],
         light: [f32; 4],
         material: [f32; 4],
         window: [u32; 4],
         size: [u32; 2],
-        near: f32,
-        far: f32,
-        focal_px: f32,
+        focal: [f32; 2],
+        depth_range: [f32; 2],
+        radius_limits: [f32; 2],
         orthographic: u32,
-        radius_factor: f32,
-        max_radius_px: f32,
+        unused_0: u32,
+        unused_1: u32,
+        unused_2: u32,
     }
 }
 
@@ -42,7 +46,9 @@ gpu_struct! {
 gpu_struct! {
     /// A projected splat.
     pub struct Splat {
-        center: [f32; 2],
+        fraction_x: f32,
+        fraction_y: f32,
+        pixel: u32,
         depth: f32,
         radius: f32,
     }
@@ -258,24 +264,33 @@ impl DeviceCloud {
 
     /// Sets the camera and the rectangle of pixels that is rendered next.
     pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
-        let (eye_hi, eye_lo) = split(camera.eye - self.origin);
-        let row = |v: DVec3| padded(v.as_vec3());
+        let rows = |v: DVec3| {
+            let (hi, lo) = split(v);
+            (padded(hi), padded(lo))
+        };
+        let (eye_hi, eye_lo) = rows(camera.eye - self.origin);
+        let (right, right_lo) = rows(camera.right);
+        let (down, down_lo) = rows(-camera.up);
+        let (forward, forward_lo) = rows(camera.forward);
+        let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
         let view = View {
-            right: row(camera.right),
-            down: row(-camera.up),
-            forward: row(camera.forward),
-            eye_hi: padded(eye_hi),
-            eye_lo: padded(eye_lo),
+            right,
+            right_lo,
+            down,
+            down_lo,
+            forward,
+            forward_lo,
+            eye_hi,
+            eye_lo,
             light: light(camera, &how.shading.light),
             material: [how.shading.ambient, how.shading.diffuse, how.shading.specular, how.shading.shininess],
             window,
             size,
-            near: camera.near as f32,
-            far: camera.far as f32,
-            focal_px: camera.focal_px(size[1]) as f32,
+            focal: [focal.x, focal_lo.x],
+            depth_range: [camera.near as f32, camera.far as f32],
+            radius_limits: [how.radius_factor, how.max_radius_px],
             orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
-            radius_factor: how.radius_factor,
-            max_radius_px: how.max_radius_px,
+            ..View::default()
         };
         self.view.write(&[view]);
     }
@@ -300,7 +315,10 @@ impl DeviceCloud {
                 stats: self.stats.all(),
             };
             let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
-            recorder.run(&pass, &Run::new(Dispatch::Invocations(count)).push(&push).variant(variant.clone()))?;
+            recorder.run(
+                &pass,
+                &Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN))).push(&push).variant(variant.clone()),
+            )?;
         }
         recorder.copy("splat/stats", self.stats.all(), self.stats_host.all())
     }
@@ -327,6 +345,9 @@ impl DeviceCloud {
     }
 }
 
+/// Points of one invocation of `splat/project`: rectangles of at most 2^28 pixels then add up to less than 2^32.
+const PROJECT_RUN: u64 = 8;
+
 /// One variant of `splat/project`.
 pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, normals: bool) -> Variant {
     Variant::plain()
@@ -334,6 +355,7 @@ pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, no
         .with("SHADING", shading)
         .with("ENCODED", u32::from(color == ColorSpace::Encoded))
         .with("NORMALS", u32::from(normals))
+        .with("RUN", PROJECT_RUN as u32)
 }
 
 /// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.

@@ -3,8 +3,9 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::scan::Scan;
-use crate::gpu::{Buffer, Device, Dispatch, Draw, Error, Memory, Pass, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant};
 use crate::gpu_struct;
+use crate::methods::bands::Band;
 
 gpu_struct! {
     /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl says what the members are.
@@ -15,6 +16,7 @@ gpu_struct! {
         tiles: u32,
         band_start: u32,
         band_end: u32,
+        first_fragment: u32,
     }
 }
 
@@ -55,7 +57,7 @@ pub struct Tiled<'a> {
 }
 
 impl<'a> Tiled<'a> {
-    /// `stats` are those of the last projection into `window`; `tile_offsets` has an element for each point.
+    /// `stats` are those of the last projection into `window`; `tile_offsets` has an element for each large splat of all chunks.
     pub fn new(
         cloud: &'a DeviceCloud,
         stats: &'a [Stats],
@@ -74,41 +76,47 @@ impl<'a> Tiled<'a> {
         scan: &'a Scan,
         overflow: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        for ((first, _), stats) in self.cloud.chunks().zip(self.stats) {
+        for (chunk, ((first, _), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
             if stats.large > 0 && self.walker == Walker::Compute {
-                let large = u64::from(stats.large);
-                scan.record(
-                    recorder,
-                    self.cloud.tile_counts.slice(first, large),
-                    self.tile_offsets.slice(first, large),
-                    overflow,
-                )?;
+                let counts = self.cloud.tile_counts.slice(first, u64::from(stats.large));
+                scan.record(recorder, counts, self.tiles_of(chunk), overflow)?;
             }
         }
         Ok(())
     }
 
-    /// Records a stage over all splats and the pixels [`band.0`, `band.1`) of the window.
+    /// The chunk's part of the tiles' prefix sums; a stand-in if it has no large splat.
+    fn tiles_of(&self, chunk: usize) -> Slice<'a, u32> {
+        let large = |s: &Stats| u64::from(s.large).next_multiple_of(64);
+        let start: u64 = self.stats[..chunk].iter().map(large).sum();
+        match self.stats[chunk].large {
+            0 => self.tile_offsets.slice(0, 1),
+            n => self.tile_offsets.slice(start, u64::from(n)),
+        }
+    }
+
+    /// Records a stage over all splats and the pixels of a band.
     pub fn record<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        band: [u32; 2],
+        band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        for ((first, count), stats) in self.cloud.chunks().zip(self.stats) {
+        for (chunk, ((first, count), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
             if stats.visible == 0 {
                 continue;
             }
-            let pass = stage(self.chunk(first, count));
+            let pass = stage(self.chunk(chunk, first, count));
             let push = RasterPush {
                 count: count as u32,
                 first: first as u32,
                 large_count: stats.large,
                 // A window whose tiles overflow is cut before it comes here.
                 tiles: stats.tiles() as u32,
-                band_start: band[0],
-                band_end: band[1],
+                band_start: band.pixels[0],
+                band_end: band.pixels[1],
+                first_fragment: band.first_fragment,
             };
             match self.walker {
                 Walker::Compute => {
@@ -128,24 +136,26 @@ impl<'a> Tiled<'a> {
         Ok(())
     }
 
-    fn chunk(&self, first: u64, count: u64) -> Chunk<'a> {
+    fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {
         let tilts = if self.footprint == Footprint::Oriented {
             self.cloud.tilts_of(first, count)
         } else {
             self.cloud.tilts.all()
         };
-        // Without any large splat there is only a stand-in.
-        let reserved = self.tile_offsets.len() >= first + count;
-        let tile_offsets = if reserved { self.tile_offsets.slice(first, count) } else { self.tile_offsets.all() };
         Chunk {
             view: self.cloud.view(),
             splats: self.cloud.splats.slice(first, count),
             tilts,
             bounds: self.cloud.bounds.slice(first, count),
             large: self.cloud.large.slice(first, count),
-            tile_offsets,
+            tile_offsets: self.tiles_of(chunk),
         }
     }
+}
+
+/// Elements that the tiles' prefix sums need: each chunk's begin at a multiple of 64, and there is at least one.
+pub fn tile_offsets_len(stats: &[Stats]) -> u64 {
+    stats.iter().map(|s| u64::from(s.large).next_multiple_of(64)).sum::<u64>().max(1)
 }
 
 /// The variant of a stage for a footprint and a walker.
@@ -155,37 +165,3 @@ pub fn variant(footprint: Footprint, walker: &'static str) -> Variant {
 
 /// The walkers by the names of their shared pieces.
 pub const WALKERS: [&str; 3] = ["walk_small", "walk_large", "walk_fragment"];
-
-/// A buffer that is kept from frame to frame and only grows.
-pub struct Kept<T> {
-    name: &'static str,
-    memory: Memory,
-    buffer: Option<Buffer<T>>,
-}
-
-impl<T: crate::gpu::GpuType> Kept<T> {
-    /// Nothing yet.
-    pub fn new(name: &'static str, memory: Memory) -> Self {
-        Self { name, memory, buffer: None }
-    }
-
-    /// Makes sure there is room for `len` elements; what was there before may be lost.
-    pub fn reserve(&mut self, device: &Device, len: u64) -> Result<(), Error> {
-        if self.buffer.as_ref().is_none_or(|b| b.len() < len) {
-            // Freed first, so that old and new never exist together.
-            self.buffer = None;
-            self.buffer = Some(device.buffer(self.name, len, self.memory)?);
-        }
-        Ok(())
-    }
-
-    /// Frees the memory.
-    pub fn release(&mut self) {
-        self.buffer = None;
-    }
-
-    /// The buffer; there must have been a [`Self::reserve`].
-    pub fn get(&self) -> &Buffer<T> {
-        self.buffer.as_ref().expect("reserved before use")
-    }
-}

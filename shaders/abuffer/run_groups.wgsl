@@ -1,4 +1,4 @@
-// abuffer/arguments: counts of runs and lists to workgroups, folded over x and y. One invocation.
+// abuffer/run-groups: counts of runs and lists to workgroups, folded over x and y. One invocation.
 #import long_list
 
 @group(0) @binding(0) var<storage, read_write> work: LongWork;

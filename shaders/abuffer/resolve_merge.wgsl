@@ -1,0 +1,31 @@
+// abuffer/resolve-N, N from 64 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
+// Reference: reference::abuffer::composite.
+#import resolve
+#import local_sort
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = class_pixel(invocation_index(workgroup, groups, local));
+    if p == NOTHING {
+        return;
+    }
+    let n = offsets[p + 1u] - offsets[p];
+    let start = offsets[p] - push.first_fragment;
+    var list: array<vec2<u32>, 2u * CAPACITY>;
+    for (var i = 0u; i < n; i++) {
+        list[i] = fragments[start + i];
+    }
+    let sorted = sort_local(&list, n);
+    let pixel = pixel_place(p);
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    for (var i = 0u; i < n; i++) {
+        let fragment = list[sorted + i];
+        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+    }
+    image[p] = sum.rgba;
+    depths[p] = composed_depth(sum.key);
+}

@@ -1,0 +1,34 @@
+// abuffer/resolve-N, N up to 32: sorts and blends short lists in registers, by Batcher's odd-even merge network. The host
+// writes the network out for the class's capacity: no loop, no array, the same work for every invocation.
+// Reference: reference::abuffer::composite.
+#import resolve
+#import fragments
+
+fn slot(start: u32, i: u32, n: u32) -> vec2<u32> {
+    return select(vec2<u32>(NOTHING), fragments[start + min(i, n - 1u)], i < n);
+}
+
+fn blend(front: Composed, fragment: vec2<u32>, present: bool, pixel: vec2<u32>) -> Composed {
+    var color = fragment_color(select(0u, fragment.y, present), pixel);
+    color.a = select(0.0, color.a, present);
+    return behind(front, fragment.x, color);
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = class_pixel(invocation_index(workgroup, groups, local));
+    if p == NOTHING {
+        return;
+    }
+    let n = offsets[p + 1u] - offsets[p];
+    let start = offsets[p] - push.first_fragment;
+    let pixel = pixel_place(p);
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+#network
+    image[p] = sum.rgba;
+    depths[p] = composed_depth(sum.key);
+}

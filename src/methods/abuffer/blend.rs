@@ -1,0 +1,216 @@
+//! Sorting and blending: each class of list lengths by its own kernel, long lists run by run.
+
+use super::passes::*;
+use super::{Counted, LOCAL_LENGTH, WindowJob, footprint};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::methods::bands::{self, Band};
+use crate::methods::renderer::Target;
+use crate::passes::compose::{self, Composing, Cut};
+
+/// Lists of up to this length are sorted in registers.
+const NETWORK_LENGTH: u32 = 64;
+/// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
+pub const CLASSES: [(u32, &str); 8] = [
+    (1, "abuffer/resolve-1"),
+    (4, "abuffer/resolve-4"),
+    (8, "abuffer/resolve-8"),
+    (16, "abuffer/resolve-16"),
+    (32, "abuffer/resolve-32"),
+    (NETWORK_LENGTH, "abuffer/resolve-64"),
+    (128, "abuffer/resolve-128"),
+    (LOCAL_LENGTH, "abuffer/resolve-256"),
+];
+/// Words of a class in the table of classes (shaders/shared/classes.wgsl).
+const CLASS_WORDS: u64 = 8;
+/// Pixels of one invocation that classifies.
+const CLASSIFY_RUN: u64 = 64;
+
+/// Buffers of sorting and blending, kept from frame to frame.
+pub struct Blender {
+    classes: Buffer<u32>,
+    pixels: Kept<u32>,
+    merged: Kept<[u32; 2]>,
+    runs: Kept<ListRun>,
+    lists: Kept<LongList>,
+    partials: Kept<Partial>,
+    work: Buffer<LongWork>,
+}
+
+/// A band whose fragments are stored.
+#[derive(Clone, Copy)]
+pub struct Stored<'a> {
+    /// Prefix sums of the window's list lengths.
+    pub offsets: Slice<'a, u32>,
+    /// The band's fragments.
+    pub fragments: Slice<'a, [u32; 2]>,
+}
+
+impl Blender {
+    /// No buffers but the small ones yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            classes: device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
+            pixels: Kept::new("pixels by class", Memory::Device),
+            merged: Kept::new("merged fragments", Memory::Device),
+            runs: Kept::new("list runs", Memory::Device),
+            lists: Kept::new("long lists", Memory::Device),
+            partials: Kept::new("partial sums", Memory::Device),
+            work: device.buffer("long work", 1, Memory::Device)?,
+        })
+    }
+
+    /// Room for a window of `pixels`, with at most `most` fragments in a band.
+    pub fn reserve(&mut self, device: &Device, pixels: u64, most: u64, counted: &Counted) -> Result<(), Error> {
+        self.pixels.reserve(device, pixels)?;
+        if counted.lengths.in_long_lists > 0 {
+            let long = most.min(u64::from(counted.lengths.in_long_lists));
+            let local = u64::from(LOCAL_LENGTH);
+            // A long list has more than `local` fragments, so it fills more than half of its runs.
+            let runs = (2 * long).div_ceil(local);
+            self.merged.reserve(device, most)?;
+            self.runs.reserve(device, runs)?;
+            self.lists.reserve(device, long.div_ceil(local))?;
+            self.partials.reserve(device, runs)?;
+        }
+        Ok(())
+    }
+
+    /// Records everything from a band's stored fragments to its pixels in the target.
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        cut: Cut,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        target: &'a Target,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let variant = compose::variant(cut, footprint(job.discs.shape), job.discs.falloff);
+        let Composing { colors, splats, tilts } = Composing::new(job.cloud, cut);
+        let Stored { offsets, fragments } = stored;
+        let (image, depths) = (target.image(), target.depths());
+        self.record_classes(recorder, offsets, band)?;
+        let (classes, pixels, view) = (self.classes.all(), self.pixels.get().all(), job.cloud.view());
+        for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
+            if counted.lengths.longest <= lower_bound(index) {
+                break;
+            }
+            let run = self.over_class(index, band).label(name).variant(resolve_variant(variant.clone(), capacity));
+            if is_network(capacity) {
+                let pass =
+                    ResolveNetwork { view, colors, splats, tilts, offsets, classes, pixels, fragments, image, depths };
+                recorder.run(&pass, &run)?;
+            } else {
+                let pass =
+                    ResolveMerge { view, colors, splats, tilts, offsets, classes, pixels, fragments, image, depths };
+                recorder.run(&pass, &run)?;
+            }
+        }
+        if counted.lengths.in_long_lists == 0 {
+            return Ok(());
+        }
+
+        let sorted = self.record_long_sort(recorder, stored, band, counted.lengths.longest)?;
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        let partials = self.partials.get().all();
+        let blend = BlendRuns { view, colors, splats, tilts, work, runs, fragments: sorted, partials };
+        recorder.run(&blend, &self.over_runs().variant(variant))?;
+        let over_lists = Run::new(Dispatch::Indirect(work.cast().skip(4).first(3)));
+        recorder.run(&Combine { work, lists, partials, image, depths }, &over_lists)
+    }
+
+    /// Records the work list of each class; pixels without fragments are in none, and are set to nothing before.
+    fn record_classes<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        offsets: Slice<'a, u32>,
+        band: &Band,
+    ) -> Result<(), Error> {
+        let push = BandPush { band_start: band.pixels[0], band_end: band.pixels[1] };
+        let invocations = u64::from(band.pixels[1] - band.pixels[0]).div_ceil(CLASSIFY_RUN);
+        let run = Run::new(Dispatch::Invocations(invocations)).push(&push).variant(class_variant());
+        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
+        recorder.fill("abuffer/clear", classes, 0)?;
+        recorder.run(&Classify { offsets, classes }, &run)?;
+        recorder.run(&Groups { classes }, &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
+        recorder.run(&Order { offsets, classes, pixels }, &run)
+    }
+
+    /// Records runs sorted one by one and merged pair by pair; returns where the sorted lists end up.
+    fn record_long_sort<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        stored: Stored<'a>,
+        band: &Band,
+        longest: u32,
+    ) -> Result<Slice<'a, [u32; 2]>, Error> {
+        let Stored { offsets, fragments } = stored;
+        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        recorder.fill("abuffer/clear", work, 0)?;
+        let over_long = self.over_class(CLASSES.len(), band).variant(class_variant());
+        recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, &over_long)?;
+        recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))?;
+        recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
+        let (mut unmerged, mut merged) = (fragments, self.merged.get().all());
+        let mut width = LOCAL_LENGTH;
+        while width < longest {
+            recorder.run(&Merge { work, runs, unmerged, merged }, &self.over_runs().push(&MergePush { width }))?;
+            (unmerged, merged) = (merged, unmerged);
+            width = width.saturating_mul(2);
+        }
+        Ok(unmerged)
+    }
+
+    fn over_class(&self, index: usize, band: &Band) -> Run<'_> {
+        let arguments = self.classes.all().skip(CLASS_WORDS * index as u64).first(3);
+        let push = ClassPush { class_index: index as u32, first_fragment: band.first_fragment };
+        Run::new(Dispatch::Indirect(arguments)).push(&push)
+    }
+
+    fn over_runs(&self) -> Run<'_> {
+        Run::new(Dispatch::Indirect(self.work.all().cast().first(3)))
+    }
+}
+
+/// The longest list of the classes before this one.
+pub fn lower_bound(class: usize) -> u32 {
+    class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
+}
+
+/// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
+pub fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
+    let classified = compose.text(&class_text());
+    if is_network(capacity) { classified.network(capacity) } else { classified.constant("CAPACITY", capacity) }
+}
+
+/// Whether lists of up to `capacity` fragments are sorted in registers.
+pub fn is_network(capacity: u32) -> bool {
+    capacity <= NETWORK_LENGTH
+}
+
+/// The variant of the passes that know the classes.
+pub fn class_variant() -> Variant {
+    Variant::plain().text(&class_text())
+}
+
+/// The variant of `abuffer/sort-runs`.
+pub fn sort_runs_variant() -> Variant {
+    Variant::plain().constant("CAPACITY", LOCAL_LENGTH)
+}
+
+/// WGSL of the table of classes: the function counts the bounds that a length exceeds; empty lists are in no class.
+fn class_text() -> String {
+    let exceeded: Vec<String> = CLASSES.iter().map(|(bound, _)| format!("select(0u, 1u, n > {bound}u)")).collect();
+    let count = CLASSES.len() + 1;
+    let sum = exceeded.join(" + ");
+    format!("const CLASS_COUNT = {count}u;\nfn class_of(n: u32) -> u32 {{ return select({count}u, {sum}, n > 0u); }}\n")
+}
+
+/// Pixels and depths of nothing: no color, no coverage, infinitely far.
+pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, window: bands::Window) -> Result<(), Error> {
+    let pixels = bands::pixels(window);
+    recorder.fill("image/clear", target.image().first(pixels), 0)?;
+    recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())
+}

@@ -1,0 +1,308 @@
+//! `abuffer`: exact order-independent transparency (MCTB12): count, scan, store, sort and blend.
+//!
+//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
+//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation in a local array. Longer ones are sorted in runs of
+//! that length, merged pairwise between two buffers, blended run by run and composed, so that no invocation loops longer
+//! than a run, however long the list is.
+
+mod blend;
+mod passes;
+
+pub use blend::{CLASSES, class_variant, is_network, lower_bound, resolve_variant, sort_runs_variant};
+pub use passes::*;
+
+use super::Error;
+use super::bands::{self, Band, Budget, Window};
+use super::renderer::{Facts, Target, Timeline};
+use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Footprint, Stats};
+use crate::passes::raster::{Chunk, Tiled, Walker, tile_offsets_len};
+use crate::passes::scan::Scan;
+use crate::scene::{DiscShape, Discs};
+use blend::{Blender, Stored};
+
+/// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.
+pub const LOCAL_LENGTH: u32 = 256;
+/// Pixels of one invocation of `abuffer/measure`.
+const MEASURE_RUN: u64 = 64;
+/// Bytes of a fragment: depth key and splat index.
+pub const FRAGMENT_BYTES: u64 = 8;
+/// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
+pub const PIXEL_BYTES: u64 = 13;
+
+/// The footprint of a disc's shape.
+pub fn footprint(shape: DiscShape) -> Footprint {
+    match shape {
+        DiscShape::Flat => Footprint::Disc,
+        DiscShape::Oriented => Footprint::Oriented,
+    }
+}
+
+/// Buffers of the A-buffer, kept from frame to frame.
+pub struct ABuffer {
+    counts: Kept<u32>,
+    offsets: Kept<u32>,
+    scan: Option<Scan>,
+    overflow: Buffer<u32>,
+    lengths: Buffer<Lengths>,
+    summary: Buffer<u32>,
+    tile_offsets: Kept<u32>,
+    fragments: Kept<[u32; 2]>,
+    blender: Blender,
+}
+
+/// What count and scan found in a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Counted {
+    overflow: bool,
+    total: u32,
+    lengths: Lengths,
+}
+
+impl Eq for Lengths {}
+
+impl Counted {
+    fn note(&self, bands: &[Band], facts: &mut Facts) {
+        facts.bands += bands.len() as u64;
+        facts.fragments += u64::from(self.total);
+        facts.max_list = facts.max_list.max(self.lengths.longest);
+    }
+}
+
+/// Everything that stays the same while a window is rendered.
+pub struct WindowJob<'a> {
+    /// The projected cloud.
+    pub cloud: &'a DeviceCloud,
+    /// What its projection found.
+    pub stats: &'a [Stats],
+    /// Shape and falloff.
+    pub discs: Discs,
+    /// Who visits pixels.
+    pub walker: Walker,
+    /// The rectangle.
+    pub window: Window,
+    /// The memory that may be used.
+    pub budget: Budget,
+}
+
+/// What the stages before blending yield, for tests and inspection.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Lists {
+    /// Prefix sums of the list lengths: one more than pixels.
+    pub offsets: Vec<u32>,
+    /// Depth key and splat index of each fragment, in the order of arrival within a list.
+    pub fragments: Vec<[u32; 2]>,
+}
+
+/// What became of a window.
+pub enum Outcome {
+    /// It is in the target.
+    Done,
+    /// A 32-bit sum overflowed: it must be cut.
+    Overflow,
+}
+
+impl ABuffer {
+    /// No buffers but the small ones yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            counts: Kept::new("fragment counts", Memory::Device),
+            offsets: Kept::new("fragment offsets", Memory::Device),
+            scan: None,
+            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
+            lengths: device.buffer("list lengths", 1, Memory::Device)?,
+            summary: device.buffer("fragment summary", 4, Memory::Readback)?,
+            tile_offsets: Kept::new("tile offsets", Memory::Device),
+            fragments: Kept::new("fragments", Memory::Device),
+            blender: Blender::new(device)?,
+        })
+    }
+
+    /// Counts, then stores, sorts and blends band by band into the target.
+    pub fn render(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: &Target,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let bands = self.plan_bands(device, job, &counted)?;
+        self.reserve_fragments(device, job.window, &bands, &counted)?;
+        counted.note(&bands, facts);
+        facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
+        let cut = Cut::new(device, job.cloud.len())?;
+        let stored = Stored { offsets: self.offsets.get().all(), fragments: self.fragments.get().all() };
+        for (i, band) in bands.iter().enumerate() {
+            let mut recorder = device.recorder()?;
+            if i == 0 {
+                blend::record_nothing(&mut recorder, target, job.window)?;
+            }
+            if band.fragments > 0 {
+                self.record_store(&mut recorder, job, band)?;
+                self.blender.record(&mut recorder, cut, job, stored, target, band, &counted)?;
+            }
+            if i + 1 == bands.len() {
+                target.record_read_back(&mut recorder, bands::pixels(job.window))?;
+            }
+            timeline.add(recorder.submit("abuffer/store and blend")?);
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Counts and plans the bands; stores nothing.
+    pub fn survey(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let bands = self.plan_bands(device, job, &counted)?;
+        counted.note(&bands, facts);
+        Ok(Outcome::Done)
+    }
+
+    /// Fragment counts of every pixel of the window, in its order; what the last count left, read from the prefix sums.
+    pub fn read_counts(&self, window: Window) -> Result<Vec<u32>, Error> {
+        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
+    }
+
+    /// Count, scan and store of a window that fits as one band, without sorting or blending.
+    pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<Lists, Error> {
+        let mut timeline = Timeline::default();
+        let counted = self.count(device, job, &mut timeline)?;
+        let pixels = bands::pixels(job.window);
+        let band = Band::whole(job.window, u64::from(counted.total));
+        self.reserve_fragments(device, job.window, &[band], &counted)?;
+        let mut recorder = device.recorder()?;
+        self.record_store(&mut recorder, job, &band)?;
+        recorder.submit("abuffer/store")?;
+        Ok(Lists {
+            offsets: self.offsets.get().read(0, pixels + 1)?,
+            fragments: self.fragments.get().read(0, u64::from(counted.total))?,
+        })
+    }
+
+    fn count(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Counted, Error> {
+        let pixels = bands::pixels(job.window);
+        let longest_scan = (pixels + 1).max(job.stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0));
+        self.counts.reserve(device, pixels + 1)?;
+        self.offsets.reserve(device, pixels + 1)?;
+        self.tile_offsets.reserve(device, tile_offsets_len(job.stats))?;
+        if self.scan.as_ref().is_none_or(|s| s.capacity() < longest_scan) {
+            self.scan = None;
+            self.scan = Some(Scan::new(device, longest_scan)?);
+        }
+        let (Some(scan), counts, offsets) = (&self.scan, self.counts.get(), self.offsets.get()) else {
+            unreachable!("the scan was made above")
+        };
+
+        let mut recorder = device.recorder()?;
+        let tiled = self.tiled(job);
+        recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
+        recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
+        recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
+        tiled.record_tiles(&mut recorder, scan, self.overflow.all())?;
+        tiled.record(&mut recorder, &Band::whole(job.window, 0), |c: Chunk<'_>| Count {
+            view: c.view,
+            splats: c.splats,
+            tilts: c.tilts,
+            bounds: c.bounds,
+            large: c.large,
+            tile_offsets: c.tile_offsets,
+            counts: counts.all(),
+        })?;
+        let measure =
+            Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN))).push(&CountPush { count: pixels as u32 });
+        recorder
+            .run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure.variant(measure_variant()))?;
+        scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
+        // From here on the counts are the cursors that hand out slots.
+        recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
+        recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
+        recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
+        recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
+        timeline.add(recorder.submit("abuffer/count and scan")?);
+        let words = self.summary.mapped_slice();
+        Ok(Counted {
+            overflow: words[0] != 0,
+            lengths: Lengths { longest: words[1], in_long_lists: words[2] },
+            total: words[3],
+        })
+    }
+
+    fn tiled<'a>(&'a self, job: &WindowJob<'a>) -> Tiled<'a> {
+        Tiled::new(job.cloud, job.stats, self.tile_offsets.get(), job.walker, footprint(job.discs.shape), job.window)
+    }
+
+    /// Bytes that a band needs per fragment: twice the fragment and the runs' records where long lists are merged.
+    fn bytes_per_fragment(counted: &Counted) -> u64 {
+        if counted.lengths.in_long_lists > 0 { 2 * FRAGMENT_BYTES + 1 } else { FRAGMENT_BYTES }
+    }
+
+    fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
+        let pixels = bands::pixels(job.window);
+        let tiles = self.tile_offsets.get().bytes();
+        let used = pixels * PIXEL_BYTES + tiles;
+        let left = job.budget.left(used);
+        let each = Self::bytes_per_fragment(counted);
+        let capacity = (left / each).min(device.limits().binding_bytes / FRAGMENT_BYTES);
+        if u64::from(counted.total) <= capacity {
+            return Ok(vec![Band::whole(job.window, u64::from(counted.total))]);
+        }
+        let offsets = self.offsets.get().read(0, pixels + 1)?;
+        bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
+            let [x, y] = bands::place(job.window, pixel);
+            let needed = u64::from(length) * each;
+            Error::PixelOverBudget {
+                x,
+                y,
+                length,
+                needed,
+                available: capacity * each,
+                budget: Budget::wanted(tiles, needed),
+            }
+        })
+    }
+
+    fn reserve_fragments(
+        &mut self,
+        device: &Device,
+        window: Window,
+        bands: &[Band],
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
+        self.fragments.reserve(device, most)?;
+        Ok(self.blender.reserve(device, bands::pixels(window), most, counted)?)
+    }
+
+    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>, band: &Band) -> Result<(), Error> {
+        Ok(self.tiled(job).record(recorder, band, |c: Chunk<'a>| Store {
+            view: c.view,
+            splats: c.splats,
+            tilts: c.tilts,
+            bounds: c.bounds,
+            large: c.large,
+            tile_offsets: c.tile_offsets,
+            cursors: self.counts.get().all(),
+            fragments: self.fragments.get().all(),
+        })?)
+    }
+}
+
+/// The variant of `abuffer/measure`.
+pub fn measure_variant() -> Variant {
+    Variant::plain().with("RUN", MEASURE_RUN as f64)
+}

@@ -1,0 +1,64 @@
+//! Composing: how stages that blend reach every splat by its index, however many there are.
+
+use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
+use crate::methods::Error;
+use crate::passes::project::{DeviceCloud, Footprint, Splat, Tilt};
+use crate::scene::Falloff;
+
+/// How per-splat buffers are cut so that one pass reaches every splat: 1 or 4 parts of `len` splats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
+    /// 1 or 4.
+    pub parts: u32,
+    /// Splats of a part.
+    pub len: u32,
+}
+
+impl Cut {
+    /// The cut for so many points on a device, or an error if four parts do not reach.
+    pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
+        // Splats are the widest element; 64 of any element are a multiple of every offset alignment.
+        let len = (device.limits().binding_bytes / size_of::<Splat>() as u64 & !63).min(1 << 30);
+        let limit = PARTS as u64 * len;
+        if points > limit {
+            return Err(Error::TooManyPoints { points, limit });
+        }
+        Ok(Self { parts: if points <= len { 1 } else { PARTS as u32 }, len: len as u32 })
+    }
+
+    /// The parts of a buffer; those beyond its end repeat its first element and are not read.
+    fn of<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
+        let len = u64::from(self.len);
+        std::array::from_fn(|i| {
+            let start = i as u64 * len;
+            if start < buffer.len() { buffer.slice(start, len.min(buffer.len() - start)) } else { buffer.slice(0, 1) }
+        })
+    }
+}
+
+/// What every stage that composes binds of the cloud.
+#[derive(Clone, Copy)]
+pub struct Composing<'a> {
+    /// Colors as blended, and opacities.
+    pub colors: [Slice<'a, [f32; 4]>; PARTS],
+    /// Projected splats.
+    pub splats: [Slice<'a, Splat>; PARTS],
+    /// Their tilts.
+    pub tilts: [Slice<'a, Tilt>; PARTS],
+}
+
+impl<'a> Composing<'a> {
+    /// The cloud, cut.
+    pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
+        Self { colors: cut.of(&cloud.colors), splats: cut.of(&cloud.splats), tilts: cut.of(&cloud.tilts) }
+    }
+}
+
+/// The variant of a stage that composes.
+pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
+    Variant::plain()
+        .with("SHAPE", footprint as u32)
+        .with("FALLOFF", u32::from(falloff == Falloff::Gaussian))
+        .with("PARTS", cut.parts)
+        .with("PART_LENGTH", cut.len)
+}
