@@ -179,7 +179,7 @@ fn the_plan_is_what_runs() {
     let has = |passes: &[String], name: &str| passes.iter().any(|pass| pass == name);
 
     let short = assert_planned(&folder, &[&tori, "--size", "40x30"]);
-    assert!(has(&short, "abuffer/resolve") && !has(&short, "abuffer/merge") && !has(&short, "splat/resolve"));
+    assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "splat/resolve"));
     let long = assert_planned(&folder, &[&stack]);
     assert!(has(&long, "abuffer/merge") && has(&long, "abuffer/combine"), "lists of 300: {long:?}");
     // Prefix sums of a single run, of exactly one run, and of a little more.
