@@ -143,9 +143,9 @@ impl Plan {
             let on = longest >= least;
             let lengths = if least == most { most.to_string() } else { format!("{least} to {most}") };
             let reason = if on {
-                format!("lists of {lengths} fragments (longest: {longest})")
+                format!("lists of length {lengths} (longest: {longest})")
             } else {
-                format!("no list has {least} fragments or more (longest: {longest})")
+                format!("no list has length {least} or more (longest: {longest})")
             };
             self.add(name, on, reason);
         }
