@@ -1,7 +1,7 @@
 //! Facts of a scene to passes on or off, each with its reason; and the method that `auto` stands for.
 
 use crate::gpu::Device;
-use crate::methods::abuffer::LOCAL_LENGTH;
+use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::{Facts, Frame};
 use crate::points::Points;
 use crate::scene::{Discs, Method, ScreenSplats, ShadingModel};
@@ -22,7 +22,7 @@ pub struct Step {
 /// Opaque splats need no transparency: the nearest decides. Everything else needs an order of fragments.
 pub fn resolve(method: Method, points: &Points) -> (Method, String) {
     if method != Method::Auto {
-        return (method, "asked for".to_owned());
+        return (method, format!("{} was asked for", method.name()));
     }
     match points.opacities.iter().filter(|a| **a < 1.0).count() {
         0 => {
@@ -49,18 +49,14 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     let transparent = matches!(frame.method, Method::ABuffer(_));
     if transparent {
-        plan.abuffer(facts, seen, why);
+        plan.abuffer(frame, facts, seen, why);
         for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
-            plan.add(name, false, format!("not an opaque method: {why}"));
+            plan.add(name, false, format!("no opaque method: {why}"));
         }
     } else {
         plan.opaque(device, facts, wide_atomics, seen, why);
-        for name in ABUFFER {
-            plan.add(
-                name,
-                false,
-                format!("no transparency: {}", if why == "asked for" { "an opaque method was asked for" } else { why }),
-            );
+        for name in abuffer_passes() {
+            plan.add(name, false, format!("no transparency: {why}"));
         }
     }
     plan.add(
@@ -71,21 +67,40 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.steps
 }
 
-/// The passes of the A-buffer.
-const ABUFFER: [&str; 12] = [
+/// The passes that a frame with lists begins with.
+const LISTS: [&str; 7] = [
     "abuffer/clear",
     "abuffer/count",
     "abuffer/measure",
+    "abuffer/cursors",
     "abuffer/summary",
+    "image/clear",
     "abuffer/store",
-    "abuffer/resolve",
+];
+/// The passes that sort pixels by the length of their lists.
+const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
+/// The passes of lists that are too long for one invocation.
+const LONG: [&str; 6] = [
     "abuffer/split",
-    "abuffer/arguments",
+    "abuffer/run-groups",
     "abuffer/sort-runs",
     "abuffer/merge",
     "abuffer/blend-runs",
     "abuffer/combine",
 ];
+
+/// The passes of the A-buffer.
+fn abuffer_passes() -> impl Iterator<Item = &'static str> {
+    LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG)
+}
+
+/// Elements that a prefix sum takes in one run, without a level of sums above.
+const SCAN_RUN: u64 = 64;
+
+/// Pixels of the image.
+fn pixels(frame: &Frame) -> u64 {
+    u64::from(frame.size[0]) * u64::from(frame.size[1])
+}
 
 struct Plan {
     steps: Vec<Step>,
@@ -96,36 +111,51 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
-    fn abuffer(&mut self, facts: &Facts, seen: bool, why: &str) {
+    fn abuffer(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
         let nothing = "no splat touches the image";
         let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
-        let large = if facts.large > 0 { format!(", tiles of {} large splats", facts.large) } else { String::new() };
-        self.add("scan/reduce", true, format!("prefix sums over the pixels{large}"));
+        let tiles = if facts.raster == "compute" { facts.large } else { 0 };
+        let large = if tiles > 0 { format!(", tiles of {tiles} large splats") } else { String::new() };
+        // One element more than pixels: the last prefix sum is the total.
+        let scanned = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+        let on = scanned.max(tiles) > SCAN_RUN;
+        let reason = if on { format!("more than {SCAN_RUN}") } else { format!("no more than {SCAN_RUN}") };
+        self.add("scan/reduce", on, format!("prefix sums over {scanned} elements{large}: {reason}"));
         self.add("scan/spread", true, format!("prefix sums over the pixels{large}"));
+        self.add("abuffer/cursors", true, "the next free slot of each list is its first");
         self.add("abuffer/summary", true, "the fragments' total decides the bands");
-        self.add(
-            "abuffer/store",
-            facts.fragments > 0,
-            pick(format!("{} fragments in {} band(s)", facts.fragments, facts.bands)),
-        );
-        self.add("abuffer/resolve", true, format!("lists of up to {LOCAL_LENGTH} fragments"));
-        let long = facts.max_list > LOCAL_LENGTH;
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        let any = facts.fragments > 0;
+        self.add("abuffer/store", any, pick(format!("{} fragments in {} band(s)", facts.fragments, facts.bands)));
+        for name in BY_LENGTH {
+            self.add(name, any, pick("lists of each length get their own kernel".to_owned()));
+        }
+        self.kernels(facts.max_list);
+    }
+
+    /// The kernels of the lengths that there are.
+    fn kernels(&mut self, longest: u32) {
+        for (class, (most, name)) in CLASSES.into_iter().enumerate() {
+            let least = lower_bound(class) + 1;
+            let on = longest >= least;
+            let lengths = if least == most { most.to_string() } else { format!("{least} to {most}") };
+            let reason = if on {
+                format!("lists of length {lengths} (longest: {longest})")
+            } else {
+                format!("no list has length {least} or more (longest: {longest})")
+            };
+            self.add(name, on, reason);
+        }
+        let long = longest > LOCAL_LENGTH;
         let reason = if long {
-            format!("the longest list has {} fragments, more than {LOCAL_LENGTH}", facts.max_list)
+            format!("the longest list has {longest} fragments, more than {LOCAL_LENGTH}")
         } else {
-            format!("no list is longer than {LOCAL_LENGTH} (longest: {})", facts.max_list)
+            format!("no list is longer than {LOCAL_LENGTH} (longest: {longest})")
         };
-        for name in [
-            "abuffer/split",
-            "abuffer/arguments",
-            "abuffer/sort-runs",
-            "abuffer/merge",
-            "abuffer/blend-runs",
-            "abuffer/combine",
-        ] {
+        for name in LONG {
             self.add(name, long, reason.clone());
         }
     }
@@ -134,7 +164,7 @@ impl Plan {
         let tiles = facts.large > 0 && facts.raster == "compute";
         for name in ["scan/reduce", "scan/spread"] {
             // A single run of the scan has nothing to reduce.
-            let on = tiles && (name == "scan/spread" || facts.large > 64);
+            let on = tiles && (name == "scan/spread" || facts.large > SCAN_RUN);
             self.add(name, on, format!("{} splats are large enough for tiles", facts.large));
         }
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use serde_json::{Value, json};
 
 use crate::gpu::{self, Device, Memory};
@@ -97,7 +97,8 @@ impl Profile {
     /// `copy_rate` in bytes per second (reads and writes together), from [`copy_rate`].
     pub fn table(&self, copy_rate: Option<f64>) -> String {
         let mut table = Table::new();
-        table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+        let line = LineStyle::none().fill('─').junction('─');
+        table.load_style(TableStyle::new().top_border(line).header_separator(line).bottom_border(line));
         table.set_header([
             "pass",
             "min ms",

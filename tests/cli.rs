@@ -1,21 +1,81 @@
-//! The binary: exit status, standard output and standard error of what needs no device.
+//! The binary: exit status, standard output, standard error, and the files that it writes.
+
+mod cli {
+    mod bad;
+    mod failures;
+    mod measure;
+    mod render;
+}
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use assert_cmd::Command;
 use glam::{DVec3, Vec3};
 use pellucid::cloud::Cloud;
+use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::image::Image;
 use pellucid::output::{WriteOptions, write_image};
 use pellucid::scene::{ColorSpace, procedural};
 use tempfile::TempDir;
 
+/// The binary in `folder`, with validation and a shader cache that only these tests use.
+fn pellucid(folder: &TempDir, args: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("pellucid").unwrap();
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache).args(args);
+    command
+}
+
 /// Runs the binary in `folder`; exit status, standard output and standard error.
 fn run(folder: &TempDir, args: &[&str]) -> (i32, String, String) {
-    let output = Command::cargo_bin("pellucid").unwrap().current_dir(folder).args(args).output().unwrap();
+    let output = pellucid(folder, args).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+    (output.status.code().expect("no signal ends it"), text(output.stdout), text(output.stderr))
+}
+
+/// The device that tests are to run on; the best one if the variable is not set.
+fn device() -> Option<String> {
+    std::env::var("PELLUCID_TEST_DEVICE").ok()
+}
+
+/// Whether there is a device with validation. Without one a test is skipped with a note, or fails if
+/// `PELLUCID_REQUIRE_GPU` is 1.
+fn has_device() -> bool {
+    static FOUND: OnceLock<bool> = OnceLock::new();
+    *FOUND.get_or_init(|| match Device::open(&DeviceOptions { device: device(), validation: true }) {
+        Ok(_) => true,
+        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
+        Err(e) => {
+            eprintln!("skipped, no device: {e}");
+            false
+        }
+    })
+}
+
+/// Runs a command on the test device and asserts that it succeeds without a word on standard error; standard output.
+#[track_caller]
+fn done(folder: &TempDir, args: &[&str]) -> String {
+    let device = device().map_or_else(Vec::new, |device| vec!["--device".to_owned(), device]);
+    let output = pellucid(folder, args).args(device).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+    assert_eq!((output.status.code(), stderr.as_str()), (Some(0), ""), "{args:?}");
+    stdout
+}
+
+/// Writes a built-in scene; its scene file.
+fn builtin(folder: &TempDir, name: &str, parameters: &[&str]) -> String {
+    let sets = parameters.iter().flat_map(|pair| ["--set", pair]);
+    let args = ["scene", name, "-o", name].into_iter().chain(sets).collect::<Vec<_>>();
+    assert_eq!(run(folder, &args), (0, String::new(), String::new()));
+    format!("{name}/scene.toml")
+}
+
+/// A file of a folder.
+fn inside(folder: &TempDir, name: &str) -> PathBuf {
+    folder.path().join(name)
 }
 
 /// Asserts that a command fails as a failure should: the status, one `error: ` line that names `parts`, nothing on

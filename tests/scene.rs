@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use indicatif::ProgressBar;
 use pellucid::camera::{Camera, Projection};
 use pellucid::cloud::{Cloud, UpAxis};
@@ -321,12 +321,11 @@ fn camera_of(text: &str, points: &Points, up: UpAxis, view: View) -> (Camera, Ve
     camera(&scene, points, up).unwrap()
 }
 
-/// Asserts that every disc at a corner of the bounds lies inside the image and the depth range.
+/// Asserts that every point's disc lies inside the image and the depth range.
 fn assert_frames(camera: &Camera, points: &Points, size: [u32; 2]) {
-    let radius = f64::from(points.radii.iter().copied().fold(0.0, f32::max));
-    for corner in points.bounds().unwrap().corners() {
-        let (pixel, z) = camera.project(corner, size);
-        let radius_px = radius * camera.pixels_per_unit(z, size[1]);
+    for (position, radius) in points.positions.iter().zip(&points.radii) {
+        let (pixel, z) = camera.project(*position, size);
+        let radius_px = f64::from(*radius) * camera.pixels_per_unit(z, size[1]);
         assert!(z >= camera.near && z <= camera.far, "{z} in {}..{}", camera.near, camera.far);
         for (at, side) in [(pixel.x, size[0]), (pixel.y, size[1])] {
             assert!(at - radius_px >= 0.0 && at + radius_px <= f64::from(side), "{pixel} ± {radius_px} in {size:?}");
@@ -371,6 +370,46 @@ fn framing_fills_the_image_up_to_the_margin() {
     let (corner, _) = camera.project(DVec3::new(-1.0, 1.0, 0.0), [100, 100]);
     assert!((corner.x - 2.5).abs() < 1e-9 && (corner.y - 2.5).abs() < 1e-9, "{corner}");
     assert_eq!(camera.projection, Projection::Perspective { fov_y: 45f64.to_radians() });
+}
+
+#[test]
+fn framing_follows_the_points_and_not_the_corners_of_their_box() {
+    // The diagonal of a long box, and one larger sphere in the middle that reaches nowhere.
+    let mut line = points(&[DVec3::new(-40.0, 0.0, -5.0), DVec3::ZERO, DVec3::new(40.0, 1.0, 5.0)], 0.0);
+    line.radii[1] = 0.5;
+    let size = [300, 100];
+    for name in [ViewName::Front, ViewName::Back, ViewName::Top] {
+        let view = View { name: Some(name), ..View::default() };
+        let (camera, _) = camera_of("[image]\nsize = [300, 100]", &line, UpAxis::Y, view);
+        assert_frames(&camera, &line, size);
+        let pixels = [0, 2].map(|i| camera.project(line.positions[i], size).0);
+        let (min, max) = (pixels[0].min(pixels[1]), pixels[0].max(pixels[1]));
+        // Both ends lie on the margin, 2.5% of the width or of the height.
+        let wide = (min.x - 7.5).abs() < 1e-6 && (max.x - 292.5).abs() < 1e-6;
+        let high = (min.y - 2.5).abs() < 1e-6 && (max.y - 97.5).abs() < 1e-6;
+        assert!(wide || high, "{name:?}: {min} to {max}");
+    }
+}
+
+#[test]
+fn framing_centers_what_does_not_fill_the_image() {
+    // A flat square of ground from above its front edge: the far edge is shorter and higher in the image.
+    let mut ground: Vec<_> = (0..400).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
+    ground.push(DVec3::new(3.0, 4.0, 2.0));
+    let ground = points(&ground, 0.0);
+    for text in ["", "[camera]\nfov_y = 100.0", "[camera]\nheight = 60.0"] {
+        for elevation in [Some(5.0), Some(35.0), Some(80.0)] {
+            let size = [200, 200];
+            let view = View { elevation, ..View::default() };
+            let (camera, _) = camera_of(&format!("[image]\nsize = [200, 200]\n{text}"), &ground, UpAxis::Z, view);
+            assert_frames(&camera, &ground, size);
+            let pixels = || ground.positions.iter().map(|p| camera.project(*p, size).0);
+            let (min, max) = pixels().fold((DVec2::INFINITY, -DVec2::INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+            // The last step of the search is below a ten-thousandth of the distance: 0.03 pixels at 45°.
+            let off = (0.5 * (min + max) - 100.0).abs();
+            assert!(off.max_element() < 0.05, "{text} {elevation:?}: {min} to {max}");
+        }
+    }
 }
 
 #[test]

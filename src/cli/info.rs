@@ -25,7 +25,12 @@ pub struct InfoArgs {
 
 pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
-    let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, io::load(file, &progress)?))).collect::<Result<_>>()?;
+    let load = |file: &PathBuf| {
+        progress.reset();
+        progress.set_message(format!("reading {}", file.display()));
+        io::load(file, &progress)
+    };
+    let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
     progress.finish_and_clear();
     match (args.json, clouds.as_slice()) {
         (true, [(_, cloud)]) => print_json(&to_json(cloud))?,

@@ -21,23 +21,25 @@ pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles or abuffer.
+    /// The method: auto, points, squares, circles or abuffer. By default the scene file's, else auto: the nearest
+    /// splat if every point is opaque, abuffer if not.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
-    /// Size of the image in pixels, as in 1024x768.
+    /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
     /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
     /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Opacity of all clouds, from 0 to 1.
+    /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
     opacity: Option<String>,
-    /// Radius of all points in world units.
+    /// Radius of all points in world units; by default the scene file's, else the point file's, else from the distance
+    /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     radius: Option<String>,
-    /// Background in linear RGB, each from 0 to 1.
+    /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     background: Option<String>,
     /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the

@@ -28,10 +28,10 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Say less: no progress, no warnings.
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
     quiet: bool,
-    /// Say more: what was read and written.
-    #[arg(short, long, global = true)]
+    /// Say more: what was read, chosen and written, and what it took.
+    #[arg(short, long, global = true, display_order = 1001)]
     verbose: bool,
 }
 

@@ -7,7 +7,7 @@ use pellucid::{Result, profile};
 
 use super::input::{InputArgs, prepare};
 use super::session::Session;
-use super::talk::{Talk, print, print_json};
+use super::talk::{Talk, counted, print, print_json};
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -31,11 +31,14 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, &progress)?;
+    session.describe(talk);
     // The first frame pays for pipelines and buffers.
     session.render()?;
     let mut frames = Vec::new();
+    counted(&progress, "measuring", args.frames.into());
     for _ in 0..args.frames {
         frames.push(session.render()?);
+        progress.inc(1);
     }
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();

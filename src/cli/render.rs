@@ -5,8 +5,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::Result;
-use pellucid::image::Image;
-use pellucid::methods::Rendered;
 use pellucid::output::{self, WriteOptions};
 
 use super::input::{InputArgs, prepare};
@@ -48,21 +46,20 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, args.aov || args.measure.profile.is_some(), &progress)?;
+    session.describe(talk);
     let mut rendered = session.render()?;
     progress.finish_and_clear();
-    let method = session.frame.method.name();
-    talk.detail(format_args!("method {method}: {}", session.why));
-    if !args.aov {
-        // Counted for the profile's histogram only.
-        rendered = Rendered { image: Image { fragments: None, ..rendered.image.clone() }, ..rendered };
-    }
+    Session::describe_frame(&rendered, talk);
     let options = WriteOptions {
         background: resolved.scene.image.background,
         color: resolved.scene.image.color,
         transparent: args.transparent,
-        metadata: resolved.metadata(method, &session.device.info().name),
+        metadata: resolved.metadata(session.frame.method.name(), &session.device.info().name),
     };
+    // Lists may have been counted, but for the profile's histogram only.
+    let counted = if args.aov { None } else { rendered.image.fragments.take() };
     output::write_image(&output, &rendered.image, &options)?;
+    rendered.image.fragments = rendered.image.fragments.or(counted);
     args.measure.write(&session.profile(vec![rendered]))?;
     talk.detail(format_args!("{}: written", output.display()));
     Ok(ExitCode::SUCCESS)

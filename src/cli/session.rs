@@ -11,6 +11,7 @@ use pellucid::profile::{self, Profile};
 use pellucid::{Result, output, plan};
 
 use super::input::Resolved;
+use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
 
 pub struct Session {
@@ -25,7 +26,7 @@ pub struct Session {
 impl Session {
     /// Opens the device, decides the method and uploads the points.
     pub fn open(args: &DeviceArgs, resolved: &Resolved, fragments: bool, progress: &ProgressBar) -> Result<Self> {
-        progress.set_message("uploading");
+        stage(progress, "uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
         let (method, why) = plan::resolve(resolved.scene.method, &resolved.points);
@@ -40,8 +41,34 @@ impl Session {
         };
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload(&resolved.points)?;
-        progress.set_message("rendering");
+        stage(progress, "rendering");
         Ok(Self { device, renderer, cloud, frame, why })
+    }
+
+    /// Says on which device what is rendered, and how.
+    pub fn describe(&self, talk: Talk) {
+        let info = self.device.info();
+        talk.detail(format_args!("device {} ({})", info.name, info.driver));
+        talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
+        let [width, height] = self.frame.size;
+        talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+    }
+
+    /// Says what a frame met and took.
+    pub fn describe_frame(rendered: &Rendered, talk: Talk) {
+        let Rendered { facts, profile, .. } = rendered;
+        if facts.fragments > 0 {
+            talk.detail(format_args!(
+                "{} fragments, the longest list {}, in {} band(s)",
+                facts.fragments, facts.max_list, facts.bands
+            ));
+        }
+        talk.detail(format_args!(
+            "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",
+            profile.wall.as_secs_f64() * 1e3,
+            profile.gpu().as_secs_f64() * 1e3,
+            bytesize::ByteSize(facts.peak_device_bytes)
+        ));
     }
 
     /// One frame; an error if validation is on and said anything.

@@ -10,6 +10,9 @@ use pellucid::{Result, output};
 /// Work that is done within this time shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// How often a stage of unknown length shows that it is alive.
+const TICK: Duration = Duration::from_millis(200);
+
 /// How much is said on standard error.
 #[derive(Debug, Clone, Copy)]
 pub struct Talk {
@@ -42,7 +45,7 @@ impl Talk {
         if self.quiet || !io::stderr().is_terminal() {
             return bar;
         }
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}") {
+        if let Ok(style) = counted_style() {
             bar.set_style(style);
         }
         let weak = bar.downgrade();
@@ -56,6 +59,31 @@ impl Talk {
         });
         bar
     }
+}
+
+/// A stage of unknown length: its name and the time that it has taken.
+pub fn stage(bar: &ProgressBar, name: &str) {
+    if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.set_message(name.to_owned());
+    bar.reset_elapsed();
+    bar.enable_steady_tick(TICK);
+}
+
+/// A stage of `length` steps.
+pub fn counted(bar: &ProgressBar, name: &str, length: u64) {
+    bar.disable_steady_tick();
+    if let Ok(style) = counted_style() {
+        bar.set_style(style);
+    }
+    bar.reset();
+    bar.set_message(name.to_owned());
+    bar.set_length(length);
+}
+
+fn counted_style() -> Result<ProgressStyle, indicatif::style::TemplateError> {
+    ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}")
 }
 
 /// One line on standard error; without a standard error there is nobody to tell.

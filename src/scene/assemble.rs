@@ -15,7 +15,12 @@ use crate::{io, prepare};
 /// # Errors
 /// The first file that can't be read.
 pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, io::Error> {
-    scene.clouds.iter().map(|cloud| io::load(&cloud.path, progress)).collect()
+    let load = |cloud: &CloudSettings| {
+        progress.reset();
+        progress.set_message(format!("reading {}", cloud.path.display()));
+        io::load(&cloud.path, progress)
+    };
+    scene.clouds.iter().map(load).collect()
 }
 
 /// The clouds of a generated scene, looked up by name (with or without the extension) instead of on the disk.
@@ -77,7 +82,11 @@ fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, pr
     let radii = match (settings.radius, cloud.radii) {
         (Some(radius), _) => vec![radius; count],
         (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
-        (None, None) if needs_radii => prepare::radius::estimate(&cloud.positions, settings.neighbors, progress),
+        (None, None) if needs_radii => {
+            progress.reset();
+            progress.set_message("finding neighbors");
+            prepare::radius::estimate(&cloud.positions, settings.neighbors, progress)
+        }
         (None, None) => vec![0.0; count],
     };
     Points { positions: cloud.positions, colors, opacities, radii, normals: cloud.normals }

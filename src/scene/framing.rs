@@ -21,10 +21,10 @@ const CLEARANCE: f64 = 0.1;
 /// The scene's camera and what is to be said about it.
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
-/// where the corners of the scene's bounds, widened by the largest radius, fit into the image with a margin of 5%. A
-/// view that is given wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only
-/// without it the clouds do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max),
-/// near = max(0.999·(z_min − r_max), far·10⁻⁵).
+/// where every point, as a sphere of its own radius, fits into the image with a margin of 5%. A view that is given
+/// wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only without it the clouds
+/// do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵),
+/// z over the corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -43,7 +43,7 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         Some(height) => Projection::Orthographic { height },
         None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
     };
-    let pose = Pose::new(settings, &Subject { bounds, radius }, projection, scene.image.size, up);
+    let pose = Pose::new(settings, &Subject { points, bounds, radius }, projection, scene.image.size, up);
     let (near, far) = depths(settings, &pose, &bounds, radius);
     // Axes are computed around the origin: far from it, eye + direction would be rounded.
     let Some(axes) = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection, near, far) else {
@@ -78,9 +78,11 @@ fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     }
 }
 
-/// What is framed: a box whose corners are spheres.
-struct Subject {
+/// What is framed.
+struct Subject<'a> {
+    points: &'a Points,
     bounds: Bounds,
+    /// The largest one.
     radius: f64,
 }
 
@@ -92,7 +94,13 @@ struct Pose {
 }
 
 impl Pose {
-    fn new(settings: &CameraSettings, subject: &Subject, projection: Projection, size: [u32; 2], up: UpAxis) -> Self {
+    fn new(
+        settings: &CameraSettings,
+        subject: &Subject<'_>,
+        projection: Projection,
+        size: [u32; 2],
+        up: UpAxis,
+    ) -> Self {
         let (forward, image_up) = settings.view.axes(up);
         if settings.view.is_given() {
             return Self { eye: framed(subject, projection, size, forward, image_up, None), forward, up: image_up };
@@ -122,7 +130,7 @@ fn vertical(forward: DVec3, up: UpAxis) -> DVec3 {
 
 /// The eye from which the subject fits; the image's centre shows `target` if one is given.
 fn framed(
-    subject: &Subject,
+    subject: &Subject<'_>,
     projection: Projection,
     size: [u32; 2],
     forward: DVec3,
@@ -132,52 +140,130 @@ fn framed(
     let center = target.unwrap_or_else(|| subject.bounds.center());
     let right = forward.cross(up).normalize_or(DVec3::X);
     let up = right.cross(forward);
-    let corners = subject.bounds.corners().map(|corner| {
-        let p = corner - center;
-        (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward))
-    });
     let fallback = match subject.bounds.diagonal() + subject.radius {
         // One point without a size: any distance will do.
         size if size > 0.0 => size,
         _ => 1.0,
     };
-    let (distance, shift) = match projection {
+    let tangents = match projection {
         Projection::Perspective { fov_y } => {
             let vertical = FILL * (0.5 * fov_y).tan();
-            let horizontal = vertical * f64::from(size[0]) / f64::from(size[1]);
-            let axis = |tangent: f64, pick: fn(DVec2) -> f64| {
-                fit(tangent, subject.radius, corners.iter().map(|(p, depth)| (pick(*p), *depth)), target.is_some())
-            };
-            let (distance_x, shift_x) = axis(horizontal, |p| p.x);
-            let (distance_y, shift_y) = axis(vertical, |p| p.y);
-            (distance_x.max(distance_y), DVec2::new(shift_x, shift_y))
+            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
         }
-        Projection::Orthographic { .. } => (0.0, DVec2::ZERO),
+        Projection::Orthographic { .. } => DVec2::ZERO,
     };
+    let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
+    let extent = spheres.extent(tangents);
     // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
     // its rounding would lie at the eye.
-    let nearest = corners.iter().map(|(_, depth)| *depth).fold(f64::INFINITY, f64::min);
-    let clear = subject.radius - nearest + CLEARANCE * fallback;
-    let distance = distance.max(clear).max(1e-6 * center.abs().max_element());
+    let clear = (CLEARANCE * fallback - extent.nearest).max(1e-6 * center.abs().max_element());
+    let (distance, shift) = match (projection, target) {
+        (Projection::Perspective { .. }, Some(_)) => (extent.centered_distance(tangents).max(clear), DVec2::ZERO),
+        (Projection::Perspective { .. }, None) => {
+            let distance = extent.distance(tangents).max(clear);
+            let (first, last) = extent.shifts(tangents, distance);
+            // The axis that decided the distance has one shift; rounding may turn its interval around.
+            (distance, spheres.middle(distance, 0.5 * (first + last)).max(first).min(last))
+        }
+        (Projection::Orthographic { .. }, Some(_)) => (clear, DVec2::ZERO),
+        (Projection::Orthographic { .. }, None) => (clear, 0.5 * (extent.upper + extent.lower)),
+    };
     center + right * shift.x + up * shift.y - forward * distance
 }
 
-/// Along one image axis: the smallest distance from which spheres at (offset, depth) lie between the two planes of
-/// slope `tangent` through the eye, and the sideways shift of the eye that allows it.
+/// Points as spheres at (offset, depth) around a centre.
+struct Spheres<'a> {
+    points: &'a Points,
+    center: DVec3,
+    /// Right, up, forward.
+    axes: [DVec3; 3],
+}
+
+impl Spheres<'_> {
+    /// Offset, depth, radius.
+    fn iter(&self) -> impl Iterator<Item = (DVec2, f64, f64)> {
+        let [right, up, forward] = self.axes;
+        self.points.positions.iter().zip(&self.points.radii).map(move |(position, radius)| {
+            let p = *position - self.center;
+            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius))
+        })
+    }
+
+    fn extent(&self, tangents: DVec2) -> Extent {
+        // 1/cos of the planes' angles.
+        let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
+        let nothing = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+        self.iter().fold(nothing, |extent, (offset, depth, radius)| Extent {
+            upper: extent.upper.max(offset - tangents * depth + reach * radius),
+            lower: extent.lower.min(offset + tangents * depth - reach * radius),
+            nearest: extent.nearest.min(depth - radius),
+        })
+    }
+
+    /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
+    /// both axes.
+    ///
+    /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at
+    /// shift = (a/z + b/w)/(1/z + 1/w); then another pair may be the outermost one. It settles after two or three
+    /// rounds; a pair that comes and goes is left with less than a perfect middle.
+    fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
+        const ROUNDS: usize = 8;
+        for _ in 0..ROUNDS {
+            // Slope, and 1/z of the disc that has it.
+            let start = [(f64::NEG_INFINITY, 0.0); 2];
+            let mut most = start;
+            let mut least = start;
+            for (offset, depth, radius) in self.iter() {
+                let inverse = 1.0 / (depth + distance);
+                for (axis, offset) in (offset - shift).to_array().into_iter().enumerate() {
+                    most[axis] = later(most[axis], ((offset + radius) * inverse, inverse));
+                    least[axis] = later(least[axis], ((radius - offset) * inverse, inverse));
+                }
+            }
+            let step = |axis: usize| (most[axis].0 - least[axis].0) / (most[axis].1 + least[axis].1);
+            let step = DVec2::new(step(0), step(1));
+            shift += step;
+            // A ten-thousandth of the image.
+            if step.abs().max_element() <= 1e-4 * distance {
+                break;
+            }
+        }
+        shift
+    }
+}
+
+/// The pair with the greater first element.
+fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.0 > a.0 { b } else { a }
+}
+
+/// How far spheres reach toward the four planes through the eye, whose slopes are `tangents`.
 ///
-/// A sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and so above the lower
-/// one. With a = max(offset − tangent·depth) + r/cos and b = min(offset + tangent·depth) − r/cos there is such a shift
-/// if a − b ≤ 2·tangent·distance, and then (a + b)/2 is one. Without a shift both must hold for 0.
-fn fit(tangent: f64, radius: f64, spheres: impl Iterator<Item = (f64, f64)>, centered: bool) -> (f64, f64) {
-    let reach = radius * (1.0 + tangent * tangent).sqrt();
-    let (upper, lower) = spheres.fold((f64::NEG_INFINITY, f64::INFINITY), |(upper, lower), (offset, depth)| {
-        (upper.max(offset - tangent * depth), lower.min(offset + tangent * depth))
-    });
-    let (upper, lower) = (upper + reach, lower - reach);
-    if centered {
-        (upper.max(-lower) / tangent, 0.0)
-    } else {
-        ((upper - lower) / (2.0 * tangent), 0.5 * (upper + lower))
+/// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
+/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and
+/// lower = min(offset + tangent·depth − r/cos) all fit with a shift between upper − tangent·distance and
+/// lower + tangent·distance, and there is one if upper − lower ≤ 2·tangent·distance.
+struct Extent {
+    upper: DVec2,
+    lower: DVec2,
+    /// Least depth that any sphere reaches.
+    nearest: f64,
+}
+
+impl Extent {
+    /// The smallest distance from which all fits with some shift of the eye.
+    fn distance(&self, tangents: DVec2) -> f64 {
+        ((self.upper - self.lower) / (2.0 * tangents)).max_element()
+    }
+
+    /// The smallest distance without a shift.
+    fn centered_distance(&self, tangents: DVec2) -> f64 {
+        (self.upper.max(-self.lower) / tangents).max_element()
+    }
+
+    /// The least and the greatest shift with which all fits.
+    fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
+        (self.upper - tangents * distance, self.lower + tangents * distance)
     }
 }
 

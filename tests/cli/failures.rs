@@ -1,0 +1,83 @@
+//! Renders that can't be done: what is said, and that no file comes or goes.
+
+use std::fs;
+
+use crate::{builtin, device, done, folder, has_device, inside, run, write_cloud};
+
+#[test]
+fn a_budget_that_one_pixel_exceeds_is_an_error_that_names_it() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let stack = builtin(&folder, "stack", &["layers=100000", "size=2"]);
+    let device = device().unwrap_or("0".to_owned());
+    let mut args = vec!["render", &stack, "--device", &device, "-o", "a.png", "--memory-budget", "100KiB"];
+    fs::write(inside(&folder, "a.png"), "old").unwrap();
+    let (code, stdout, stderr) = run(&folder, &args);
+    assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
+    assert!(stderr.starts_with("error: ") && stderr.lines().count() == 1, "{stderr}");
+    for part in ["pixel (0, 0) has 100000 fragments", "--memory-budget"] {
+        assert!(stderr.contains(part), "{part:?} in {stderr}");
+    }
+    assert_eq!(fs::read_to_string(inside(&folder, "a.png")).unwrap(), "old", "what was there stays");
+    // The budget that the message names does it.
+    let (_, after) = stderr.split_once("--memory-budget ").unwrap();
+    let wanted = after.split(" would").next().unwrap().replace(' ', "");
+    *args.last_mut().unwrap() = &wanted;
+    assert_eq!(run(&folder, &args), (0, String::new(), String::new()), "{wanted}");
+    assert_ne!(fs::read(inside(&folder, "a.png")).unwrap(), b"old");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 2, "the scene and the picture, nothing temporary");
+}
+
+#[test]
+fn an_unknown_device_is_an_error_that_lists_those_present() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    let list: serde_json::Value = serde_json::from_str(&run(&folder, &["devices", "--json"]).1).unwrap();
+    let names: Vec<_> = list.as_array().unwrap().iter().map(|d| d["name"].as_str().unwrap()).collect();
+    for command in ["render", "profile", "plan"] {
+        for unknown in ["nonsense", "99"] {
+            let (code, stdout, stderr) = run(&folder, &[command, "a.ply", "--device", unknown]);
+            assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
+            assert!(stderr.starts_with("error: ") && names.iter().all(|name| stderr.contains(name)), "{stderr}");
+        }
+    }
+    assert_eq!(run(&folder, &["devices", "--device", "nonsense"]).0, 1);
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_file_is_an_error() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    // Nobody, not even root, makes files in /proc.
+    let (code, stdout, stderr) = run(&folder, &["render", "a.ply", "--size", "8x8", "-o", "/proc/a.png"]);
+    assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
+    assert!(stderr.starts_with("error: /proc/a.png: can't be written"), "{stderr}");
+}
+
+#[test]
+fn warnings_can_be_silenced_and_details_asked_for() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_cloud(&inside(&folder, "a.ply"));
+    let render = ["render", "a.ply", "--size", "8x8", "--aov"];
+    let (code, _, stderr) = run(&folder, &render);
+    assert_eq!((code, stderr.lines().count()), (0, 1), "{stderr}");
+    assert!(stderr.starts_with("warning: --aov has no effect on a PNG"), "{stderr}");
+    done(&folder, &[&render[..], &["-q"]].concat());
+    let (_, _, stderr) = run(&folder, &[&render[..4], &["-v"]].concat());
+    for part in ["a.ply: 2 points", "method circles: every point is opaque", "8 × 8 pixels", " ms", "a.png: written"] {
+        assert!(stderr.contains(part), "{part:?} in {stderr}");
+    }
+}

@@ -1,0 +1,143 @@
+//! Real and nasty files through the binary: pictures that show them, or one clean error.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use common::{data, with_device};
+use pellucid::output::read_image;
+use tempfile::TempDir;
+
+/// Runs the binary; quiet, since what real files deserve a warning for is not this test's business.
+fn pellucid(folder: &TempDir, args: &[&str], file: &Path) -> Output {
+    let mut command = Command::cargo_bin("pellucid").unwrap();
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("data-cache");
+    command.current_dir(folder).env("PELLUCID_VALIDATION", "1").env("PELLUCID_CACHE_DIR", cache);
+    command.args(args).arg("-q").arg(file).output().unwrap()
+}
+
+/// The device of the tests, as an option.
+fn device() -> Vec<String> {
+    std::env::var("PELLUCID_TEST_DEVICE").map_or_else(|_| Vec::new(), |device| vec!["--device".to_owned(), device])
+}
+
+/// Renders a file to `out.png` with automatic camera and radius.
+fn render(folder: &TempDir, args: &[&str], file: &Path) -> Output {
+    let device = device();
+    let options = device.iter().map(String::as_str).chain(args.iter().copied());
+    pellucid(folder, &["render", "-o", "out.png"].into_iter().chain(options).collect::<Vec<_>>(), file)
+}
+
+#[test]
+fn info_counts_the_points() {
+    let Some(data) = data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    // Counted by other readers (plyfile, laspy); NaN-free, all of them.
+    for (file, points) in [
+        ("models/bun_zipper.ply", 35_947),
+        ("models/stanford_dragon_437k.ply", 437_645),
+        ("lidar/autzen_trim.laz", 110_000),
+        ("lidar/sample_c_rgb_classified.las", 14_408),
+        ("photogrammetry/lion_takanawa.copc.laz", 341_989),
+        ("formats/horse_big_endian_rgb.ply", 48_485),
+    ] {
+        let output = pellucid(&folder, &["info", "--json"], &data.join(file));
+        assert!(output.status.success(), "{output:?}");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!((&json["points"], &json["non_finite"]), (&points.into(), &0.into()), "{file}");
+    }
+}
+
+/// Share of the pixels that are not black, and the box around them: first column and row, one past the last.
+fn silhouette(path: &Path) -> (f64, [u32; 4]) {
+    let image = read_image(path).unwrap();
+    let mut found = [image.width, image.height, 0, 0];
+    let mut covered = 0;
+    for (i, pixel) in (0..).zip(&image.pixels) {
+        if pixel.iter().any(|value| *value > 0.0) {
+            let (x, y) = (i % image.width, i / image.width);
+            found = [found[0].min(x), found[1].min(y), found[2].max(x + 1), found[3].max(y + 1)];
+            covered += 1;
+        }
+    }
+    (f64::from(covered) / image.pixels.len() as f64, found)
+}
+
+#[test]
+fn real_models_fill_the_image_up_to_its_margin() {
+    let Some(data) = data() else { return };
+    with_device(|_| {
+        let folder = tempfile::tempdir().unwrap();
+        // The share of the image that the object covers, measured in pictures that were looked at and found right.
+        for (file, opacity, share) in [
+            ("models/bun_zipper.ply", "0.1", 0.50),
+            ("models/stanford_dragon_437k.ply", "0.2", 0.38),
+            ("lidar/autzen_trim.laz", "0.3", 0.21),
+        ] {
+            let output = render(&folder, &["--size", "256x256", "--opacity", opacity], &data.join(file));
+            assert!(output.status.success() && output.stderr.is_empty() && output.stdout.is_empty(), "{output:?}");
+            let (covered, [x0, y0, x1, y1]) = silhouette(&folder.path().join("out.png"));
+            assert!((0.9 * share..1.1 * share).contains(&covered), "{file}: {covered} of the image is covered");
+            // The margin is 2.5% of 256 pixels on each side, 6.4; a disc that reaches it covers the pixels whose
+            // centres it holds, or the one of its own centre.
+            let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
+            assert!(ends(x0, x1) || ends(y0, y1), "{file}: columns {x0}..{x1}, rows {y0}..{y1}");
+            // What is narrower lies in the middle.
+            for (low, high) in [(x0, x1), (y0, y1)] {
+                assert!(low >= 5 && high <= 251 && (low + high).abs_diff(256) <= 4, "{file}: {low}..{high}");
+            }
+        }
+    });
+}
+
+/// All point clouds of a folder that this version reads.
+fn clouds(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let known =
+        |path: &PathBuf| path.extension().is_some_and(|e| ["ply", "las", "laz"].iter().any(|known| e == *known));
+    let mut found: Vec<_> = entries.filter(known).collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn nasty_files_give_a_picture_or_one_clean_error() {
+    let Some(data) = data() else { return };
+    with_device(|_| {
+        let files = clouds(&data.join("nasty"));
+        assert!(files.len() > 20, "{} files", files.len());
+        let mut refused = Vec::new();
+        for file in &files {
+            let folder = tempfile::tempdir().unwrap();
+            let picture = folder.path().join("out.png");
+            let output = render(&folder, &["--size", "32x32", "--opacity", "0.5"], file);
+            let stderr = String::from_utf8(output.stderr).unwrap();
+            let name = file.file_name().unwrap().to_str().unwrap();
+            match output.status.code() {
+                Some(0) => {
+                    assert_eq!(stderr, "", "{name}");
+                    let (covered, _) = silhouette(&picture);
+                    assert!(covered > 0.0, "{name}: an empty picture");
+                }
+                Some(1) => {
+                    assert!(stderr.starts_with(&format!("error: {}: ", file.display())), "{name}: {stderr}");
+                    assert!(stderr.lines().count() == 1 && !picture.exists(), "{name}: {stderr}");
+                    refused.push(name);
+                }
+                status => panic!("{name}: {status:?}, {stderr}"),
+            }
+        }
+        // Those that hold no point, or that no reader can decode (README of the data).
+        let expected = [
+            "laszip_broken_coder.laz",
+            "laszip_broken_compressor.laz",
+            "laszip_broken_size.laz",
+            "no-points.las",
+            "no_vertex.ply",
+            "sized_dims.ply",
+        ];
+        assert_eq!(refused, expected);
+    });
+}

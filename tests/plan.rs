@@ -1,0 +1,97 @@
+//! The frame plan: the method that `auto` stands for, and facts that are surveyed without rendering.
+
+mod common;
+
+use common::{P, frame, perspective, scene, soup, with_device};
+use glam::{DVec3, Vec3};
+use pellucid::methods::{Facts, Renderer};
+use pellucid::plan::{plan, resolve};
+use pellucid::scene::{DiscShape, Discs, Method, ScreenSplats};
+
+fn with_opacities(opacities: &[f32]) -> Vec<P> {
+    let point = |(i, opacity): (usize, &f32)| P {
+        position: DVec3::X * i as f64,
+        color: Vec3::ONE,
+        opacity: *opacity,
+        radius: 0.5,
+        normal: Vec3::ZERO,
+    };
+    opacities.iter().enumerate().map(point).collect()
+}
+
+#[test]
+fn auto_takes_the_cheapest_method_that_is_exact() {
+    let (method, why) = resolve(Method::Auto, &scene(&with_opacities(&[1.0, 1.0])));
+    // Not clamped: the image is that of the exact method.
+    assert!(matches!(method, Method::Circles(ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX })), "{method:?}");
+    assert!(why.contains("every point is opaque"), "{why}");
+    for opacities in [[1.0, 0.999], [0.0, 0.0], [0.5, 1.0]] {
+        let transparent = opacities.iter().filter(|a| **a < 1.0).count();
+        let (method, why) = resolve(Method::Auto, &scene(&with_opacities(&opacities)));
+        assert_eq!(method, Method::ABuffer(Discs::default()));
+        assert!(why.contains(&format!("{transparent} of 2 points")), "{why}");
+    }
+}
+
+#[test]
+fn a_method_that_was_asked_for_stays() {
+    let oriented = Method::ABuffer(Discs { shape: DiscShape::Oriented, ..Discs::default() });
+    for method in [Method::Points, Method::Squares(ScreenSplats::default()), oriented] {
+        let (taken, why) = resolve(method, &scene(&with_opacities(&[0.5])));
+        assert_eq!(taken, method);
+        assert!(why.contains(method.name()) && why.contains("asked for"), "{why}");
+    }
+}
+
+#[test]
+fn a_survey_finds_what_a_frame_meets() {
+    with_device(|device| {
+        // Radii that give splats of a few pixels and of thousands.
+        let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
+        let methods = [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default())];
+        for method in methods {
+            for memory_budget in [None, Some(200_000)] {
+                let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
+                let mut renderer = Renderer::new(device).expect("a renderer");
+                let mut cloud = renderer.upload(&points).expect("fits");
+                let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
+                let met = renderer.render(&mut cloud, &frame).expect("rendered").facts;
+                // What is allocated is known only afterwards.
+                let decided = |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, ..facts.clone() };
+                assert_eq!(decided(&surveyed), decided(&met), "{}, {memory_budget:?}", method.name());
+                assert!(met.visible > 300 && (met.windows > 1) == memory_budget.is_some(), "{met:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
+    with_device(|device| {
+        let points = scene(&soup(12, 50, 0.01..0.1, 0.1..0.9, false));
+        let names_of = |method: Method, wide: bool| {
+            let frame = frame(perspective(), [64, 64], method);
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(&points).expect("fits");
+            let facts = renderer.survey(&mut cloud, &frame).expect("surveyed");
+            let steps = plan(device, &frame, &facts, wide, "a reason");
+            assert!(steps.iter().all(|step| !step.reason.is_empty()), "{steps:?}");
+            let on = |name: &str| steps.iter().any(|step| step.name == name && step.on);
+            if !matches!(method, Method::ABuffer(_)) {
+                assert_eq!(
+                    [on("splat/nearest"), on("splat/nearest-depth"), on("splat/nearest-id")],
+                    [wide, !wide, !wide]
+                );
+            }
+            let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
+            names.sort_unstable();
+            names
+        };
+        let all = names_of(Method::ABuffer(Discs::default()), true);
+        let mut once = all.clone();
+        once.dedup();
+        assert_eq!(all, once);
+        assert_eq!(names_of(Method::Points, true), all);
+        assert_eq!(names_of(Method::Points, false), all);
+    });
+}
