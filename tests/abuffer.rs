@@ -325,6 +325,34 @@ fn bands_and_windows_change_no_byte() {
 }
 
 #[test]
+fn chunks_and_parts_change_no_byte() {
+    // 4 MiB hold 131 072 points or 209 664 splats: three chunks, and two of the four parts that stages reach splats by.
+    let points =
+        |count| scene(&[soup(24, count, 0.0..0.005, 0.1..0.9, true), soup(25, 20, 0.2..0.6, 0.1..0.3, true)].concat());
+    let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster: Raster::Compute };
+    let cases = [
+        (Method::ABuffer(discs), 300_000),
+        (Method::ABuffer(Discs { raster: Raster::Hardware, shape: DiscShape::Flat, ..discs }), 140_000),
+        (Method::Circles(pellucid::scene::ScreenSplats::default()), 300_000),
+    ];
+    for (method, count) in cases {
+        let points = points(count);
+        let frame = frame(perspective(), [160, 120], method);
+        let mut images = Vec::new();
+        for binding in [None, Some(4 << 20)] {
+            with_device_that_binds(binding, |device| images.push(bits(&render(device, &points, &frame))));
+        }
+        assert!(images.windows(2).all(|pair| pair[0] == pair[1]), "{method:?}");
+    }
+    let points = points(300_000);
+    with_device_that_binds(Some(1 << 20), |device| {
+        let renderer = Renderer::new(device).expect("a renderer");
+        // Four parts of 52 416 splats.
+        assert!(matches!(renderer.upload(&points), Err(Error::TooManyPoints { points: 300_020, limit: 209_664 })));
+    });
+}
+
+#[test]
 fn moved_with_its_camera_the_image_stays() {
     with_device(|device| {
         let far = DVec3::new(500_000.0, 4_500_000.0, 100.0);

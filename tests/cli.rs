@@ -44,12 +44,16 @@ fn device() -> Option<String> {
 /// `PELLUCID_REQUIRE_GPU` is 1.
 fn has_device() -> bool {
     static FOUND: OnceLock<bool> = OnceLock::new();
-    *FOUND.get_or_init(|| match Device::open(&DeviceOptions { device: device(), validation: true }) {
-        Ok(_) => true,
-        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
-        Err(e) => {
-            eprintln!("skipped, no device: {e}");
-            false
+    *FOUND.get_or_init(|| {
+        match Device::open(&DeviceOptions { device: device(), validation: true, ..Default::default() }) {
+            Ok(_) => true,
+            Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
+                panic!("a device is required: {e}")
+            }
+            Err(e) => {
+                eprintln!("skipped, no device: {e}");
+                false
+            }
         }
     })
 }

@@ -120,14 +120,14 @@ fn an_unknown_device_is_refused_with_those_present() {
         for wanted in ["nonsense", "4294967295"] {
             let error = devices(Some(wanted)).expect_err("no such device");
             assert!(matches!(error, Error::NoSuchDevice { .. }), "{error}");
-            let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false };
+            let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false, ..Default::default() };
             let error = Device::open(&options).map(|_| ()).expect_err("no such device").to_string();
             assert!(error.contains(wanted) && present.iter().all(|d| error.contains(&d.name)), "{error}");
         }
         // By index and by a part of the name in any case.
         let part = info.name.split_whitespace().next().expect("a name").to_uppercase();
         for wanted in [info.index.to_string(), part] {
-            let options = DeviceOptions { device: Some(wanted.clone()), validation: false };
+            let options = DeviceOptions { device: Some(wanted.clone()), validation: false, ..Default::default() };
             let device = Device::open(&options).unwrap_or_else(|e| panic!("{wanted}: {e}"));
             assert_eq!(device.info().name, info.name);
         }
@@ -265,7 +265,11 @@ fn damaged_caches_are_as_good_as_none() {
 #[test]
 fn a_validation_message_is_an_error() {
     with_device(|_| {
-        let options = DeviceOptions { device: std::env::var("PELLUCID_TEST_DEVICE").ok(), validation: true };
+        let options = DeviceOptions {
+            device: std::env::var("PELLUCID_TEST_DEVICE").ok(),
+            validation: true,
+            ..Default::default()
+        };
         let device = Device::open(&options).expect("a device");
         device.check_validation().expect("nothing was said yet");
         let buffer = device.upload("overlapping", &[0u32; 16]).expect("fits");

@@ -16,12 +16,15 @@ pub struct DeviceOptions {
     pub device: Option<String>,
     /// Switch validation and synchronization validation on.
     pub validation: bool,
+    /// Bind no more bytes at a time than this, even if the device allows more: shows on any device how work is cut.
+    pub binding_bytes: Option<u64>,
 }
 
 impl DeviceOptions {
     /// The best device; validation if the environment variable `PELLUCID_VALIDATION` is `1`.
     pub fn from_env() -> Self {
-        Self { device: None, validation: std::env::var("PELLUCID_VALIDATION").is_ok_and(|v| v == "1") }
+        let validation = std::env::var("PELLUCID_VALIDATION").is_ok_and(|v| v == "1");
+        Self { validation, ..Self::default() }
     }
 }
 
@@ -196,7 +199,10 @@ impl Device {
         if !info.lacks.is_empty() {
             return Err(Error::Lacks { device: info.name.clone(), missing: info.lacks.join(", ") });
         }
-        Ok(Self(Arc::new(Context::new(instance, *physical, info.clone())?)))
+        let mut context = Context::new(instance, *physical, info.clone())?;
+        let allowed = &mut context.limits.binding_bytes;
+        *allowed = options.binding_bytes.map_or(*allowed, |bytes| bytes.min(*allowed));
+        Ok(Self(Arc::new(context)))
     }
 
     /// What was opened.

@@ -67,9 +67,7 @@ macro_rules! pass {
             const NAME: &'static str = $label;
             const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
             fn bindings() -> Vec<$crate::gpu::Binding> {
-                let mut list = Vec::new();
-                $($crate::pass!(@bind list, $field, $access, $type);)*
-                list
+                [$($crate::pass!(@bind $field, $access, $type)),*].concat()
             }
             fn push() -> Option<$crate::gpu::Shape> {
                 #[allow(unused_mut, unused_assignments)]
@@ -78,33 +76,34 @@ macro_rules! pass {
                 shape
             }
             fn resources(&self) -> Vec<$crate::gpu::RawSlice> {
-                let mut list = Vec::new();
-                $($crate::pass!(@resource list, self.$field, $access);)*
-                list
+                [$($crate::pass!(@resource self.$field, $access)),*].concat()
             }
         }
     };
     (@first $first:literal $(, $rest:literal)*) => { $first };
     (@type Parts $life:lifetime, $type:ty) => { [$crate::gpu::Slice<$life, $type>; $crate::gpu::PARTS] };
     (@type $access:ident $life:lifetime, $type:ty) => { $crate::gpu::Slice<$life, $type> };
-    (@bind $list:ident, $field:ident, Parts, $type:ty) => {
-        for name in [
+    (@bind $field:ident, Parts, $type:ty) => {
+        [
             concat!(stringify!($field), "_0"),
             concat!(stringify!($field), "_1"),
             concat!(stringify!($field), "_2"),
             concat!(stringify!($field), "_3"),
-        ] {
-            let shape = <$type as $crate::gpu::GpuType>::shape();
-            $list.push($crate::gpu::Binding { name, access: $crate::gpu::Access::Read, shape });
-        }
+        ]
+        .map(|name| $crate::gpu::Binding {
+            name,
+            access: $crate::gpu::Access::Read,
+            shape: <$type as $crate::gpu::GpuType>::shape(),
+        })
+        .to_vec()
     };
-    (@bind $list:ident, $field:ident, $access:ident, $type:ty) => {
-        $list.push($crate::gpu::Binding {
+    (@bind $field:ident, $access:ident, $type:ty) => {
+        vec![$crate::gpu::Binding {
             name: stringify!($field),
             access: $crate::gpu::Access::$access,
             shape: <$type as $crate::gpu::GpuType>::shape(),
-        });
+        }]
     };
-    (@resource $list:ident, $slices:expr, Parts) => { $list.extend($slices.iter().map(|s| s.raw())) };
-    (@resource $list:ident, $slice:expr, $access:ident) => { $list.push($slice.raw()) };
+    (@resource $slices:expr, Parts) => { $slices.map(|s| s.raw()).to_vec() };
+    (@resource $slice:expr, $access:ident) => { vec![$slice.raw()] };
 }

@@ -201,4 +201,33 @@ mod tests {
         let chains = |w: &[u32]| count(w, |op, _| op == OP_ACCESS_CHAIN);
         assert_eq!(chains(&fixed), chains(&words) + 2);
     }
+
+    /// What the validation layers say of a shader module.
+    fn messages(device: &crate::gpu::Device, words: &[u32]) -> usize {
+        let before = device.validation_messages().len();
+        let info = ash::vk::ShaderModuleCreateInfo::default().code(words);
+        // SAFETY: the layers see the words first; a module that they complain about is destroyed unused.
+        unsafe {
+            if let Ok(module) = device.0.device.create_shader_module(&info, None) {
+                device.0.device.destroy_shader_module(module, None);
+            }
+        }
+        device.validation_messages().len() - before
+    }
+
+    #[test]
+    fn the_layers_accept_what_is_corrected_and_refuse_a_bare_sample_mask() {
+        let options = crate::gpu::DeviceOptions { validation: true, ..Default::default() };
+        let device = match crate::gpu::Device::open(&options) {
+            Ok(device) => device,
+            Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
+                panic!("a device is required: {e}")
+            }
+            Err(e) => return eprintln!("skipped, no device: {e}"),
+        };
+        for source in [ARRAY, MASK] {
+            assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());
+        }
+        assert!(messages(&device, &compiled(MASK)) > 0);
+    }
 }

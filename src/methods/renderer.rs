@@ -203,7 +203,7 @@ impl Renderer {
         Ok(Self {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
-            opaque: Opaque::new(),
+            opaque: Opaque::default(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
             wide_atomics: device.info().int64_atomics,

@@ -80,12 +80,13 @@ pub struct Opaque {
     nearest: Kept<NearestSplat>,
 }
 
-impl Opaque {
-    /// No buffers yet.
-    pub fn new() -> Self {
+impl Default for Opaque {
+    fn default() -> Self {
         Self { nearest: Kept::new("nearest splats", Memory::Device) }
     }
+}
 
+impl Opaque {
     /// Renders a window into the target; `wide` says whether 64-bit atomics are used.
     pub fn render(
         &mut self,

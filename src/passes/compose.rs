@@ -18,7 +18,7 @@ impl Cut {
     /// The cut for so many points on a device, or an error if four parts do not reach.
     pub fn new(device: &Device, points: u64) -> Result<Self, Error> {
         // Splats are the widest element; 64 of any element are a multiple of every offset alignment.
-        let len = (device.limits().binding_bytes / size_of::<Splat>() as u64 & !63).min(1 << 30);
+        let len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !63).min(1 << 30);
         let limit = PARTS as u64 * len;
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });

@@ -129,7 +129,7 @@ impl<'a> Raster<'a> {
         Chunk {
             view: cloud.view(),
             splats: cloud.splats.slice(first, count),
-            tilts: if oriented { cloud.tilts_of(first, count) } else { cloud.tilts.all() },
+            tilts: if oriented { cloud.tilts_of(first, count) } else { cloud.tilts.slice(0, 1) },
             bounds: cloud.bounds.slice(first, count),
             tile_starts: self.tiles.starts_of(self.stats, chunk, self.window),
             tile_entries: self.tiles.entries_of(self.stats, chunk),

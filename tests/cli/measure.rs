@@ -197,7 +197,7 @@ fn the_plan_is_what_runs() {
     }
     // Large splats drawn by the rasteriser need no tiles.
     let device = crate::device();
-    let opened = Device::open(&DeviceOptions { device, validation: false }).unwrap();
+    let opened = Device::open(&DeviceOptions { device, validation: false, ..Default::default() }).unwrap();
     if opened.info().fragment_atomics {
         let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
         assert_planned(&folder, &[&["row.ply", "--size", "7x9", "--opacity", "0.5"], &hardware[..]].concat());

@@ -18,11 +18,15 @@ use rand_pcg::Pcg64;
 /// Runs a test on a device with validation and synchronization validation; afterwards there must be no message and no
 /// allocation left. Without a device the test is skipped with a note, or fails if `PELLUCID_REQUIRE_GPU` is 1.
 pub fn with_device(test: impl FnOnce(&Device)) {
+    with_device_that_binds(None, test);
+}
+
+/// As [`with_device`], with at most so many bytes in a binding.
+pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Device)) {
     // One device at a time: its peak and its live allocations are then this test's own.
     static SERIAL: std::sync::Mutex<()> = std::sync::Mutex::new(());
     let _guard = SERIAL.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let options = DeviceOptions { device: std::env::var("PELLUCID_TEST_DEVICE").ok(), validation: true };
-    match Device::open(&options) {
+    match Device::open(&DeviceOptions { device: None, validation: true, binding_bytes }) {
         Ok(device) => {
             test(&device);
             assert_eq!(device.validation_messages(), Vec::<String>::new());

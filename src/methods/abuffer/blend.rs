@@ -39,6 +39,8 @@ pub struct Blender {
 /// A band whose fragments are stored.
 #[derive(Clone, Copy)]
 pub struct Stored<'a> {
+    /// How the splats are reached.
+    pub cut: Cut,
     /// Prefix sums of the window's list lengths.
     pub offsets: Slice<'a, u32>,
     /// The band's fragments.
@@ -86,16 +88,15 @@ impl Blender {
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        cut: Cut,
         job: &WindowJob<'a>,
         stored: Stored<'a>,
         target: &'a Target,
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
+        let Stored { cut, offsets, fragments } = stored;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let Composing { colors, splats, tilts } = Composing::new(job.raster.cloud, cut);
-        let Stored { offsets, fragments } = stored;
         let (image, depths) = (target.image(), target.depths());
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels, view) = (self.classes.all(), self.pixels.get().all(), job.raster.cloud.view());
@@ -152,7 +153,7 @@ impl Blender {
         band: &Band,
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
-        let Stored { offsets, fragments } = stored;
+        let Stored { offsets, fragments, .. } = stored;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         recorder.fill("abuffer/clear", work, 0)?;

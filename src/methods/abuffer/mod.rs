@@ -130,7 +130,7 @@ impl ABuffer {
         counted.note(&bands, facts);
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
         let cut = Cut::new(device, job.raster.cloud.len())?;
-        let stored = Stored { offsets: self.offsets.get().all(), fragments: self.fragments.get().all() };
+        let stored = Stored { cut, offsets: self.offsets.get().all(), fragments: self.fragments.get().all() };
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
             if i == 0 {
@@ -138,7 +138,7 @@ impl ABuffer {
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band)?;
-                self.blender.record(&mut recorder, cut, job, stored, target, band, &counted)?;
+                self.blender.record(&mut recorder, job, stored, target, band, &counted)?;
             }
             if i + 1 == bands.len() {
                 target.record_read_back(&mut recorder, bands::pixels(job.raster.window))?;
