@@ -11,7 +11,8 @@
 //! the copy rate is limited by memory. Part two lets the two ways of visiting pixels race on the same random discs. The
 //! ratio is hardware / compute: above 1 the compute shaders are faster, below 1 the rasteriser is. `auto / best` says
 //! how good the choice of `raster = "auto"` was; 1.1 is 10% slower than the better of the two, and what differs from 1
-//! although the choice was right is noise. The three runs alternate, so that a machine that slows down slows them all.
+//! although the choice was right is noise. The three runs alternate and ratios are taken round by round, so that a machine
+//! that slows down slows them all.
 //! On a CPU driver the rasteriser is software as well: its ratios say nothing about a GPU's.
 
 use std::process::{Command, ExitCode};
@@ -143,43 +144,44 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
     Ok(())
 }
 
-/// Milliseconds of the runs of one contest, and what `auto` took.
+/// Milliseconds of one contest by rounds (compute, hardware, auto), and what `auto` took.
 struct Race {
-    compute: f64,
-    hardware: f64,
-    auto: f64,
+    rounds: Vec<[f64; 3]>,
     picked: &'static str,
 }
 
 impl Race {
     /// Runs the three in turn, `frames` times after a warm-up. `measure` gives milliseconds and who visited the pixels.
     fn run(frames: usize, mut measure: impl FnMut(Raster) -> Result<(f64, &'static str)>) -> Result<Self> {
-        const RASTERS: [Raster; 3] = [Raster::Compute, Raster::Hardware, Raster::Auto];
-        let mut times = [const { Vec::new() }; 3];
-        let mut picked = "";
+        let (mut rounds, mut picked) = (Vec::new(), "");
         for round in 0..=frames {
-            for (times, raster) in times.iter_mut().zip(RASTERS) {
-                let (ms, who) = measure(raster)?;
-                // The first round pays for pipelines and buffers.
-                if round > 0 {
-                    times.push(ms);
-                }
-                picked = who;
+            let (compute, _) = measure(Raster::Compute)?;
+            let (hardware, _) = measure(Raster::Hardware)?;
+            let (auto, who) = measure(Raster::Auto)?;
+            picked = who;
+            // The first round pays for pipelines and buffers.
+            if round > 0 {
+                rounds.push([compute, hardware, auto]);
             }
         }
-        let [compute, hardware, auto] = times.map(median);
-        Ok(Self { compute, hardware, auto, picked })
+        Ok(Self { rounds, picked })
     }
 
+    fn median(&self, of: impl Fn(&[f64; 3]) -> f64) -> f64 {
+        median(self.rounds.iter().map(of).collect())
+    }
+
+    /// Medians; those of ratios are over the ratios of each round.
     fn cells(&self) -> [String; 6] {
-        let best = self.compute.min(self.hardware).max(f64::MIN_POSITIVE);
+        let [compute, hardware, auto] = [0, 1, 2].map(|i| self.median(|round| round[i]));
+        let best = usize::from(hardware < compute);
         [
-            format!("{:.2}", self.compute),
-            format!("{:.2}", self.hardware),
-            format!("{:.2}", self.hardware / self.compute.max(f64::MIN_POSITIVE)),
+            format!("{compute:.2}"),
+            format!("{hardware:.2}"),
+            format!("{:.2}", self.median(|round| round[1] / round[0])),
             self.picked.to_owned(),
-            format!("{:.2}", self.auto),
-            format!("{:.2}", self.auto / best),
+            format!("{auto:.2}"),
+            format!("{:.2}", self.median(|round| round[2] / round[best])),
         ]
     }
 }
