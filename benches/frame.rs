@@ -23,11 +23,12 @@ use indicatif::ProgressBar;
 use pellucid::camera::{Camera, Projection};
 use pellucid::cloud::Cloud;
 use pellucid::gpu::{Buffer, Device, DeviceOptions, Memory};
+use pellucid::methods::bands::Band;
 use pellucid::methods::splat::Nearest;
 use pellucid::methods::{Frame, Rendered, Renderer};
 use pellucid::passes::project::{DeviceCloud, Footprint, Projecting};
-use pellucid::passes::raster::{Chunk, Tiled, Walker};
-use pellucid::passes::scan::Scan;
+use pellucid::passes::raster::{self, Chunk, Walker};
+use pellucid::passes::tiles::Tiles;
 use pellucid::points::Points;
 use pellucid::prepare::order;
 use pellucid::profile::{self, Profile};
@@ -280,7 +281,7 @@ fn milliseconds(rendered: &Rendered, passes: &[&str]) -> f64 {
 fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud, frames: usize) -> Result<Race> {
     let opaque = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
     let automatic = frame(Method::Circles(opaque));
-    let course = Course::new(device, cloud)?;
+    let mut course = Course::new(device)?;
     Race::run(frames, |raster| {
         let walker = match raster {
             Raster::Compute => Walker::Compute,
@@ -296,24 +297,18 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
 
 /// What `splat/nearest` needs besides the cloud.
 struct Course {
-    tile_offsets: Buffer<u32>,
-    overflow: Buffer<u32>,
+    tiles: Tiles,
     nearest: Buffer<u64>,
-    scan: Scan,
 }
 
 impl Course {
-    fn new(device: &Device, cloud: &DeviceCloud) -> Result<Self> {
-        Ok(Self {
-            tile_offsets: device.buffer("tile offsets", cloud.len(), Memory::Device)?,
-            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-            nearest: device.buffer("nearest splats", u64::from(SIDE) * u64::from(SIDE), Memory::Device)?,
-            scan: Scan::new(device, cloud.len())?,
-        })
+    fn new(device: &Device) -> Result<Self> {
+        let pixels = u64::from(SIDE) * u64::from(SIDE);
+        Ok(Self { tiles: Tiles::new(device)?, nearest: device.buffer("nearest splats", pixels, Memory::Device)? })
     }
 
     /// Milliseconds of `splat/nearest`.
-    fn nearest(&self, device: &Device, cloud: &mut DeviceCloud, walker: Walker) -> Result<f64> {
+    fn nearest(&mut self, device: &Device, cloud: &mut DeviceCloud, walker: Walker) -> Result<f64> {
         let window = [0, 0, SIDE, SIDE];
         let how = Projecting {
             footprint: Footprint::Disc,
@@ -329,18 +324,19 @@ impl Course {
         recorder.submit("splat/project")?;
 
         let stats = cloud.stats();
-        let tiled = Tiled::new(cloud, &stats, &self.tile_offsets, walker, Footprint::Disc, window);
+        self.tiles.reserve(device, &stats, window)?;
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: Footprint::Disc, window };
         let mut recorder = device.recorder()?;
         recorder.fill("splat/clear", self.nearest.all(), u32::MAX)?;
-        recorder.fill("splat/clear", self.overflow.all(), 0)?;
-        tiled.record_tiles(&mut recorder, &self.scan, self.overflow.all())?;
-        tiled.record(&mut recorder, [0, SIDE * SIDE], |c: Chunk<'_>| Nearest {
+        raster.record_tiles(&mut recorder)?;
+        raster.record(&mut recorder, &Band::whole(window, 0), |c: Chunk<'_>| Nearest {
             view: c.view,
             splats: c.splats,
             tilts: c.tilts,
             bounds: c.bounds,
-            large: c.large,
-            tile_offsets: c.tile_offsets,
+            tile_starts: c.tile_starts,
+            tile_entries: c.tile_entries,
             nearest: self.nearest.all(),
         })?;
         let passes = recorder.submit("splat/nearest")?.passes;

@@ -112,10 +112,10 @@ fn an_unknown_key_names_line_column_and_the_nearest_key() {
 #[test]
 fn wrong_values_name_line_column_and_what_was_expected() {
     let cases = [
-        ("[image]\nsize = [0, 4]", "s.toml:2:9: `image.size` must be an integer from 1 to 65535, found 0"),
+        ("[image]\nsize = [0, 4]", "s.toml:2:9: `image.size` must be an integer from 1 to 16384, found 0"),
         ("[image]\nsize = [4.0, 4]", "s.toml:2:9: `image.size` must be an integer"),
         ("[image]\nsize = [4]", "s.toml:2:8: `image.size` must be an array of 2"),
-        ("[image]\nsize = [65535, 65535]", "must not exceed 268435456 pixels"),
+        ("[image]\nsize = [16, 16385]", "s.toml:2:13: `image.size` must be an integer from 1 to 16384, found 16385"),
         ("[image]\nbackground = [0, nan, 0]", ":2:18: `image.background` must be a number from 0.0 to 1.0, found NaN"),
         ("[image]\ncolor = \"srgb\"", "must be one of \"linear\", \"encoded\", found the string \"srgb\""),
         ("image = 3", "s.toml:1:9: `image` must be a table, found 3"),

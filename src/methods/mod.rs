@@ -51,18 +51,20 @@ pub enum Error {
         /// Points that fit.
         limit: u64,
     },
-    /// The rasteriser was asked for, but the device cannot write from fragment shaders.
-    #[error("raster = \"hardware\" needs fragmentStoresAndAtomics, which {device} lacks; use \"compute\" or \"auto\"")]
+    /// The rasteriser was asked for, but the device cannot write from fragment shaders, or not over so large an area.
+    #[error("raster = \"hardware\" needs {needed}, which {device} lacks; use \"compute\" or \"auto\"")]
     NoHardwareRaster {
         /// The device.
         device: String,
+        /// What is missing.
+        needed: String,
     },
-    /// The memory budget leaves nothing to work with.
-    #[error("a memory budget of {} is too small: a row of pixels needs {}", ByteSize(*.budget), ByteSize(*.needed))]
-    BudgetTooSmall {
-        /// What was given.
-        budget: u64,
-        /// What would do.
-        needed: u64,
+    /// The image is empty or too large.
+    #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::scene::MAX_SIDE)]
+    ImageSize {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
     },
 }

@@ -14,7 +14,7 @@ use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
-use crate::scene::{ColorSpace, DiscShape, Discs, Method, Raster, ScreenSplats, Shading};
+use crate::scene::{ColorSpace, DiscShape, Discs, MAX_SIDE, Method, Raster, ScreenSplats, Shading};
 
 /// What to render of an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +33,18 @@ pub struct Frame {
     pub memory_budget: Option<u64>,
     /// Whether the image carries the length of each pixel's list.
     pub fragments: bool,
+}
+
+impl Frame {
+    fn check(&self) -> Result<(), Error> {
+        let [width, height] = self.size;
+        let allowed = 1..=MAX_SIDE;
+        if allowed.contains(&width) && allowed.contains(&height) {
+            Ok(())
+        } else {
+            Err(Error::ImageSize { width, height })
+        }
+    }
 }
 
 /// What a frame met.
@@ -223,6 +235,7 @@ impl Renderer {
 
     /// Renders a frame.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
+        frame.check()?;
         let start = Instant::now();
         self.device.reset_peak();
         let budget = self.budget(cloud, frame);
@@ -254,7 +267,7 @@ impl Renderer {
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         let window = [0, 0, frame.size[0], frame.size[1]];
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
-        let walker = self.walker(discs.raster, &stats)?;
+        let walker = self.walker(discs.raster, &stats, window)?;
         self.tiles.reserve(&self.device, &stats, window)?;
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
@@ -264,6 +277,7 @@ impl Renderer {
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
+        frame.check()?;
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
@@ -281,7 +295,7 @@ impl Renderer {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
         let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
-        let walker = self.walker(asked, &stats)?;
+        let walker = self.walker(asked, &stats, window)?;
         let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
@@ -328,13 +342,17 @@ impl Renderer {
         Ok(cloud.stats())
     }
 
-    fn walker(&self, raster: Raster, stats: &[Stats]) -> Result<Walker, Error> {
+    fn walker(&self, raster: Raster, stats: &[Stats], window: Window) -> Result<Walker, Error> {
         let info = self.device.info();
+        let [width, height] = self.device.limits().framebuffer;
+        let fits = window[2] - window[0] <= width && window[3] - window[1] <= height;
+        let refused = |needed: String| Err(Error::NoHardwareRaster { device: info.name.clone(), needed });
         match raster {
             Raster::Compute => Ok(Walker::Compute),
-            Raster::Hardware if !info.fragment_atomics => Err(Error::NoHardwareRaster { device: info.name.clone() }),
+            Raster::Hardware if !info.fragment_atomics => refused("fragmentStoresAndAtomics".to_owned()),
+            Raster::Hardware if !fits => refused(format!("a framebuffer larger than {width} × {height}")),
             Raster::Hardware => Ok(Walker::Hardware),
-            Raster::Auto => Ok(choose_walker(stats, info.fragment_atomics)),
+            Raster::Auto => Ok(choose_walker(stats, info.fragment_atomics && fits)),
         }
     }
 

@@ -14,7 +14,7 @@ pub use read::{LinearImage, read_image};
 
 use crate::color;
 use crate::image::Image;
-use crate::scene::{ColorSpace, MAX_PIXELS};
+use crate::scene::{ColorSpace, MAX_SIDE};
 
 /// Why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]
@@ -65,7 +65,7 @@ pub enum Error {
         reason: String,
     },
     /// The image has more pixels than images may have here.
-    #[error("{path}: {width} × {height} pixels are more than the {MAX_PIXELS} (16384 × 16384) that can be read", path = path.display())]
+    #[error("{path}: {width} × {height} pixels, but no side may have more than {MAX_SIDE}", path = path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::{Error, Format};
 use crate::color::decode_srgb;
-use crate::scene::{MAX_PIXELS, MAX_SIDE};
+use crate::scene::MAX_SIDE;
 
 /// Linear RGB, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ fn open(path: &Path) -> Result<BufReader<File>, Error> {
 }
 
 fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Error> {
-    if width.saturating_mul(height) > MAX_PIXELS || width.max(height) > u64::from(MAX_SIDE) {
+    if width.max(height) > u64::from(MAX_SIDE) {
         return Err(Error::TooLarge { path: path.to_owned(), width, height });
     }
     Ok(())
@@ -53,7 +53,7 @@ fn read_png(path: &Path) -> Result<LinearImage, Error> {
     check_size(path, width.into(), height.into())?;
     // The largest allowed image at 16 bits, RGBA; the decoder's default would refuse it.
     let mut limits = image::Limits::default();
-    limits.max_alloc = Some(MAX_PIXELS * 8);
+    limits.max_alloc = Some(u64::from(MAX_SIDE).pow(2) * 8);
     image::ImageDecoder::set_limits(&mut decoder, limits).map_err(failed)?;
     let picture = image::DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
     let pixels = picture.pixels().map(|image::Rgba([r, g, b, a])| [r, g, b].map(|value| decode_srgb(*value) * a));

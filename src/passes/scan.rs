@@ -70,7 +70,7 @@ impl Scan {
         self.capacity
     }
 
-    /// Records offsets[i] = values[0] + … + values[i − 1]. A sum over 32 bits sets `overflow[0]`, which must be zero before.
+    /// Records `offsets[i] = values[0] + … + values[i − 1]`. A sum over 32 bits sets `overflow[0]`, which must be zero before.
     pub fn record<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

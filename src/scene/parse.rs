@@ -107,14 +107,6 @@ fn image(table: &Table<'_>) -> Result<ImageSettings, Error> {
     table.refuse_unknown(&["size", "background", "color"])?;
     let default = ImageSettings::default();
     let size = table.size("size", MAX_SIDE)?.unwrap_or(default.size);
-    if let (Some(node), true) = (table.get("size"), u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS) {
-        let [width, height] = size;
-        return Err(table.error(
-            "size",
-            node,
-            format!("must not exceed {MAX_PIXELS} pixels in all (16384 × 16384), found {width} × {height}"),
-        ));
-    }
     Ok(ImageSettings {
         size,
         background: table.color("background")?.unwrap_or(default.background),

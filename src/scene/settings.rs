@@ -6,11 +6,8 @@ use glam::{DVec3, Vec3};
 
 use super::view::View;
 
-/// Images have at most this many pixels on a side (the limit of the coordinates of a fragment: 16 bits).
-pub const MAX_SIDE: u32 = 65_535;
-
-/// Images have at most this many pixels, those of 16384 × 16384.
-pub const MAX_PIXELS: u64 = 1 << 28;
+/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
+pub const MAX_SIDE: u32 = 16_384;
 
 /// K of Eq. 20 and 21 if a cloud doesn't say.
 pub const DEFAULT_NEIGHBORS: usize = 24;
@@ -18,7 +15,7 @@ pub const DEFAULT_NEIGHBORS: usize = 24;
 /// `[image]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageSettings {
-    /// Width and height in pixels, each from 1 to [`MAX_SIDE`], together at most [`MAX_PIXELS`].
+    /// Width and height in pixels, each from 1 to [`MAX_SIDE`].
     pub size: [u32; 2],
     /// Linear RGB in [0, 1], whatever `color` says.
     pub background: Vec3,

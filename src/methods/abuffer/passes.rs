@@ -35,7 +35,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Longest list, and fragments in lists over [`LOCAL_LENGTH`].
+    /// Longest list, and fragments in lists over [`super::LOCAL_LENGTH`].
     pub struct Lengths {
         longest: u32,
         in_long_lists: u32,

@@ -1,7 +1,7 @@
 //! The built-in scenes: clouds made from a name, parameters and a seed.
 //!
 //! The same name, parameters and seed give the same clouds on every machine: the generator is PCG-64 and the geometry
-//! needs only operations that IEEE 754 defines to the last bit (sines come from [`random::unit_circle`]). Positions,
+//! needs only operations that IEEE 754 defines to the last bit (sines come from `random::unit_circle`). Positions,
 //! normals and radii are float32, colors lie on the 8-bit sRGB grid, so that a PLY file holds a scene without loss.
 
 mod builder;
