@@ -221,7 +221,10 @@ fn race_all(device: &Device, frames: usize) -> Result<()> {
             let method = Method::ABuffer(Discs { raster, ..Discs::default() });
             let rendered = renderer.render(&mut cloud, &frame(method))?;
             fragments = rendered.facts.fragments;
-            Ok((milliseconds(&rendered, &["abuffer/count", "abuffer/store"]), rendered.facts.raster))
+            Ok((
+                milliseconds(&rendered, &[&TILING[..], &["abuffer/count", "abuffer/store"]].concat()),
+                rendered.facts.raster,
+            ))
         })?;
         let mut add = |passes: &str, race: &Race| {
             let row = [format!("{diameter}"), points.len().to_string(), fragments.to_string(), passes.to_owned()];
@@ -271,6 +274,9 @@ fn frame(method: Method) -> Frame {
     }
 }
 
+/// The passes that only compute needs, for large splats; the prefix sums are shared with other work and left out.
+const TILING: [&str; 3] = ["splat/tile-count", "splat/tile-cursors", "splat/tile-store"];
+
 /// Device time of some passes of a frame.
 fn milliseconds(rendered: &Rendered, passes: &[&str]) -> f64 {
     let passes = rendered.profile.passes.iter().filter(|pass| passes.contains(&pass.name));
@@ -288,7 +294,10 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
             Raster::Hardware => Walker::Hardware,
             Raster::Auto => {
                 let rendered = renderer.render(cloud, &automatic)?;
-                return Ok((milliseconds(&rendered, &["splat/nearest"]), rendered.facts.raster));
+                return Ok((
+                    milliseconds(&rendered, &[&TILING[..], &["splat/nearest"]].concat()),
+                    rendered.facts.raster,
+                ));
             }
         };
         Ok((course.nearest(device, cloud, walker)?, ""))
@@ -340,6 +349,10 @@ impl Course {
             nearest: self.nearest.all(),
         })?;
         let passes = recorder.submit("splat/nearest")?.passes;
-        Ok(passes.iter().filter(|pass| pass.name == "splat/nearest").map(|pass| pass.gpu.as_secs_f64() * 1e3).sum())
+        Ok(passes
+            .iter()
+            .filter(|pass| pass.name == "splat/nearest" || TILING.contains(&pass.name))
+            .map(|pass| pass.gpu.as_secs_f64() * 1e3)
+            .sum())
     }
 }

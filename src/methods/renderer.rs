@@ -267,7 +267,7 @@ impl Renderer {
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         let window = [0, 0, frame.size[0], frame.size[1]];
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
-        let walker = self.walker(discs.raster, &stats, window)?;
+        let walker = self.walker(discs.raster, window)?;
         self.tiles.reserve(&self.device, &stats, window)?;
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
@@ -295,7 +295,7 @@ impl Renderer {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
         let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
-        let walker = self.walker(asked, &stats, window)?;
+        let walker = self.walker(asked, window)?;
         let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
@@ -342,17 +342,17 @@ impl Renderer {
         Ok(cloud.stats())
     }
 
-    fn walker(&self, raster: Raster, stats: &[Stats], window: Window) -> Result<Walker, Error> {
+    fn walker(&self, raster: Raster, window: Window) -> Result<Walker, Error> {
         let info = self.device.info();
         let [width, height] = self.device.limits().framebuffer;
         let fits = window[2] - window[0] <= width && window[3] - window[1] <= height;
         let refused = |needed: String| Err(Error::NoHardwareRaster { device: info.name.clone(), needed });
         match raster {
-            Raster::Compute => Ok(Walker::Compute),
             Raster::Hardware if !info.fragment_atomics => refused("fragmentStoresAndAtomics".to_owned()),
             Raster::Hardware if !fits => refused(format!("a framebuffer larger than {width} × {height}")),
             Raster::Hardware => Ok(Walker::Hardware),
-            Raster::Auto => Ok(choose_walker(stats, info.fragment_atomics && fits)),
+            // For every size of splat compute was the faster way on the devices measured (README, benches/frame.rs).
+            Raster::Compute | Raster::Auto => Ok(Walker::Compute),
         }
     }
 
@@ -375,11 +375,6 @@ impl Renderer {
         }
         Ok(())
     }
-}
-
-/// Compute shaders are faster for every size of splat on the devices measured (benches/frame.rs, README).
-fn choose_walker(_stats: &[Stats], _fragment_atomics: bool) -> Walker {
-    Walker::Compute
 }
 
 /// The windows of a frame, the first one last.
