@@ -3,6 +3,7 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::{Facts, Frame};
+use crate::passes::tiles;
 use crate::points::Points;
 use crate::scene::{Discs, Method, ScreenSplats, ShadingModel};
 
@@ -44,7 +45,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Lambert => "Lambert shading where there are normals",
         ShadingModel::Phong => "Phong shading where there are normals",
     };
-    plan.add("splat/clear", true, "counters and pixels of the opaque methods start empty");
+    plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     let transparent = matches!(frame.method, Method::ABuffer(_));
@@ -54,7 +55,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
             plan.add(name, false, format!("no opaque method: {why}"));
         }
     } else {
-        plan.opaque(device, facts, wide_atomics, seen, why);
+        plan.opaque(device, frame, facts, wide_atomics, seen, why);
         for name in abuffer_passes() {
             plan.add(name, false, format!("no transparency: {why}"));
         }
@@ -117,14 +118,10 @@ impl Plan {
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
-        let tiles = if facts.raster == "compute" { facts.large } else { 0 };
-        let large = if tiles > 0 { format!(", tiles of {tiles} large splats") } else { String::new() };
         // One element more than pixels: the last prefix sum is the total.
-        let scanned = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
-        let on = scanned.max(tiles) > SCAN_RUN;
-        let reason = if on { format!("more than {SCAN_RUN}") } else { format!("no more than {SCAN_RUN}") };
-        self.add("scan/reduce", on, format!("prefix sums over {scanned} elements{large}: {reason}"));
-        self.add("scan/spread", true, format!("prefix sums over the pixels{large}"));
+        let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+        let tiled = self.tiles(frame, facts);
+        self.scan(counts.max(tiled), "fragment counts");
         self.add("abuffer/cursors", true, "the next free slot of each list is its first");
         self.add("abuffer/summary", true, "the fragments' total decides the bands");
         self.add("image/clear", true, "pixels without fragments stay empty");
@@ -134,6 +131,33 @@ impl Plan {
             self.add(name, any, pick("lists of each length get their own kernel".to_owned()));
         }
         self.kernels(facts.max_list);
+    }
+
+    /// The lists of large splats by tile; returns the longest prefix sum that they need.
+    fn tiles(&mut self, frame: &Frame, facts: &Facts) -> u64 {
+        let on = facts.large > 0 && facts.raster == "compute";
+        let reason = if facts.raster == "compute" {
+            format!("{} splats are large enough for tiles", facts.large)
+        } else {
+            "the rasteriser visits the pixels".to_owned()
+        };
+        for name in ["splat/tile-count", "splat/tile-cursors", "splat/tile-store"] {
+            self.add(name, on, reason.clone());
+        }
+        let rows = frame.size[1].div_ceil(facts.windows.max(1) as u32);
+        let [columns, rows] = tiles::grid([0, 0, frame.size[0], rows]);
+        if on { facts.large.max(u64::from(columns) * u64::from(rows) + 1) } else { 0 }
+    }
+
+    /// Prefix sums of so many elements, none for no element.
+    fn scan(&mut self, elements: u64, of: &str) {
+        let levels = if elements > SCAN_RUN { "more" } else { "no more" };
+        self.add(
+            "scan/reduce",
+            elements > SCAN_RUN,
+            format!("{of}: {elements} elements, {levels} than the {SCAN_RUN} of a run"),
+        );
+        self.add("scan/spread", elements > 0, format!("{of}: {elements} elements"));
     }
 
     /// The kernels of the lengths that there are.
@@ -160,13 +184,9 @@ impl Plan {
         }
     }
 
-    fn opaque(&mut self, device: &Device, facts: &Facts, wide: bool, seen: bool, why: &str) {
-        let tiles = facts.large > 0 && facts.raster == "compute";
-        for name in ["scan/reduce", "scan/spread"] {
-            // A single run of the scan has nothing to reduce.
-            let on = tiles && (name == "scan/spread" || facts.large > SCAN_RUN);
-            self.add(name, on, format!("{} splats are large enough for tiles", facts.large));
-        }
+    fn opaque(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
+        let tiled = self.tiles(frame, facts);
+        self.scan(tiled, "tiles of large splats");
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
         let reason = |used: bool| match (seen, used) {
             (false, _) => "no splat touches the image".to_owned(),
