@@ -77,7 +77,8 @@ fn every_shader_matches_its_pass_in_every_variant() {
 #[test]
 fn every_compute_shader_has_the_common_workgroup() {
     for stem in shader::stems() {
-        let variant = abuffer::class_variant().constant("CAPACITY", 32).network(4).walker("walk_small");
+        let variant =
+            abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small");
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");

@@ -27,8 +27,10 @@ fn main(
     let n = offsets[p + 1u] - offsets[p];
     let start = offsets[p] - push.first_fragment;
     let pixel = pixel_place(p);
+#repeat     var x{i} = slot(start, {i}u, n);
+#comparators
     var sum = Composed(vec4<f32>(0.0), NOTHING);
-#network
+#repeat     sum = blend(sum, x{i}, {i}u < n, pixel);
     image[p] = sum.rgba;
     depths[p] = composed_depth(sum.key);
 }

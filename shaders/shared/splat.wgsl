@@ -120,7 +120,7 @@ fn key_depth(key: u32) -> f32 {
 }
 
 // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
-const SMALL_AREA = 256u;
+const SMALL_AREA = 1024u;
 // Side of a tile in pixels. Tiles start at the corner of the rectangle in work.
 const TILE = 16u;
 // Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that

@@ -2,6 +2,8 @@
 // its own pixels, so that a tile's fragments of many splats meet in the cache.
 #import dispatch
 
+const STEP_ROWS = WG_SIZE / TILE;
+
 @compute @workgroup_size(WG_SIZE)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -23,9 +25,14 @@ fn main(
         let rect = bounds[i];
         let splat = splats[i];
         let tilt = tilt_of(i);
-        for (var k = local; k < TILE * TILE; k += WG_SIZE) {
-            let pixel = corner + vec2<u32>(k % TILE, k / TILE);
-            if all(pixel >= bounds_min(rect)) && all(pixel < bounds_max(rect)) {
+        let low = bounds_min(rect);
+        let high = bounds_max(rect);
+        // Only the rows of the tile that the rectangle meets; a step takes as many rows as the workgroup has.
+        let first = (max(low.y, corner.y) - corner.y) / STEP_ROWS;
+        let last = (min(high.y - corner.y, TILE) - 1u) / STEP_ROWS;
+        for (var step = first; step <= last; step++) {
+            let pixel = corner + vec2<u32>(local % TILE, step * STEP_ROWS + local / TILE);
+            if all(pixel >= low) && all(pixel < high) {
                 visit(i, splat, tilt, pixel);
             }
         }

@@ -3,6 +3,8 @@
 //! The files under shaders/ are embedded. `#import name` pastes shaders/shared/name.wgsl once. Variants are made by
 //! `override` values and, for what WGSL does not let an override size (function-local arrays, optional bindings), by
 //! text constants: lines `const NAME = VALUE;` put before the source. `#walker` pastes the piece that the variant names.
+//! For the sorting network of n inputs that a variant asks for, `#repeat LINE` writes a line n times with `{i}` = 0 … n − 1,
+//! and `#comparators` sorts the variables x0 … x(n − 1).
 
 use std::fmt::Write as _;
 
@@ -29,7 +31,7 @@ pub struct Variant {
     pub constants: Vec<(&'static str, String)>,
     /// Declarations that the host writes, put before the source.
     pub text: String,
-    /// Inputs of the sorting network that stands in for `#network`; a power of two.
+    /// Inputs of the sorting network that `#comparators` and `#repeat` write out; a power of two.
     pub network: Option<u32>,
     /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
     pub walker: Option<&'static str>,
@@ -116,8 +118,15 @@ fn paste<'a>(
         let name = match line.strip_prefix("#import ") {
             Some(name) => name.trim(),
             None if line == "#walker" => variant.walker.ok_or_else(|| error(stem, "the variant names no walker"))?,
-            None if line == "#network" => {
-                out.push_str(&network(variant.network.ok_or_else(|| error(stem, "the variant has no network"))?));
+            None if line == "#comparators" => {
+                out.push_str(&comparator_text(inputs(stem, variant)?));
+                continue;
+            }
+            None if line.starts_with("#repeat ") => {
+                for i in 0..inputs(stem, variant)? {
+                    out.push_str(&line["#repeat ".len()..].replace("{i}", &i.to_string()));
+                    out.push('\n');
+                }
                 continue;
             }
             None => {
@@ -157,23 +166,20 @@ fn comparators(n: u32) -> Vec<(u32, u32)> {
     pairs
 }
 
-/// WGSL that loads, sorts and blends `n` fragments held in variables: the functions `slot`, `before` and `blend` and the variables
-/// start, n, pixel and sum are the shader's.
-fn network(n: u32) -> String {
+/// WGSL that sorts the variables x0, x1, … by the shader's function `before`.
+fn comparator_text(inputs: u32) -> String {
     let mut out = String::new();
-    for i in 0..n {
-        let _ = writeln!(out, "    var f{i} = slot(start, {i}u, n);");
-    }
-    for (number, (a, b)) in comparators(n).into_iter().enumerate() {
-        let _ = writeln!(out, "    let s{number} = before(f{b}, f{a});");
-        let _ = writeln!(out, "    let t{number} = select(f{a}, f{b}, s{number});");
-        let _ = writeln!(out, "    f{b} = select(f{b}, f{a}, s{number});");
-        let _ = writeln!(out, "    f{a} = t{number};");
-    }
-    for i in 0..n {
-        let _ = writeln!(out, "    sum = blend(sum, f{i}, {i}u < n, pixel);");
+    for (number, (a, b)) in comparators(inputs).into_iter().enumerate() {
+        let _ = writeln!(out, "    let s{number} = before(x{b}, x{a});");
+        let _ = writeln!(out, "    let t{number} = select(x{a}, x{b}, s{number});");
+        let _ = writeln!(out, "    x{b} = select(x{b}, x{a}, s{number});");
+        let _ = writeln!(out, "    x{a} = t{number};");
     }
     out
+}
+
+fn inputs(stem: &str, variant: &Variant) -> Result<u32, Error> {
+    variant.network.ok_or_else(|| error(stem, "the variant has no sorting network"))
 }
 
 fn error(name: &str, message: impl Into<String>) -> Error {

@@ -54,7 +54,7 @@ pub struct Facts {
     pub points: u64,
     /// Splats whose rectangle touches the image (summed over windows).
     pub visible: u64,
-    /// Splats of more than 256 pixels.
+    /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
     /// Pixels of the splats' rectangles.
     pub area: u64,

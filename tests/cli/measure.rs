@@ -188,7 +188,7 @@ fn the_plan_is_what_runs() {
     }
     let opaque = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "points"]);
     assert!(has(&opaque, "splat/resolve") && !opaque.iter().any(|pass| pass.starts_with("abuffer")), "{opaque:?}");
-    // Splats of more than 256 pixels, few and many, transparent and not.
+    // Splats of more than 1024 pixels, few and many, transparent and not.
     for count in [3, 200] {
         write_row(&folder, count, 1.0);
         for opacity in ["0.5", "1"] {

@@ -9,6 +9,8 @@ use crate::passes::compose::{self, Composing, Cut};
 
 /// Lists of up to this length are sorted in registers.
 const NETWORK_LENGTH: u32 = 64;
+/// Blocks that a local sort begins with, each sorted in registers.
+const BLOCK_LENGTH: u32 = 32;
 /// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
 pub const CLASSES: [(u32, &str); 8] = [
     (1, "abuffer/resolve-1"),
@@ -190,7 +192,7 @@ pub fn lower_bound(class: usize) -> u32 {
 /// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
 pub fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
     let classified = compose.text(&class_text());
-    if is_network(capacity) { classified.network(capacity) } else { classified.constant("CAPACITY", capacity) }
+    if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
 }
 
 /// Whether lists of up to `capacity` fragments are sorted in registers.
@@ -205,7 +207,12 @@ pub fn class_variant() -> Variant {
 
 /// The variant of `abuffer/sort-runs`.
 pub fn sort_runs_variant() -> Variant {
-    Variant::plain().constant("CAPACITY", LOCAL_LENGTH)
+    local_sort(Variant::plain(), LOCAL_LENGTH)
+}
+
+/// What shaders/shared/local_sort.wgsl needs.
+fn local_sort(variant: Variant, capacity: u32) -> Variant {
+    variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }
 
 /// WGSL of the table of classes: the function counts the bounds that a length exceeds; empty lists are in no class.
