@@ -258,7 +258,8 @@ impl Renderer {
         }
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
-        let passes = aggregate(&timeline.passes, &facts, frame, cloud);
+        let lengths = image.fragments.as_deref().unwrap_or_default();
+        let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall: start.elapsed() };
         Ok(Rendered { image, profile, facts })
     }
@@ -445,7 +446,14 @@ fn projecting(frame: &Frame) -> Projecting {
 }
 
 /// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.
-fn aggregate(timeline: &[(PassTime, Duration)], facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Vec<PassProfile> {
+/// `lengths` are those of all lists, if they were read back.
+fn aggregate(
+    timeline: &[(PassTime, Duration)],
+    facts: &Facts,
+    frame: &Frame,
+    cloud: &DeviceCloud,
+    lengths: &[u32],
+) -> Vec<PassProfile> {
     let mut passes: Vec<PassProfile> = Vec::new();
     for (time, _) in timeline {
         match passes.iter_mut().find(|p| p.name == time.name) {
@@ -457,7 +465,7 @@ fn aggregate(timeline: &[(PassTime, Duration)], facts: &Facts, frame: &Frame, cl
                 name: time.name,
                 gpu: time.gpu,
                 invocations: time.invocations,
-                bytes: least_bytes(time.name, facts, frame, cloud),
+                bytes: least_bytes(time.name, facts, frame, cloud).or_else(|| abuffer::least_bytes(time.name, lengths)),
             }),
         }
     }

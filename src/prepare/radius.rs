@@ -104,6 +104,8 @@ impl Places {
         let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&self.points) else {
             unreachable!("the k-d tree's 32-bit indices hold every cloud");
         };
+        // The time left is that of the queries, not of building the tree.
+        progress.reset_eta();
         let search = |place: usize| {
             let here = self.members[place].clone();
             if here.len() > k {

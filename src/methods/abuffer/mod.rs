@@ -8,7 +8,7 @@
 mod blend;
 mod passes;
 
-pub use blend::{CLASSES, class_variant, is_network, lower_bound, resolve_variant, sort_runs_variant};
+pub use blend::{CLASSES, class_variant, is_network, least_bytes, lower_bound, resolve_variant, sort_runs_variant};
 pub use passes::*;
 
 use super::Error;
