@@ -46,6 +46,7 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, args.aov || args.measure.profile.is_some(), &progress)?;
+    session.renderer.progress = progress.clone();
     session.describe(talk);
     let mut rendered = session.render()?;
     progress.finish_and_clear();

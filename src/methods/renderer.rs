@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use indicatif::ProgressBar;
+
 use super::abuffer::{ABuffer, Lists, Outcome};
 use super::bands::{self, Budget, Window};
 use super::splat::Opaque;
@@ -121,6 +123,7 @@ pub struct Rendered {
 /// Collects the submissions of a frame.
 #[derive(Debug, Default)]
 pub struct Timeline {
+    start: Option<Instant>,
     passes: Vec<(PassTime, Duration)>,
     submitted: Duration,
 }
@@ -128,6 +131,7 @@ pub struct Timeline {
 impl Timeline {
     /// Adds a finished submission.
     pub fn add(&mut self, submission: Submitted) {
+        self.start.get_or_insert_with(|| Instant::now() - submission.wall);
         let mut start = self.submitted;
         for pass in submission.passes {
             let gpu = pass.gpu;
@@ -205,6 +209,8 @@ pub struct Renderer {
     opaque: Opaque,
     tiles: Tiles,
     target: Target,
+    /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
+    pub progress: ProgressBar,
     /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
 }
@@ -218,6 +224,7 @@ impl Renderer {
             opaque: Opaque::default(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
         })
     }
@@ -236,13 +243,14 @@ impl Renderer {
     /// Renders a frame.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
-        let start = Instant::now();
         self.device.reset_peak();
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+        self.progress.set_position(0);
         let mut image = blank(frame);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut timeline = Timeline::default();
@@ -256,11 +264,12 @@ impl Renderer {
                 Outcome::Overflow => split(window, &mut windows)?,
             }
         }
+        let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
         let lengths = image.fragments.as_deref().unwrap_or_default();
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
-        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall: start.elapsed() };
+        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
     }
 
@@ -273,7 +282,7 @@ impl Renderer {
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
-        self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget })
+        self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget, progress: &self.progress })
     }
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -308,7 +317,7 @@ impl Renderer {
         let device = &self.device;
         let outcome = match frame.method {
             Method::ABuffer(discs) => {
-                let job = abuffer::WindowJob { raster, discs, budget };
+                let job = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
                 if work.survey {
                     self.abuffer.survey(device, &job, work.timeline, work.facts)?
                 } else {
@@ -318,6 +327,7 @@ impl Renderer {
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     self.opaque.render(device, &raster, self.wide_atomics, &self.target, work.timeline)?;
+                    self.progress.inc(bands::pixels(window));
                 }
                 Outcome::Done
             }

@@ -74,6 +74,9 @@ impl Tiles {
     pub fn bytes(stats: &[Stats], window: Window) -> u64 {
         let pairs: u64 = stats.iter().map(Stats::tiles).sum();
         let large = stats.iter().map(|s| u64::from(s.large)).max().unwrap_or(0);
+        if large == 0 {
+            return 0;
+        }
         let tiles = stride(window) * (stats.len() as u64 + 1);
         4 * (pairs + large + tiles) + Scan::bytes(large.max(tiles))
     }
@@ -88,8 +91,9 @@ impl Tiles {
         self.starts.reserve(device, if any { stride * stats.len() as u64 } else { 1 })?;
         self.entries.reserve(device, stats.iter().map(|s| aligned(s.tiles())).sum::<u64>().max(1))?;
         let longest = if any { large.max(stride) } else { 0 };
-        if self.scan.as_ref().is_none_or(|s| s.capacity() < longest) {
-            self.scan = None;
+        // A smaller one is freed before a larger one is made.
+        self.scan = self.scan.take().filter(|s| s.capacity() >= longest);
+        if self.scan.is_none() {
             self.scan = Some(Scan::new(device, longest)?);
         }
         Ok(())

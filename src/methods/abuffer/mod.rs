@@ -1,15 +1,17 @@
 //! `abuffer`: exact order-independent transparency (MCTB12): count, scan, store, sort and blend.
 //!
 //! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
-//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation in a local array. Longer ones are sorted in runs of
-//! that length, merged pairwise between two buffers, blended run by run and composed, so that no invocation loops longer
-//! than a run, however long the list is.
+//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each class of
+//! lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two buffers, blended
+//! run by run and composed, so that no invocation loops longer than a run, however long the list is.
 
 mod blend;
 mod passes;
 
 pub use blend::{CLASSES, class_variant, is_network, least_bytes, lower_bound, resolve_variant, sort_runs_variant};
 pub use passes::*;
+
+use indicatif::ProgressBar;
 
 use super::Error;
 use super::bands::{self, Band, Budget, Window};
@@ -52,14 +54,12 @@ pub struct ABuffer {
 }
 
 /// What count and scan found in a window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 struct Counted {
     overflow: bool,
     total: u32,
     lengths: Lengths,
 }
-
-impl Eq for Lengths {}
 
 impl Counted {
     fn note(&self, bands: &[Band], facts: &mut Facts) {
@@ -78,6 +78,8 @@ pub struct WindowJob<'a> {
     pub discs: Discs,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
+    /// Counts finished pixels.
+    pub progress: &'a ProgressBar,
 }
 
 /// What the stages before blending yield, for tests and inspection.
@@ -93,7 +95,7 @@ pub struct Lists {
 pub enum Outcome {
     /// It is in the target.
     Done,
-    /// A 32-bit sum overflowed: it must be cut.
+    /// A 32-bit sum overflowed, or the tiles of large splats take too much memory: it must be cut.
     Overflow,
 }
 
@@ -144,6 +146,7 @@ impl ABuffer {
                 target.record_read_back(&mut recorder, bands::pixels(job.raster.window))?;
             }
             timeline.add(recorder.submit("abuffer/store and blend")?);
+            job.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
         }
         Ok(Outcome::Done)
     }
@@ -191,13 +194,13 @@ impl ABuffer {
         let pixels = bands::pixels(job.raster.window);
         self.counts.reserve(device, pixels + 1)?;
         self.offsets.reserve(device, pixels + 1)?;
-        if self.scan.as_ref().is_none_or(|s| s.capacity() < pixels + 1) {
-            self.scan = None;
-            self.scan = Some(Scan::new(device, pixels + 1)?);
-        }
-        let (Some(scan), counts, offsets) = (&self.scan, self.counts.get(), self.offsets.get()) else {
-            unreachable!("the scan was made above")
-        };
+        // A smaller one is freed before a larger one is made.
+        let kept = self.scan.take().filter(|s| s.capacity() > pixels);
+        let scan = &*self.scan.insert(match kept {
+            Some(scan) => scan,
+            None => Scan::new(device, pixels + 1)?,
+        });
+        let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
         let mut recorder = device.recorder()?;
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
