@@ -104,13 +104,13 @@ impl Budget {
 
     /// Bytes left for fragments beside `used` and the tiles.
     pub fn left(&self, used: u64) -> u64 {
-        self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 4))
+        self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 8 * 3))
     }
 
     /// Bytes of a budget that leaves `needed` for fragments whatever windows (at most a quarter) and tiles (an eighth) take.
     pub fn wanted(needed: u64) -> u64 {
-        let small = (needed * 8).div_ceil(3);
-        if small <= 4 * OVERHEAD_BYTES { small } else { ((needed + OVERHEAD_BYTES) * 8).div_ceil(5) }
+        let small = needed * 4;
+        if small <= OVERHEAD_BYTES / 3 * 8 { small } else { ((needed + OVERHEAD_BYTES) * 8).div_ceil(5) }
     }
 }
 
