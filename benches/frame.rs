@@ -339,13 +339,8 @@ impl Course {
         let mut recorder = device.recorder()?;
         recorder.fill("splat/clear", self.nearest.all(), u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
-        raster.record(&mut recorder, &Band::whole(window, 0), |c: Chunk<'_>| Nearest {
-            view: c.view,
-            splats: c.splats,
-            tilts: c.tilts,
-            bounds: c.bounds,
-            tile_starts: c.tile_starts,
-            tile_entries: c.tile_entries,
+        raster.record(&mut recorder, &Band::whole(window, 0), |chunk: Chunk<'_>| Nearest {
+            chunk,
             nearest: self.nearest.all(),
         })?;
         let passes = recorder.submit("splat/nearest")?.passes;

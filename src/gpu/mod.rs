@@ -22,7 +22,7 @@ pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
 pub use error::Error;
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};
-pub use pass::{Access, Binding, PARTS, Pass};
+pub use pass::{Access, Binding, Group, PARTS, Pass};
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted};
 pub use shader::Variant;
 

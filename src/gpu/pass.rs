@@ -38,11 +38,22 @@ pub trait Pass {
     fn resources(&self) -> Vec<RawSlice>;
 }
 
+/// Bindings that several passes share, in their order. Made by [`group!`](crate::group).
+pub trait Group {
+    /// The buffers.
+    type At<'a>;
+    /// The declared bindings.
+    fn bindings() -> Vec<Binding>;
+    /// The buffers in the order of the bindings.
+    fn resources(buffers: &Self::At<'_>) -> Vec<RawSlice>;
+}
+
 /// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
 pub const PARTS: usize = 4;
 
 /// Declares a pass: name of the timing label, the shader file if it is called otherwise, push constants, bindings.
-/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, or `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, ….
+/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …, or
+/// `Shared<G>`: all bindings of a [`Group`].
 ///
 /// ```ignore
 /// pass! {
@@ -76,10 +87,13 @@ macro_rules! pass {
                 shape
             }
             fn resources(&self) -> Vec<$crate::gpu::RawSlice> {
-                [$($crate::pass!(@resource self.$field, $access)),*].concat()
+                [$($crate::pass!(@resource self.$field, $access, $type)),*].concat()
             }
         }
     };
+    (@type Shared $life:lifetime, $type:ty) => { <$type as $crate::gpu::Group>::At<$life> };
+    (@bind $field:ident, Shared, $type:ty) => { <$type as $crate::gpu::Group>::bindings() };
+    (@resource $buffers:expr, Shared, $type:ty) => { <$type as $crate::gpu::Group>::resources(&$buffers) };
     (@first $first:literal $(, $rest:literal)*) => { $first };
     (@type Parts $life:lifetime, $type:ty) => { [$crate::gpu::Slice<$life, $type>; $crate::gpu::PARTS] };
     (@type $access:ident $life:lifetime, $type:ty) => { $crate::gpu::Slice<$life, $type> };
@@ -104,6 +118,32 @@ macro_rules! pass {
             shape: <$type as $crate::gpu::GpuType>::shape(),
         }]
     };
-    (@resource $slices:expr, Parts) => { $slices.map(|s| s.raw()).to_vec() };
-    (@resource $slice:expr, $access:ident) => { vec![$slice.raw()] };
+    (@resource $slices:expr, Parts, $type:ty) => { $slices.map(|s| s.raw()).to_vec() };
+    (@resource $slice:expr, $access:ident, $type:ty) => { vec![$slice.raw()] };
+}
+
+/// Declares bindings that several passes share: a struct of buffers, and the type that stands for it in `Shared<…>`.
+#[macro_export]
+macro_rules! group {
+    ($(#[$doc:meta])* $vis:vis $name:ident as $group:ident {
+        $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        #[allow(missing_docs, reason = "the shader says what the members are")]
+        $vis struct $name<'a> {
+            $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
+        }
+        #[doc = concat!("Stands for [`", stringify!($name), "`] in the declaration of a pass.")]
+        $vis struct $group;
+        impl $crate::gpu::Group for $group {
+            type At<'a> = $name<'a>;
+            fn bindings() -> Vec<$crate::gpu::Binding> {
+                [$($crate::pass!(@bind $field, $access, $type)),*].concat()
+            }
+            fn resources(buffers: &$name<'_>) -> Vec<$crate::gpu::RawSlice> {
+                [$($crate::pass!(@resource buffers.$field, $access, $type)),*].concat()
+            }
+        }
+    };
 }

@@ -6,9 +6,9 @@ use super::bands::{self, Band};
 use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
-use crate::passes::compose::{self, Composing, Cut};
-use crate::passes::project::{Bounds, Footprint, Splat, Tilt, View};
-use crate::passes::raster::{Chunk, Raster, RasterPush};
+use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
+use crate::passes::project::Footprint;
+use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -23,12 +23,7 @@ gpu_struct! {
 pass! {
     /// Depth and index by one 64-bit minimum.
     pub Nearest(RasterPush) = "splat/nearest" {
-        view: Uniform<View>,
-        splats: Read<Splat>,
-        tilts: Read<Tilt>,
-        bounds: Read<Bounds>,
-        tile_starts: Read<u32>,
-        tile_entries: Read<u32>,
+        chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
 }
@@ -36,12 +31,7 @@ pass! {
 pass! {
     /// Depth by a 32-bit minimum.
     pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest_depth" {
-        view: Uniform<View>,
-        splats: Read<Splat>,
-        tilts: Read<Tilt>,
-        bounds: Read<Bounds>,
-        tile_starts: Read<u32>,
-        tile_entries: Read<u32>,
+        chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -49,12 +39,7 @@ pass! {
 pass! {
     /// Index among those at the smallest depth.
     pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest_id" {
-        view: Uniform<View>,
-        splats: Read<Splat>,
-        tilts: Read<Tilt>,
-        bounds: Read<Bounds>,
-        tile_starts: Read<u32>,
-        tile_entries: Read<u32>,
+        chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -62,10 +47,7 @@ pass! {
 pass! {
     /// Index to color.
     pub Resolve(abuffer::CountPush) = "splat/resolve" {
-        view: Uniform<View>,
-        colors: Parts<[f32; 4]>,
-        splats: Parts<Splat>,
-        tilts: Parts<Tilt>,
+        composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
@@ -105,39 +87,15 @@ impl Opaque {
         raster.record_tiles(&mut recorder)?;
         let all = &Band::whole(raster.window, 0);
         if wide {
-            raster.record(&mut recorder, all, |c: Chunk<'_>| Nearest {
-                view: c.view,
-                splats: c.splats,
-                tilts: c.tilts,
-                bounds: c.bounds,
-                tile_starts: c.tile_starts,
-                tile_entries: c.tile_entries,
-                nearest: nearest.cast(),
-            })?;
+            raster.record(&mut recorder, all, |chunk: Chunk<'_>| Nearest { chunk, nearest: nearest.cast() })?;
         } else {
-            raster.record(&mut recorder, all, |c: Chunk<'_>| NearestDepth {
-                view: c.view,
-                splats: c.splats,
-                tilts: c.tilts,
-                bounds: c.bounds,
-                tile_starts: c.tile_starts,
-                tile_entries: c.tile_entries,
-                nearest,
-            })?;
-            raster.record(&mut recorder, all, |c: Chunk<'_>| NearestId {
-                view: c.view,
-                splats: c.splats,
-                tilts: c.tilts,
-                bounds: c.bounds,
-                tile_starts: c.tile_starts,
-                tile_entries: c.tile_entries,
-                nearest,
-            })?;
+            raster.record(&mut recorder, all, |chunk: Chunk<'_>| NearestDepth { chunk, nearest })?;
+            raster.record(&mut recorder, all, |chunk: Chunk<'_>| NearestId { chunk, nearest })?;
         }
         let cut = Cut::new(device, raster.cloud.len())?;
-        let Composing { colors, splats, tilts } = Composing::new(raster.cloud, cut);
+        let composing = Composing::new(raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
-        let resolve = Resolve { view: raster.cloud.view(), colors, splats, tilts, nearest, image, depths };
+        let resolve = Resolve { composing, nearest, image, depths };
         let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
         recorder.run(&resolve, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;

@@ -1,8 +1,9 @@
 //! Composing: how stages that blend reach every splat by its index, however many there are.
 
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
+use crate::group;
 use crate::methods::Error;
-use crate::passes::project::{DeviceCloud, Footprint, Splat, Tilt};
+use crate::passes::project::{DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 
 /// How per-splat buffers are cut so that one pass reaches every splat: 1 or 4 parts of `len` splats.
@@ -36,21 +37,25 @@ impl Cut {
     }
 }
 
-/// What every stage that composes binds of the cloud.
-#[derive(Clone, Copy)]
-pub struct Composing<'a> {
-    /// Colors as blended, and opacities.
-    pub colors: [Slice<'a, [f32; 4]>; PARTS],
-    /// Projected splats.
-    pub splats: [Slice<'a, Splat>; PARTS],
-    /// Their tilts.
-    pub tilts: [Slice<'a, Tilt>; PARTS],
+group! {
+    /// What every stage that composes binds of the cloud.
+    pub Composing as ComposingGroup {
+        /// The camera.
+        view: Uniform<View>,
+        /// Colors as blended, and opacities.
+        colors: Parts<[f32; 4]>,
+        /// Projected splats.
+        splats: Parts<Splat>,
+        /// Their tilts.
+        tilts: Parts<Tilt>,
+    }
 }
 
 impl<'a> Composing<'a> {
     /// The cloud, cut.
     pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
-        Self { colors: cut.of(&cloud.colors), splats: cut.of(&cloud.splats), tilts: cut.of(&cloud.tilts) }
+        let (colors, splats, tilts) = (cut.of(&cloud.colors), cut.of(&cloud.splats), cut.of(&cloud.tilts));
+        Self { view: cloud.view(), colors, splats, tilts }
     }
 }
 

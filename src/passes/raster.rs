@@ -3,9 +3,9 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::tiles::{self, SEGMENT, TILE, Tiles};
-use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant};
-use crate::gpu_struct;
+use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Variant};
 use crate::methods::bands::{Band, Window};
+use crate::{gpu_struct, group};
 
 gpu_struct! {
     /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl says what the members are.
@@ -30,20 +30,22 @@ pub enum Walker {
     Hardware,
 }
 
-/// What a stage binds of one chunk.
-pub struct Chunk<'a> {
-    /// The camera.
-    pub view: Slice<'a, View>,
-    /// The chunk's splats.
-    pub splats: Slice<'a, Splat>,
-    /// Their tilts.
-    pub tilts: Slice<'a, Tilt>,
-    /// Their rectangles.
-    pub bounds: Slice<'a, Bounds>,
-    /// First entry of each tile.
-    pub tile_starts: Slice<'a, u32>,
-    /// Large splats of the tiles.
-    pub tile_entries: Slice<'a, u32>,
+group! {
+    /// What a stage binds of one chunk.
+    pub Chunk as ChunkGroup {
+        /// The camera.
+        view: Uniform<View>,
+        /// The chunk's splats.
+        splats: Read<Splat>,
+        /// Their tilts.
+        tilts: Read<Tilt>,
+        /// Their rectangles.
+        bounds: Read<Bounds>,
+        /// First entry of each tile.
+        tile_starts: Read<u32>,
+        /// Large splats of the tiles.
+        tile_entries: Read<u32>,
+    }
 }
 
 /// A projected cloud whose pixels are visited.

@@ -98,23 +98,20 @@ impl Blender {
     ) -> Result<(), Error> {
         let Stored { cut, offsets, fragments } = stored;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
-        let Composing { colors, splats, tilts } = Composing::new(job.raster.cloud, cut);
+        let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         self.record_classes(recorder, offsets, band)?;
-        let (classes, pixels, view) = (self.classes.all(), self.pixels.get().all(), job.raster.cloud.view());
+        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
+        let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
         for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
             if counted.lengths.longest <= lower_bound(index) {
                 break;
             }
             let run = self.over_class(index, band).label(name).variant(resolve_variant(variant.clone(), capacity));
             if is_network(capacity) {
-                let pass =
-                    ResolveNetwork { view, colors, splats, tilts, offsets, classes, pixels, fragments, image, depths };
-                recorder.run(&pass, &run)?;
+                recorder.run(&ResolveNetwork { lists }, &run)?;
             } else {
-                let pass =
-                    ResolveMerge { view, colors, splats, tilts, offsets, classes, pixels, fragments, image, depths };
-                recorder.run(&pass, &run)?;
+                recorder.run(&ResolveMerge { lists }, &run)?;
             }
         }
         if counted.lengths.in_long_lists == 0 {
@@ -124,7 +121,7 @@ impl Blender {
         let sorted = self.record_long_sort(recorder, stored, band, counted.lengths.longest)?;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
-        let blend = BlendRuns { view, colors, splats, tilts, work, runs, fragments: sorted, partials };
+        let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
         recorder.run(&blend, &self.over_runs().variant(variant))?;
         let over_lists = Run::new(Dispatch::Indirect(work.cast().skip(4).first(3)));
         recorder.run(&Combine { work, lists, partials, image, depths }, &over_lists)

@@ -207,13 +207,8 @@ impl ABuffer {
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
         job.raster.record_tiles(&mut recorder)?;
-        job.raster.record(&mut recorder, &Band::whole(job.raster.window, 0), |c: Chunk<'_>| Count {
-            view: c.view,
-            splats: c.splats,
-            tilts: c.tilts,
-            bounds: c.bounds,
-            tile_starts: c.tile_starts,
-            tile_entries: c.tile_entries,
+        job.raster.record(&mut recorder, &Band::whole(job.raster.window, 0), |chunk: Chunk<'_>| Count {
+            chunk,
             counts: counts.all(),
         })?;
         let measure =
@@ -281,13 +276,8 @@ impl ABuffer {
     }
 
     fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>, band: &Band) -> Result<(), Error> {
-        Ok(job.raster.record(recorder, band, |c: Chunk<'a>| Store {
-            view: c.view,
-            splats: c.splats,
-            tilts: c.tilts,
-            bounds: c.bounds,
-            tile_starts: c.tile_starts,
-            tile_entries: c.tile_entries,
+        Ok(job.raster.record(recorder, band, |chunk: Chunk<'a>| Store {
+            chunk,
             cursors: self.counts.get().all(),
             fragments: self.fragments.get().all(),
         })?)

@@ -1,8 +1,8 @@
 //! The passes of the A-buffer and what they share with their shaders.
 
-use crate::passes::project::{Bounds, Splat, Tilt, View};
-use crate::passes::raster::RasterPush;
-use crate::{gpu_struct, pass};
+use crate::passes::compose::ComposingGroup;
+use crate::passes::raster::{ChunkGroup, RasterPush};
+use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants: a band of pixels.
@@ -82,12 +82,7 @@ gpu_struct! {
 pass! {
     /// Fragments per pixel.
     pub Count(RasterPush) = "abuffer/count" {
-        view: Uniform<View>,
-        splats: Read<Splat>,
-        tilts: Read<Tilt>,
-        bounds: Read<Bounds>,
-        tile_starts: Read<u32>,
-        tile_entries: Read<u32>,
+        chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
     }
 }
@@ -103,12 +98,7 @@ pass! {
 pass! {
     /// Fragments into their pixels' slots.
     pub Store(RasterPush) = "abuffer/store" {
-        view: Uniform<View>,
-        splats: Read<Splat>,
-        tilts: Read<Tilt>,
-        bounds: Read<Bounds>,
-        tile_starts: Read<u32>,
-        tile_entries: Read<u32>,
+        chunk: Shared<ChunkGroup>,
         cursors: ReadWrite<u32>,
         fragments: ReadWrite<[u32; 2]>,
     }
@@ -138,13 +128,10 @@ pass! {
     }
 }
 
-pass! {
-    /// Sorts and blends the lists of a class in registers.
-    pub ResolveNetwork(ClassPush) = "abuffer/resolve" in "abuffer/resolve_network" {
-        view: Uniform<View>,
-        colors: Parts<[f32; 4]>,
-        splats: Parts<Splat>,
-        tilts: Parts<Tilt>,
+group! {
+    /// What the kernels that sort and blend the lists of a class bind.
+    pub Resolving as ResolvingGroup {
+        composing: Shared<ComposingGroup>,
         offsets: Read<u32>,
         classes: Read<u32>,
         pixels: Read<u32>,
@@ -155,18 +142,16 @@ pass! {
 }
 
 pass! {
+    /// Sorts and blends the lists of a class in registers.
+    pub ResolveNetwork(ClassPush) = "abuffer/resolve" in "abuffer/resolve_network" {
+        lists: Shared<ResolvingGroup>,
+    }
+}
+
+pass! {
     /// Sorts and blends the lists of a class in a local array.
     pub ResolveMerge(ClassPush) = "abuffer/resolve" in "abuffer/resolve_merge" {
-        view: Uniform<View>,
-        colors: Parts<[f32; 4]>,
-        splats: Parts<Splat>,
-        tilts: Parts<Tilt>,
-        offsets: Read<u32>,
-        classes: Read<u32>,
-        pixels: Read<u32>,
-        fragments: Read<[u32; 2]>,
-        image: ReadWrite<[f32; 4]>,
-        depths: ReadWrite<f32>,
+        lists: Shared<ResolvingGroup>,
     }
 }
 
@@ -211,10 +196,7 @@ pass! {
 pass! {
     /// Blends each run.
     pub BlendRuns = "abuffer/blend-runs" in "abuffer/blend_runs" {
-        view: Uniform<View>,
-        colors: Parts<[f32; 4]>,
-        splats: Parts<Splat>,
-        tilts: Parts<Tilt>,
+        composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
         fragments: Read<[u32; 2]>,
