@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_unit_circle_is_the_standard_librarys() {
+    fn the_unit_circle_is_that_of_the_standard_library() {
         for i in -1000..=2000 {
             let turn = f64::from(i) / 997.0;
             let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
