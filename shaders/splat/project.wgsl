@@ -20,9 +20,6 @@ struct Stats {
     // Tiles of all large splats, 64 bits.
     tiles_low: atomic<u32>,
     tiles_high: atomic<u32>,
-    // Pixels of all rectangles, 64 bits.
-    area_low: atomic<u32>,
-    area_high: atomic<u32>,
 }
 
 struct Push {
@@ -199,14 +196,7 @@ fn add_tiles(n: u32) {
     }
 }
 
-fn add_area(n: u32) {
-    let old = atomicAdd(&stats[push.chunk].area_low, n);
-    if old + n < old {
-        atomicAdd(&stats[push.chunk].area_high, 1u);
-    }
-}
-
-// Projects a point; returns the number of pixels of its rectangle.
+// Projects a point; returns 1 if it may cover a pixel, else 0.
 fn project(i: u32) -> u32 {
     let point = points[i];
     let place = in_camera(minus_eye(point.hi, point.lo));
@@ -269,7 +259,7 @@ fn project(i: u32) -> u32 {
         tile_counts[place] = tiles.x * tiles.y;
         add_tiles(tiles.x * tiles.y);
     }
-    return area;
+    return 1u;
 }
 
 @compute @workgroup_size(WG_SIZE)
@@ -280,18 +270,13 @@ fn main(
 ) {
     let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     var visible = 0u;
-    // A rectangle has at most 2^28 pixels, so the sum of a run fits.
-    var area = 0u;
     for (var k = 0u; k < RUN; k++) {
         let i = first + k * WG_SIZE;
         if i < push.count {
-            let pixels = project(i);
-            visible += select(0u, 1u, pixels > 0u);
-            area += pixels;
+            visible += project(i);
         }
     }
     if visible > 0u {
         atomicAdd(&stats[push.chunk].visible, visible);
-        add_area(area);
     }
 }

@@ -58,8 +58,6 @@ pub struct Facts {
     pub visible: u64,
     /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
-    /// Pixels of the splats' rectangles.
-    pub area: u64,
     /// Fragments of all lists.
     pub fragments: u64,
     /// Longest list.
@@ -417,7 +415,6 @@ impl Facts {
         for s in stats {
             self.visible += u64::from(s.visible);
             self.large += u64::from(s.large);
-            self.area += s.area();
         }
     }
 }

@@ -76,8 +76,6 @@ gpu_struct! {
         large: u32,
         tiles_low: u32,
         tiles_high: u32,
-        area_low: u32,
-        area_high: u32,
     }
 }
 
@@ -85,11 +83,6 @@ impl Stats {
     /// Tiles of the large splats.
     pub fn tiles(&self) -> u64 {
         u64::from(self.tiles_high) << 32 | u64::from(self.tiles_low)
-    }
-
-    /// Pixels of all rectangles.
-    pub fn area(&self) -> u64 {
-        u64::from(self.area_high) << 32 | u64::from(self.area_low)
     }
 }
 
@@ -345,7 +338,7 @@ impl DeviceCloud {
     }
 }
 
-/// Points of one invocation of `splat/project`: rectangles of at most 2^28 pixels then add up to less than 2^32.
+/// Points of one invocation of `splat/project`: the more, the fewer atomics meet in the statistics.
 const PROJECT_RUN: u64 = 8;
 
 /// One variant of `splat/project`.

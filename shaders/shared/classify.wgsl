@@ -1,0 +1,34 @@
+// What the two passes over the lengths of a band's lists share. One invocation looks at CLASSIFY_RUN pixels.
+#import classes
+#import dispatch
+
+struct Push {
+    band_start: u32,
+    band_end: u32,
+}
+
+@group(0) @binding(0) var<storage, read> offsets: array<u32>;
+@group(0) @binding(1) var<storage, read_write> classes: array<atomic<u32>>;
+var<immediate> push: Push;
+
+// First pixel of an invocation and one past its last.
+fn run_of(invocation: u32) -> vec2<u32> {
+    let first = push.band_start + invocation * CLASSIFY_RUN;
+    return vec2<u32>(first, min(first + CLASSIFY_RUN, push.band_end));
+}
+
+fn class_at(p: u32) -> u32 {
+    return class_of(offsets[p + 1u] - offsets[p]);
+}
+
+// How many pixels of a run are in each class; the last element counts those without fragments.
+fn count_classes(run: vec2<u32>) -> array<u32, CLASS_COUNT + 1u> {
+    var found: array<u32, CLASS_COUNT + 1u>;
+    for (var c = 0u; c <= CLASS_COUNT; c++) {
+        found[c] = 0u;
+    }
+    for (var p = run.x; p < run.y; p++) {
+        found[class_at(p)] += 1u;
+    }
+    return found;
+}
