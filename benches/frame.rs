@@ -25,7 +25,7 @@ use pellucid::cloud::Cloud;
 use pellucid::gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid::methods::bands::Band;
 use pellucid::methods::splat::Nearest;
-use pellucid::methods::{Frame, Rendered, Renderer};
+use pellucid::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::{DeviceCloud, Footprint, Projecting};
 use pellucid::passes::raster::{self, Chunk, Walker};
 use pellucid::passes::tiles::Tiles;
@@ -130,6 +130,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         method: plan::resolve(scene.method, &points).0,
         memory_budget: None,
         fragments: false,
+        stop: Stop::Exact,
     };
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
@@ -271,6 +272,7 @@ fn frame(method: Method) -> Frame {
         method,
         memory_budget: None,
         fragments: false,
+        stop: Stop::Exact,
     }
 }
 

@@ -1,5 +1,6 @@
-// Front-to-back composition of fragments: color and opacity of a splat by index, and the running sum.
+// Reaching the splats of fragments while composing: color and opacity by index.
 #import splat
+#import over
 
 // Splats' colors (linear or encoded RGB, opacity) and footprints. A binding is limited (128 MiB on lavapipe), so each
 // array is bound as four parts of PART_LENGTH elements.
@@ -73,24 +74,4 @@ fn fragment_color(i: u32, pixel: vec2<u32>) -> vec4<f32> {
         color.a *= exp(-2.0 * rho * rho);
     }
     return color;
-}
-
-// Premultiplied color and A = 1 - T of what lies in front, and the depth key of its first fragment with opacity.
-// A is summed as it is, not as one minus a product: a thousand fragments of 1e-7 would round away in the product.
-struct Composed {
-    rgba: vec4<f32>,
-    key: u32,
-}
-
-const NOTHING = 0xffffffffu;
-
-fn behind(front: Composed, key: u32, color: vec4<f32>) -> Composed {
-    let weight = (1.0 - front.rgba.a) * color.a;
-    let first = front.key == NOTHING && color.a > 0.0;
-    return Composed(front.rgba + weight * vec4<f32>(color.rgb, 1.0), select(front.key, key, first));
-}
-
-// Depth of a key, +inf for nothing.
-fn composed_depth(key: u32) -> f32 {
-    return bitcast<f32>(select(bitcast<u32>(key_depth(key)), 0x7f800000u, key == NOTHING));
 }

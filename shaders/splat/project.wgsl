@@ -20,6 +20,9 @@ struct Stats {
     // Tiles of all large splats, 64 bits.
     tiles_low: atomic<u32>,
     tiles_high: atomic<u32>,
+    // Most columns and rows of pixels of a splat.
+    widest: atomic<u32>,
+    tallest: atomic<u32>,
 }
 
 struct Push {
@@ -196,15 +199,15 @@ fn add_tiles(n: u32) {
     }
 }
 
-// Projects a point; returns 1 if it may cover a pixel, else 0.
-fn project(i: u32) -> u32 {
+// Projects a point; returns the columns and rows of pixels that it may cover, zero if none.
+fn project(i: u32) -> vec2<u32> {
     let point = points[i];
     let place = in_camera(minus_eye(point.hi, point.lo));
     let position = rounded(place);
     // Written so that NaN is not drawn.
     if !(position.z >= view.depth_range.x && position.z <= view.depth_range.y) {
         bounds[i] = Bounds(0u, 0u);
-        return 0u;
+        return vec2<u32>(0u);
     }
     var scale = view.focal;
     if view.orthographic == 0u {
@@ -214,7 +217,7 @@ fn project(i: u32) -> u32 {
     let y = multiply2(place[1], scale);
     if !(abs(x.x) <= HUGE && abs(y.x) <= HUGE) {
         bounds[i] = Bounds(0u, 0u);
-        return 0u;
+        return vec2<u32>(0u);
     }
     let column = on_screen(x, view.size.x);
     let row = on_screen(y, view.size.y);
@@ -236,7 +239,7 @@ fn project(i: u32) -> u32 {
     let extent = bounds_max(rect) - bounds_min(rect);
     let area = extent.x * extent.y;
     if area == 0u {
-        return 0u;
+        return vec2<u32>(0u);
     }
     splats[i] = splat;
     if SHAPE == SHAPE_ORIENTED {
@@ -259,7 +262,7 @@ fn project(i: u32) -> u32 {
         tile_counts[place] = tiles.x * tiles.y;
         add_tiles(tiles.x * tiles.y);
     }
-    return 1u;
+    return extent;
 }
 
 @compute @workgroup_size(WG_SIZE)
@@ -270,13 +273,18 @@ fn main(
 ) {
     let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     var visible = 0u;
+    var most = vec2<u32>(0u);
     for (var k = 0u; k < RUN; k++) {
         let i = first + k * WG_SIZE;
         if i < push.count {
-            visible += project(i);
+            let extent = project(i);
+            visible += select(0u, 1u, extent.x > 0u);
+            most = max(most, extent);
         }
     }
     if visible > 0u {
         atomicAdd(&stats[push.chunk].visible, visible);
+        atomicMax(&stats[push.chunk].widest, most.x);
+        atomicMax(&stats[push.chunk].tallest, most.y);
     }
 }

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::methods::Stop;
 use pellucid::{Result, plan};
 use serde_json::json;
 
@@ -25,7 +26,7 @@ pub struct PlanArgs {
 pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    let mut session = Session::open(&args.device, &resolved, false, &progress)?;
+    let mut session = Session::open(&args.device, &resolved, false, Stop::Exact, &progress)?;
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
     let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);

@@ -3,6 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::methods::Stop;
+use pellucid::scene::Method;
 use pellucid::{Result, profile};
 
 use super::input::{InputArgs, prepare};
@@ -21,19 +23,38 @@ pub struct ProfileArgs {
     /// Frames to measure.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
+    /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would change by
+    /// more than a quarter of a step.
+    #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
+    format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.
     #[arg(long)]
     json: bool,
+}
+
+/// An output format.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Format {
+    Exr,
+    Png,
 }
 
 pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     args.measure.check()?;
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    let mut session = Session::open(&args.device, &resolved, true, &progress)?;
+    let stop = match args.format {
+        Format::Exr => Stop::Exact,
+        Format::Png => Stop::EightBit { transparent: false },
+    };
+    let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
     session.describe(talk);
     // The first frame pays for pipelines and buffers.
-    session.render()?;
+    let first = session.render()?;
+    if let Method::Sorted(_) = session.frame.method {
+        // It counted the lists, which the method itself has no use for.
+        session.frame.fragments = false;
+    }
     let mut frames = Vec::new();
     counted(&progress, "measuring", args.frames.into());
     for _ in 0..args.frames {
@@ -42,7 +63,9 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     }
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();
-    let profile = session.profile(frames);
+    let mut profile = session.profile(frames);
+    profile.list_histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
+    (profile.facts.fragments, profile.facts.max_list) = (first.facts.fragments, first.facts.max_list);
     args.measure.write(&profile)?;
     if args.json {
         print_json(&profile.to_json())?;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::Result;
+use pellucid::methods::Stop;
 use pellucid::output::{self, WriteOptions};
 
 use super::input::{InputArgs, prepare};
@@ -45,7 +46,9 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     }
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    let mut session = Session::open(&args.device, &resolved, args.aov || args.measure.profile.is_some(), &progress)?;
+    let stop = if png { Stop::EightBit { transparent: args.transparent } } else { Stop::Exact };
+    let counted = args.aov || args.measure.profile.is_some();
+    let mut session = Session::open(&args.device, &resolved, counted, stop, &progress)?;
     session.renderer.progress = progress.clone();
     session.describe(talk);
     let mut rendered = session.render()?;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::methods::{Frame, Rendered, Renderer};
+use pellucid::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::profile::{self, Profile};
 use pellucid::{Result, output, plan};
@@ -25,7 +25,13 @@ pub struct Session {
 
 impl Session {
     /// Opens the device, decides the method and uploads the points.
-    pub fn open(args: &DeviceArgs, resolved: &Resolved, fragments: bool, progress: &ProgressBar) -> Result<Self> {
+    pub fn open(
+        args: &DeviceArgs,
+        resolved: &Resolved,
+        fragments: bool,
+        stop: Stop,
+        progress: &ProgressBar,
+    ) -> Result<Self> {
         stage(progress, "uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
@@ -38,6 +44,7 @@ impl Session {
             method,
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
+            stop,
         };
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload(&resolved.points)?;

@@ -177,7 +177,12 @@ fn create_device(
         .host_query_reset(true)
         .shader_buffer_int64_atomics(info.int64_atomics);
     let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default().synchronization2(true).dynamic_rendering(true).maintenance4(true);
+        vk::PhysicalDeviceVulkan13Features::default()
+        .synchronization2(true)
+        .dynamic_rendering(true)
+        .maintenance4(true)
+        .subgroup_size_control(info.subgroup.is_some())
+        .compute_full_subgroups(info.subgroup.is_some());
     let create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&core)

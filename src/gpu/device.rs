@@ -68,6 +68,11 @@ pub struct DeviceInfo {
     pub fragment_atomics: bool,
     /// Optional: counts of shader invocations.
     pub pipeline_statistics: bool,
+    /// Optional: invocations of the subgroups of compute shaders, at most 32, if ballots and shuffles work in them and
+    /// their size is known beforehand.
+    pub subgroup: Option<u32>,
+    /// How many sequential pieces work is cut into so that the device is busy: few on CPUs, where more only cost.
+    pub concurrent_runs: u64,
     rank: u32,
 }
 
@@ -113,6 +118,8 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
     let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
     let mut atomics = vk::PhysicalDeviceShaderAtomicInt64Features::default();
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+    let mut subgroup_sizes = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
     // SAFETY: plain queries on a live instance; the structs are of this Vulkan version or zero-filled if it is older.
     let (basic, core) = unsafe {
         let basic = instance.raw.get_physical_device_properties(physical);
@@ -120,7 +127,10 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         let mut features = vk::PhysicalDeviceFeatures2::default();
         if modern {
             features = features.push_next(&mut features12).push_next(&mut features13);
-            let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+            let mut properties = vk::PhysicalDeviceProperties2::default()
+                .push_next(&mut driver)
+                .push_next(&mut subgroups)
+                .push_next(&mut subgroup_sizes);
             instance.raw.get_physical_device_properties2(physical, &mut properties);
         }
         instance.raw.get_physical_device_features2(physical, &mut features);
@@ -173,8 +183,26 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
             && (features12.shader_buffer_int64_atomics == vk::TRUE || atomics.shader_buffer_int64_atomics == vk::TRUE),
         fragment_atomics: core.fragment_stores_and_atomics == vk::TRUE,
         pipeline_statistics: core.pipeline_statistics_query == vk::TRUE,
+        subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
+            .then(|| subgroup_size(&subgroups, &subgroup_sizes))
+            .flatten(),
+        concurrent_runs: if basic.device_type == vk::PhysicalDeviceType::CPU { 64 } else { 4096 },
         rank,
     }
+}
+
+/// The subgroup size that compute shaders ask for: the largest up to 32, so that a ballot is one word.
+fn subgroup_size(
+    subgroups: &vk::PhysicalDeviceSubgroupProperties<'_>,
+    sizes: &vk::PhysicalDeviceSubgroupSizeControlProperties<'_>,
+) -> Option<u32> {
+    use vk::SubgroupFeatureFlags as F;
+    let compute = vk::ShaderStageFlags::COMPUTE;
+    let able = subgroups.supported_operations.contains(F::BASIC | F::BALLOT | F::SHUFFLE)
+        && subgroups.supported_stages.contains(compute)
+        && sizes.required_subgroup_size_stages.contains(compute);
+    let size = sizes.max_subgroup_size.min(32);
+    (able && size >= sizes.min_subgroup_size.max(4)).then_some(size)
 }
 
 /// An open device. Cheap to clone; buffers keep it alive.

@@ -27,7 +27,13 @@ impl Pipeline {
             let words = shader::compile::<P>(variant)?;
             Self::build::<P>(context, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
-                let stage = module.stage(vk::ShaderStageFlags::COMPUTE);
+                let mut stage = module.stage(vk::ShaderStageFlags::COMPUTE);
+                let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
+                if let Some(wanted) = variant.subgroup {
+                    size = size.required_subgroup_size(wanted);
+                    stage =
+                        stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS).push_next(&mut size);
+                }
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 // SAFETY: the module and layout live through the call.
                 let made = unsafe { context.device.create_compute_pipelines(context.pipeline_cache, &[info], None) };

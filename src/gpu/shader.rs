@@ -3,6 +3,7 @@
 //! The files under shaders/ are embedded. `#import name` pastes shaders/shared/name.wgsl once. Variants are made by
 //! `override` values and, for what WGSL does not let an override size (function-local arrays, optional bindings), by
 //! text constants: lines `const NAME = VALUE;` put before the source. `#walker` pastes the piece that the variant names.
+//! `#each NAME LINE` writes a line as often as the variant says of that name, with `{NAME}` = 0, 1, ….
 //! For the sorting network of n inputs that a variant asks for, `#repeat LINE` writes a line n times with `{i}` = 0 … n − 1,
 //! and `#comparators` sorts the variables x0 … x(n − 1).
 
@@ -35,6 +36,10 @@ pub struct Variant {
     pub network: Option<u32>,
     /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
     pub walker: Option<&'static str>,
+    /// Names and counts for `#each`.
+    pub counts: Vec<(&'static str, u32)>,
+    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup; also the constant `SUBGROUP` in WGSL.
+    pub subgroup: Option<u32>,
 }
 
 impl Variant {
@@ -73,6 +78,18 @@ impl Variant {
         self
     }
 
+    /// Sets how often `#each name` writes its line.
+    pub fn each(mut self, name: &'static str, count: u32) -> Self {
+        self.counts.push((name, count));
+        self
+    }
+
+    /// Sets the size of subgroups.
+    pub fn subgroup(mut self, size: u32) -> Self {
+        self.subgroup = Some(size);
+        self
+    }
+
     /// A key that differs for every variant.
     pub fn key(&self) -> String {
         format!("{self:?}")
@@ -102,6 +119,9 @@ pub fn source(stem: &str, variant: &Variant) -> Result<String, Error> {
     for (name, value) in &variant.constants {
         let _ = writeln!(out, "const {name} = {value};");
     }
+    if let Some(size) = variant.subgroup {
+        let _ = writeln!(out, "const SUBGROUP = {size}u;");
+    }
     out.push_str(&variant.text);
     paste(stem, text, variant, &mut out, &mut Vec::new())?;
     Ok(out)
@@ -123,10 +143,14 @@ fn paste<'a>(
                 continue;
             }
             None if line.starts_with("#repeat ") => {
-                for i in 0..inputs(stem, variant)? {
-                    out.push_str(&line["#repeat ".len()..].replace("{i}", &i.to_string()));
-                    out.push('\n');
-                }
+                write_lines(&line["#repeat ".len()..], "i", inputs(stem, variant)?, out);
+                continue;
+            }
+            None if line.starts_with("#each ") => {
+                let (name, line) = line["#each ".len()..].split_once(' ').unwrap_or_default();
+                let count = variant.counts.iter().find(|(known, _)| *known == name).map(|(_, count)| *count);
+                let count = count.ok_or_else(|| error(stem, format!("the variant does not say how often {name:?}")))?;
+                write_lines(line, name, count, out);
                 continue;
             }
             None => {
@@ -143,6 +167,15 @@ fn paste<'a>(
         }
     }
     Ok(())
+}
+
+/// Writes a line `count` times with `{name}` = 0, 1, ….
+fn write_lines(line: &str, name: &str, count: u32, out: &mut String) {
+    let place = format!("{{{name}}}");
+    for i in 0..count {
+        out.push_str(&line.replace(&place, &i.to_string()));
+        out.push('\n');
+    }
 }
 
 /// Pairs of Batcher's odd-even merge sort of `n` inputs (a power of two), in order: the smaller goes to the first place.
@@ -233,7 +266,8 @@ fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleIn
     let capabilities = Capabilities::IMMEDIATES
         | Capabilities::SHADER_INT64
         | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
-        | Capabilities::MULTISAMPLED_SHADING;
+        | Capabilities::MULTISAMPLED_SHADING
+        | Capabilities::SUBGROUP;
     Validator::new(ValidationFlags::all(), capabilities)
         .validate(module)
         .map_err(|e| error(stem, e.emit_to_string(source)))

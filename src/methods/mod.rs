@@ -3,11 +3,22 @@
 pub mod abuffer;
 pub mod bands;
 pub mod renderer;
+pub mod sorted;
 pub mod splat;
 
 pub use renderer::{Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
+pub use sorted::Stop;
 
 use bytesize::ByteSize;
+
+/// What became of a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is in the target.
+    Done,
+    /// A 32-bit sum overflowed, or something whose size depends on the window takes too much memory: it must be cut.
+    Overflow,
+}
 
 /// Why a frame cannot be rendered.
 #[derive(Debug, thiserror::Error)]
@@ -50,6 +61,27 @@ pub enum Error {
         points: u64,
         /// Points that fit.
         limit: u64,
+    },
+    /// The sort of splats alone takes more than the budget.
+    #[error(
+        "sorting {points} splats needs {} of device memory; the budget leaves {}: --memory-budget {} would do, or method abuffer",
+        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+    )]
+    SortOverBudget {
+        /// Points of the scene.
+        points: u64,
+        /// Bytes that the sort needs.
+        needed: u64,
+        /// Bytes that are there.
+        available: u64,
+        /// The budget that would do.
+        budget: u64,
+    },
+    /// The device has no shuffles.
+    #[error("method sorted needs subgroups of a known size up to 32 with ballots and shuffles, which {device} lacks; use abuffer")]
+    NoSubgroups {
+        /// The device.
+        device: String,
     },
     /// The rasteriser was asked for, but the device cannot write from fragment shaders, or not over so large an area.
     #[error("raster = \"hardware\" needs {needed}, which {device} lacks; use \"compute\" or \"auto\"")]

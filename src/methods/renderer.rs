@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
-use super::abuffer::{ABuffer, Lists, Outcome};
+use super::abuffer::{ABuffer, Lists};
 use super::bands::{self, Budget, Window};
+use super::sorted::{self, Sorted, Stop};
 use super::splat::Opaque;
-use super::{Error, abuffer, splat};
+use super::{Error, Outcome, abuffer, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -35,6 +36,8 @@ pub struct Frame {
     pub memory_budget: Option<u64>,
     /// Whether the image carries the length of each pixel's list.
     pub fragments: bool,
+    /// What may be left out where nothing of it would be seen.
+    pub stop: Stop,
 }
 
 impl Frame {
@@ -58,6 +61,8 @@ pub struct Facts {
     pub visible: u64,
     /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
+    /// Pairs of a splat and a tile that it meets, if splats were sorted.
+    pub tile_entries: u64,
     /// Fragments of all lists.
     pub fragments: u64,
     /// Longest list.
@@ -204,6 +209,7 @@ impl Target {
 pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
+    sorted: Sorted,
     opaque: Opaque,
     tiles: Tiles,
     target: Target,
@@ -219,6 +225,7 @@ impl Renderer {
         Ok(Self {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
+            sorted: Sorted::new(device)?,
             opaque: Opaque::default(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
@@ -302,9 +309,10 @@ impl Renderer {
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
-        let walker = self.walker(asked, window)?;
-        let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
+        let listed = work.survey || frame.fragments || !matches!(frame.method, Method::Sorted(_));
+        let asked = frame.method.discs().map_or(Raster::Auto, |discs| discs.raster);
+        let walker = if listed { self.walker(asked, window)? } else { Walker::Compute };
+        let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
             return Ok(Outcome::Overflow);
@@ -320,6 +328,33 @@ impl Renderer {
                     self.abuffer.survey(device, &job, work.timeline, work.facts)?
                 } else {
                     self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
+                }
+            }
+            Method::Sorted(discs) => {
+                let abuffer = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
+                // Only lists have lengths: they are counted where these are asked for.
+                let listed = if work.survey || frame.fragments {
+                    self.abuffer.survey(device, &abuffer, work.timeline, work.facts)?
+                } else {
+                    Outcome::Done
+                };
+                match listed {
+                    Outcome::Done if !work.survey => {
+                        let job = sorted::WindowJob {
+                            raster,
+                            discs,
+                            color: frame.color,
+                            depth_range: [frame.camera.near as f32, frame.camera.far as f32],
+                            most_color: cloud.most_color(&projecting(frame)),
+                            stop: frame.stop,
+                            budget,
+                        };
+                        let outcome =
+                            self.sorted.render(device, &job, &self.target, work.timeline, work.facts)?;
+                        self.progress.inc(bands::pixels(window));
+                        outcome
+                    }
+                    outcome => outcome,
                 }
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
@@ -375,7 +410,7 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
-        let (Some(fragments), Method::ABuffer(_)) = (&mut image.fragments, frame.method) else { return Ok(()) };
+        let Some(fragments) = &mut image.fragments else { return Ok(()) };
         let counts = self.abuffer.read_counts(window)?;
         let width = (window[2] - window[0]) as usize;
         for (row, counts) in counts.chunks(width).enumerate() {
@@ -390,6 +425,8 @@ impl Renderer {
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
         Method::ABuffer(_) => abuffer::PIXEL_BYTES,
+        Method::Sorted(_) if frame.fragments => abuffer::PIXEL_BYTES,
+        Method::Sorted(_) => sorted::PIXEL_BYTES,
         _ => splat::PIXEL_BYTES,
     };
     let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
@@ -436,15 +473,14 @@ fn blank(frame: &Frame) -> Image {
         height: frame.size[1],
         rgba: vec![[0.0; 4]; pixels],
         depth: vec![f32::INFINITY; pixels],
-        fragments: (frame.fragments && matches!(frame.method, Method::ABuffer(_))).then(|| vec![0; pixels]),
+        fragments: (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]),
     }
 }
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(Discs { shape: DiscShape::Flat, .. }) => (Footprint::Disc, 1.0, f32::MAX),
-        Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }) => (Footprint::Oriented, 1.0, f32::MAX),
+        Method::ABuffer(discs) | Method::Sorted(discs) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
@@ -483,8 +519,9 @@ fn aggregate(
 fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    let oriented = matches!(frame.method, Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }));
+    let discs = frame.method.discs();
+    let transparent = discs.is_some();
+    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented);
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;

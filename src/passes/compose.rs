@@ -61,9 +61,10 @@ impl<'a> Composing<'a> {
 
 /// The variant of a stage that composes.
 pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
-    Variant::plain()
-        .with("SHAPE", footprint as u32)
-        .with("FALLOFF", u32::from(falloff == Falloff::Gaussian))
-        .with("PARTS", cut.parts)
-        .with("PART_LENGTH", cut.len)
+    shape_variant(footprint, falloff).with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+}
+
+/// The variant of a stage that composes splats which it reaches by itself.
+pub fn shape_variant(footprint: Footprint, falloff: Falloff) -> Variant {
+    Variant::plain().with("SHAPE", footprint as u32).with("FALLOFF", u32::from(falloff == Falloff::Gaussian))
 }

@@ -2,6 +2,7 @@
 
 pub mod compose;
 pub mod project;
+pub mod radix;
 pub mod raster;
 pub mod scan;
 pub mod tiles;

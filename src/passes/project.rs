@@ -76,10 +76,17 @@ gpu_struct! {
         large: u32,
         tiles_low: u32,
         tiles_high: u32,
+        widest: u32,
+        tallest: u32,
     }
 }
 
 impl Stats {
+    /// Columns and rows of pixels of the widest and the tallest splat of all chunks.
+    pub fn extent(stats: &[Self]) -> [u32; 2] {
+        stats.iter().fold([0, 0], |[x, y], s| [x.max(s.widest), y.max(s.tallest)])
+    }
+
     /// Tiles of the large splats.
     pub fn tiles(&self) -> u64 {
         u64::from(self.tiles_high) << 32 | u64::from(self.tiles_low)
@@ -147,6 +154,8 @@ pub struct DeviceCloud {
     len: u64,
     chunk_len: u64,
     has_normals: bool,
+    most_opacity: f32,
+    most_color: f32,
     points: Buffer<Point>,
     point_colors: Buffer<[f32; 4]>,
     normals: Buffer<[f32; 4]>,
@@ -201,6 +210,8 @@ impl DeviceCloud {
             len,
             chunk_len,
             has_normals: !normals.is_empty(),
+            most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
+            most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
             points: device.upload("points", &records)?,
             point_colors: device.upload("point colors", &point_colors)?,
             normals: device.upload("normals", &normals)?,
@@ -242,6 +253,23 @@ impl DeviceCloud {
     /// Whether points have normals.
     pub fn has_normals(&self) -> bool {
         self.has_normals
+    }
+
+    /// The largest opacity.
+    pub fn most_opacity(&self) -> f32 {
+        self.most_opacity
+    }
+
+    /// The largest color component that blending may meet, once shaded and encoded.
+    pub fn most_color(&self, how: &Projecting) -> f32 {
+        let Shading { model, ambient, diffuse, specular, .. } = how.shading;
+        let shaded = match model {
+            ShadingModel::None => self.most_color,
+            ShadingModel::Lambert => self.most_color * (ambient + diffuse).max(1.0),
+            ShadingModel::Phong => self.most_color * (ambient + diffuse).max(1.0) + specular,
+        };
+        // Rounding up: shading and encoding round by themselves.
+        1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }
     }
 
     /// First point and number of points of each chunk.

@@ -22,6 +22,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
+        "sorted" => Method::Sorted(discs(table)?),
         _ => Method::Auto,
     })
 }

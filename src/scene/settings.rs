@@ -224,6 +224,8 @@ pub enum Method {
     Circles(ScreenSplats),
     /// Exact order-independent transparency (MCTB12).
     ABuffer(Discs),
+    /// Splats sorted once by depth, blended tile by tile; exact for flat discs.
+    Sorted(Discs),
 }
 
 impl Method {
@@ -235,6 +237,15 @@ impl Method {
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
             Self::ABuffer(_) => "abuffer",
+            Self::Sorted(_) => "sorted",
+        }
+    }
+
+    /// The settings of a method that blends discs.
+    pub fn discs(&self) -> Option<Discs> {
+        match self {
+            Self::ABuffer(discs) | Self::Sorted(discs) => Some(*discs),
+            _ => None,
         }
     }
 

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use pellucid::camera::{Camera, Projection};
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::image::Image;
-use pellucid::methods::{Frame, Renderer};
+use pellucid::methods::{Frame, Renderer, Stop};
 use pellucid::points::Points;
 use pellucid::prepare::order;
 use pellucid::reference::Picture;
@@ -130,6 +130,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         method,
         memory_budget: None,
         fragments: true,
+        stop: Stop::Exact,
     }
 }
 

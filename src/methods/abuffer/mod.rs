@@ -8,14 +8,16 @@
 mod blend;
 mod passes;
 
-pub use blend::{CLASSES, class_variant, is_network, least_bytes, lower_bound, resolve_variant, sort_runs_variant};
+pub use blend::{
+    CLASSES, class_variant, is_network, least_bytes, lower_bound, record_nothing, resolve_variant, sort_runs_variant,
+};
 pub use passes::*;
 
 use indicatif::ProgressBar;
 
-use super::Error;
 use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
+use super::{Error, Outcome};
 use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
@@ -91,14 +93,6 @@ pub struct Lists {
     pub fragments: Vec<[u32; 2]>,
 }
 
-/// What became of a window.
-pub enum Outcome {
-    /// It is in the target.
-    Done,
-    /// A 32-bit sum overflowed, or the tiles of large splats take too much memory: it must be cut.
-    Overflow,
-}
-
 impl ABuffer {
     /// No buffers but the small ones yet.
     pub fn new(device: &Device) -> Result<Self, Error> {
@@ -136,7 +130,7 @@ impl ABuffer {
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
             if i == 0 {
-                blend::record_nothing(&mut recorder, target, job.raster.window)?;
+                record_nothing(&mut recorder, target, job.raster.window)?;
             }
             if band.fragments > 0 {
                 self.record_store(&mut recorder, job, band)?;

@@ -1,0 +1,22 @@
+// Front-to-back composition: the running sum.
+#import splat
+
+// Premultiplied color and A = 1 - T of what lies in front, and the depth key of its first fragment with opacity.
+// A is summed as it is, not as one minus a product: a thousand fragments of 1e-7 would round away in the product.
+struct Composed {
+    rgba: vec4<f32>,
+    key: u32,
+}
+
+const NOTHING = 0xffffffffu;
+
+fn behind(front: Composed, key: u32, color: vec4<f32>) -> Composed {
+    let weight = (1.0 - front.rgba.a) * color.a;
+    let first = front.key == NOTHING && color.a > 0.0;
+    return Composed(front.rgba + weight * vec4<f32>(color.rgb, 1.0), select(front.key, key, first));
+}
+
+// Depth of a key, +inf for nothing.
+fn composed_depth(key: u32) -> f32 {
+    return bitcast<f32>(select(bitcast<u32>(key_depth(key)), 0x7f800000u, key == NOTHING));
+}

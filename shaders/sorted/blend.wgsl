@@ -1,0 +1,193 @@
+// sorted/blend: composes each tile's splats front to back. One subgroup per tile of BLOCKS x BLOCKS blocks of 8 x 8 pixels;
+// every invocation holds the sums of the same few pixels of each block in registers.
+//
+// A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed to
+// all invocations one by one by shuffles. A block is done when nothing behind can change its output.
+// Reference: reference::sorted.
+#import over
+#import dispatch
+
+struct Push {
+    // Tiles of the window in x, and in all; cells of a tile in the table of ends.
+    columns: u32,
+    tiles: u32,
+    runs: u32,
+    // Key of the nearest depth.
+    nearest: u32,
+    // Largest opacity, and largest color component, background included: bounds of what may still come.
+    most_opacity: f32,
+    most_color: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> ends: array<u32>;
+@group(0) @binding(2) var<storage, read> entries: array<u32>;
+@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read_write> depths: array<f32>;
+var<immediate> push: Push;
+
+const FALLOFF_GAUSSIAN = 1u;
+override FALLOFF: u32 = 0u;
+// What may stop a block: 0 nothing (every fragment is counted), 1 only what changes no bit, 2 what changes no 8-bit sRGB
+// value by more than a quarter step, 3 the same for values blended as they are.
+const STOP_NEVER = 0u;
+const STOP_EXACT = 1u;
+const STOP_SRGB = 2u;
+override STOP: u32 = 1u;
+// Steps between two looks at what may stop.
+const LOOK = 4u;
+// Side of a block, pixels of a block that an invocation holds, blocks of a tile in x and y.
+const SIDE = 8u;
+const HELD = SIDE * SIDE / SUBGROUP;
+const BLOCKS = TILE_SIDE / SIDE;
+
+#each held var<private> sum{held}: Composed;
+
+// Where in the tile the i-th pixel lies that this invocation holds.
+fn place(lane: u32, i: u32) -> vec2<u32> {
+    let within = lane + SUBGROUP * (i % HELD);
+    let block = i / HELD;
+    return vec2<u32>(within % SIDE, within / SIDE) + block_corner(block);
+}
+
+// Whether a splat may touch a block. A disc lies within its radius around its centre, give or take rounding; an oriented
+// one does not quite in perspective, and is handed to every block.
+fn touches(splat: Splat, low: vec2<u32>) -> bool {
+    if SHAPE == SHAPE_ORIENTED {
+        return true;
+    }
+    let half = 0.5 * f32(SIDE - 1u);
+    let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
+    let outside = max(abs(middle) - half, vec2<f32>(0.0));
+    // The pixel of the centre lies at most 0.71 away.
+    let reach = max(splat.radius, 0.75) + 1e-5 * (splat.radius + abs(middle.x) + abs(middle.y));
+    return dot(outside, outside) <= reach * reach;
+}
+
+// One splat over one of this invocation's pixels.
+fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, pixel: vec2<u32>) -> Composed {
+    let coverage = cover(splat, tilt, pixel, view);
+    var c = color;
+    if FALLOFF == FALLOFF_GAUSSIAN {
+        c.a *= exp(-2.0 * coverage.rho * coverage.rho);
+    }
+    c.a = select(0.0, c.a, coverage.hit);
+    // Flat splats note the rank here; one look-up at the end gives the depth.
+    return behind(front, select(rank, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED), c);
+}
+
+// Whether what lies behind cannot change a pixel's output.
+fn done(sum: Composed) -> bool {
+    if STOP == STOP_EXACT {
+        let most = (1.0 - sum.rgba.a) * push.most_opacity;
+        return all(sum.rgba + most * vec4<f32>(vec3<f32>(push.most_color), 1.0) == sum.rgba);
+    }
+    // A quarter of 1/255. The sRGB curve's slope at c is at most 12.92, and 0.711 / sqrt(c) beyond its linear part.
+    const QUARTER = 1.0 / 1020.0;
+    let rest = (1.0 - sum.rgba.a) * push.most_color;
+    if STOP == STOP_SRGB {
+        let least = min(sum.rgba.r, min(sum.rgba.g, sum.rgba.b));
+        return rest * 12.92 < QUARTER || (rest * rest * (0.711 * 0.711) < QUARTER * QUARTER * least && least > 0.0031309);
+    }
+    return rest < QUARTER;
+}
+
+fn block_corner(block: u32) -> vec2<u32> {
+    return vec2<u32>(block % BLOCKS, block / BLOCKS) * SIDE;
+}
+
+fn is_live(live: u32, block: u32) -> bool {
+    return (live & (1u << block)) != 0u;
+}
+
+// Strikes a block whose pixels are all done from the live ones.
+fn close(live: u32, block: u32) -> u32 {
+    var open = false;
+#each held     if {held}u / HELD == block { open = open || !done(sum{held}); }
+    return select(live & ~(1u << block), live, subgroupBallot(open).x != 0u);
+}
+
+fn tile_start(tile: u32) -> u32 {
+    return select(0u, ends[tile * push.runs - 1u], tile > 0u);
+}
+
+// Composes the splats of one step that touch a block.
+fn blend(block: u32, hits: u32, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, corner: vec2<u32>, lane: u32) {
+    var left = hits;
+    while left != 0u {
+        let k = firstTrailingBit(left);
+        left &= left - 1u;
+        var s: Splat;
+        s.fraction_x = subgroupShuffle(splat.fraction_x, k);
+        s.fraction_y = subgroupShuffle(splat.fraction_y, k);
+        s.pixel = subgroupShuffle(splat.pixel, k);
+        s.radius = subgroupShuffle(splat.radius, k);
+        var t = Tilt(vec4<f32>(0.0));
+        if SHAPE == SHAPE_ORIENTED {
+            s.depth = subgroupShuffle(splat.depth, k);
+            t.normal = vec4<f32>(
+                subgroupShuffle(tilt.normal.x, k), subgroupShuffle(tilt.normal.y, k),
+                subgroupShuffle(tilt.normal.z, k), subgroupShuffle(tilt.normal.w, k),
+            );
+        }
+        let c = vec4<f32>(
+            subgroupShuffle(color.r, k), subgroupShuffle(color.g, k),
+            subgroupShuffle(color.b, k), subgroupShuffle(color.a, k),
+        );
+        let r = subgroupShuffle(rank, k);
+#each held         if {held}u / HELD == block { sum{held} = add(sum{held}, s, t, c, r, corner + place(lane, {held}u)); }
+    }
+}
+
+fn finish(sum: Composed, pixel: vec2<u32>) {
+    if any(pixel >= view.window.zw) {
+        return;
+    }
+    let p = window_index(pixel, view.window);
+    image[p] = sum.rgba;
+    var key = sum.key;
+    if SHAPE != SHAPE_ORIENTED && key != NOTHING {
+        key = records[key].x + push.nearest;
+    }
+    depths[p] = composed_depth(key);
+}
+
+@compute @workgroup_size(SUBGROUP)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(subgroup_invocation_id) lane: u32,
+) {
+    let tile = workgroup_index(workgroup, groups);
+    if tile >= push.tiles {
+        return;
+    }
+    let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE;
+#each held     sum{held} = Composed(vec4<f32>(0.0), NOTHING);
+    let end = ends[(tile + 1u) * push.runs - 1u];
+    var live = (1u << (BLOCKS * BLOCKS)) - 1u;
+    var steps = 0u;
+    for (var next = tile_start(tile); next < end && live != 0u; next += SUBGROUP) {
+        let present = next + lane < end;
+        let rank = entries[min(next + lane, end - 1u)];
+        let footprint = footprints[rank];
+        let color = colors[rank];
+        var splat = Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
+        var tilt = Tilt(vec4<f32>(0.0));
+        if SHAPE == SHAPE_ORIENTED {
+            tilt.normal = slopes[rank];
+            splat.depth = key_depth(records[rank].x + push.nearest);
+        }
+#each block         let hits{block} = subgroupBallot(present && touches(splat, corner + block_corner({block}u))).x;
+#each block         blend({block}u, select(0u, hits{block}, is_live(live, {block}u)), splat, tilt, color, rank, corner, lane);
+        steps += 1u;
+        if STOP != STOP_NEVER && steps % LOOK == 0u {
+#each block             live = close(live, {block}u);
+        }
+    }
+#each held     finish(sum{held}, corner + place(lane, {held}u));
+}

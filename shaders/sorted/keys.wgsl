@@ -1,0 +1,33 @@
+// sorted/keys: a record for the sort of each point of a chunk: its splat's depth relative to the nearest one possible, and
+// its index. Splats that are not drawn come last. One invocation per point.
+#import splat
+#import dispatch
+
+struct Push {
+    // Points of the chunk, and the index of its first.
+    count: u32,
+    first: u32,
+    // Key of the nearest depth; key of what is not drawn, less that.
+    nearest: u32,
+    none: u32,
+}
+
+@group(0) @binding(0) var<storage, read> splats: array<Splat>;
+@group(0) @binding(1) var<storage, read> bounds: array<Bounds>;
+@group(0) @binding(2) var<storage, read_write> records: array<vec2<u32>>;
+var<immediate> push: Push;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = invocation_index(workgroup, groups, local);
+    if i >= push.count {
+        return;
+    }
+    let drawn = bounds[i].columns != 0u;
+    let key = min(depth_key(splats[i].depth) - push.nearest, push.none - 1u);
+    records[push.first + i] = vec2<u32>(select(push.none, key, drawn), push.first + i);
+}

@@ -1,0 +1,140 @@
+//! Stable radix sort of records (key, value) by their keys (Satish, Harris, Garland 2009): count, scan, scatter per digit.
+//!
+//! Records are cut into runs; a subgroup takes each run in order. Within a step, invocations rank equal digits by
+//! shuffles. No barrier, no shared memory, no forward progress between workgroups.
+
+use super::scan::Scan;
+use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants: records, how they are cut, and the digit.
+    pub struct RadixPush {
+        count: u32,
+        runs: u32,
+        run_length: u32,
+        shift: u32,
+        mask: u32,
+    }
+}
+
+pass! {
+    /// Digits per run.
+    pub Count(RadixPush) = "radix/count" {
+        records: Read<[u32; 2]>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Records to their places.
+    pub Scatter(RadixPush) = "radix/scatter" {
+        records: Read<[u32; 2]>,
+        cursors: ReadWrite<u32>,
+        moved: ReadWrite<[u32; 2]>,
+    }
+}
+
+/// Widest digit in bits.
+const DIGIT_BITS: u32 = 9;
+
+/// How records are cut into runs, each of which one subgroup takes in order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Runs {
+    /// Number of runs.
+    pub runs: u32,
+    /// Records of each but the last.
+    pub length: u32,
+}
+
+impl Runs {
+    /// As many runs as keep the device busy, but none shorter than pays, and none longer than an invocation may loop.
+    pub fn new(device: &Device, records: u64, shortest: u64, longest: u64) -> Self {
+        let wanted = device.info().concurrent_runs;
+        let length = records.div_ceil(wanted).clamp(shortest, longest);
+        Self { runs: records.div_ceil(length).max(1) as u32, length: length as u32 }
+    }
+}
+
+/// Buffers of a sort, kept from frame to frame.
+pub struct Radix {
+    counts: Kept<u32>,
+    cursors: Kept<u32>,
+    scan: Option<Scan>,
+    overflow: Buffer<u32>,
+}
+
+impl Radix {
+    /// No buffers but the small one yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            counts: Kept::new("digit counts", Memory::Device),
+            cursors: Kept::new("digit cursors", Memory::Device),
+            scan: None,
+            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
+        })
+    }
+
+    /// Device bytes of a sort of so many records, the records themselves not counted.
+    pub fn bytes(device: &Device, records: u64) -> u64 {
+        let counters = counters(runs(device, records));
+        counters * 8 + Scan::bytes(counters)
+    }
+
+    /// Makes room for a sort of so many records.
+    pub fn reserve(&mut self, device: &Device, records: u64) -> Result<(), Error> {
+        let counters = counters(runs(device, records));
+        self.counts.reserve(device, counters)?;
+        self.cursors.reserve(device, counters)?;
+        // A smaller one is freed before a larger one is made.
+        self.scan = self.scan.take().filter(|s| s.capacity() >= counters);
+        if self.scan.is_none() {
+            self.scan = Some(Scan::new(device, counters)?);
+        }
+        Ok(())
+    }
+
+    /// Records a sort by the lowest `bits` of the keys, of all records of the first buffer; both are overwritten. Returns
+    /// the index of the one that holds the result. Subgroups have `subgroup` invocations.
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        device: &Device,
+        buffers: [Slice<'a, [u32; 2]>; 2],
+        bits: u32,
+        subgroup: u32,
+    ) -> Result<usize, Error> {
+        let [mut records, mut moved] = buffers;
+        let Some(scan) = &self.scan else { return Ok(0) };
+        let Runs { runs, length } = runs(device, records.len());
+        let digits = bits.div_ceil(DIGIT_BITS).max(1);
+        let digit_bits = bits.div_ceil(digits);
+        for digit in 0..digits {
+            let mask = (1 << digit_bits) - 1;
+            let push =
+                RadixPush { count: records.len() as u32, runs, run_length: length, shift: digit * digit_bits, mask };
+            let counters = u64::from(runs) << digit_bits;
+            let (counts, cursors) = (self.counts.get().slice(0, counters), self.cursors.get().slice(0, counters));
+            recorder.fill("radix/clear", counts, 0)?;
+            recorder.run(&Count { records, counts }, &Run::new(Dispatch::Groups(u64::from(runs))).push(&push))?;
+            scan.record(recorder, counts, cursors, self.overflow.all())?;
+            let run = Run::new(Dispatch::Groups(u64::from(runs))).push(&push).variant(scatter_variant(subgroup));
+            recorder.run(&Scatter { records, cursors, moved }, &run)?;
+            (records, moved) = (moved, records);
+        }
+        Ok(digits as usize % 2)
+    }
+}
+
+fn runs(device: &Device, records: u64) -> Runs {
+    Runs::new(device, records, 1024, 1 << 17)
+}
+
+fn counters(runs: Runs) -> u64 {
+    u64::from(runs.runs) << DIGIT_BITS
+}
+
+/// The variant of `radix/scatter`.
+pub fn scatter_variant(subgroup: u32) -> Variant {
+    Variant::plain().subgroup(subgroup).network(subgroup)
+}
