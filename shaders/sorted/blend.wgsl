@@ -118,9 +118,8 @@ fn tile_start(tile: u32) -> u32 {
 // Composes the splats of one step that touch a block.
 fn blend(block: u32, hits: u32, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, corner: vec2<u32>, lane: u32) {
     var left = hits;
-    while left != 0u {
-        let k = firstTrailingBit(left);
-        left &= left - 1u;
+    loop {
+        let k = firstTrailingBit(left) & (SUBGROUP - 1u);
         var s: Splat;
         s.fraction_x = subgroupShuffle(splat.fraction_x, k);
         s.fraction_y = subgroupShuffle(splat.fraction_y, k);
@@ -136,10 +135,14 @@ fn blend(block: u32, hits: u32, splat: Splat, tilt: Tilt, color: vec4<f32>, rank
         }
         let c = vec4<f32>(
             subgroupShuffle(color.r, k), subgroupShuffle(color.g, k),
-            subgroupShuffle(color.b, k), subgroupShuffle(color.a, k),
+            subgroupShuffle(color.b, k), select(0.0, subgroupShuffle(color.a, k), left != 0u),
         );
         let r = subgroupShuffle(rank, k);
 #each held         if {held}u / HELD == block { sum{held} = add(sum{held}, s, t, c, r, corner + place(lane, {held}u)); }
+        left &= left - 1u;
+        if left == 0u {
+            break;
+        }
     }
 }
 

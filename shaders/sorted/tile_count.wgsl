@@ -1,7 +1,30 @@
-// sorted/tile-count: how many splats of each run meet each tile. counts is zero before.
-#import tile_walk
-@group(0) @binding(2) var<storage, read_write> counts: array<u32>;
+// sorted/tile-count: how many splats of each run meet each tile. One invocation per drawn splat. counts is zero before.
+#import tile_push
+#import dispatch
+@group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
-fn visit(cell: u32, rank: u32) {
-    counts[cell] += 1u;
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let rank = invocation_index(workgroup, groups, local);
+    if rank >= push.count {
+        return;
+    }
+    let met = tiles_of(rectangles[rank]);
+    let run = rank / push.run_length;
+    var tile = met.xy;
+    // A drawn splat meets a tile, so the condition may stand at the end: CPU drivers run every loop once.
+    loop {
+        atomicAdd(&counts[(tile.y * push.columns + tile.x) * push.runs + run], 1u);
+        tile.x += 1u;
+        if tile.x >= met.z {
+            tile = vec2<u32>(met.x, tile.y + 1u);
+        }
+        if tile.y >= met.w {
+            break;
+        }
+    }
 }

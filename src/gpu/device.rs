@@ -186,7 +186,7 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
             .flatten(),
-        concurrent_runs: if basic.device_type == vk::PhysicalDeviceType::CPU { 64 } else { 4096 },
+        concurrent_runs: if basic.device_type == vk::PhysicalDeviceType::CPU { 32 } else { 4096 },
         rank,
     }
 }

@@ -27,8 +27,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of the passes that walk tiles; shaders/shared/tile_walk.wgsl says what the members are.
-    pub struct TileWalkPush {
+    /// Push constants of the passes that meet splats with tiles; shaders/shared/tile_push.wgsl says what the members are.
+    pub struct TilePush {
         count: u32,
         runs: u32,
         run_length: u32,
@@ -76,7 +76,7 @@ pass! {
 
 pass! {
     /// Splats per tile and run.
-    pub TileCount(TileWalkPush) = "sorted/tile-count" in "sorted/tile_count" {
+    pub TileCount(TilePush) = "sorted/tile-count" in "sorted/tile_count" {
         view: Uniform<View>,
         rectangles: Read<[u32; 2]>,
         counts: ReadWrite<u32>,
@@ -85,7 +85,7 @@ pass! {
 
 pass! {
     /// Splats into their tiles.
-    pub TileStore(TileWalkPush) = "sorted/tile-store" in "sorted/tile_store" {
+    pub TileStore(TilePush) = "sorted/tile-store" in "sorted/tile_store" {
         view: Uniform<View>,
         rectangles: Read<[u32; 2]>,
         cursors: ReadWrite<u32>,
@@ -203,9 +203,8 @@ impl Binning {
         self.tiles() * u64::from(self.runs.runs) + 1
     }
 
-    fn run(&self, subgroup: u32) -> Run<'static> {
-        let blocks = [self.columns.div_ceil(self.block[0]), self.rows.div_ceil(self.block[1])];
-        let push = TileWalkPush {
+    fn push(&self) -> TilePush {
+        TilePush {
             count: self.drawn as u32,
             runs: self.runs.runs,
             run_length: self.runs.length,
@@ -213,14 +212,18 @@ impl Binning {
             rows: self.rows,
             block_columns: self.block[0],
             block_rows: self.block[1],
-            blocks_x: blocks[0],
-        };
-        let groups = u64::from(self.runs.runs) * u64::from(blocks[0]) * u64::from(blocks[1]);
-        Run::new(Dispatch::Groups(groups)).push(&push).variant(walk_variant(subgroup))
+            blocks_x: self.columns.div_ceil(self.block[0]),
+        }
+    }
+
+    /// Subgroups of `sorted/tile-store`: one for each run and block.
+    fn groups(&self) -> u64 {
+        let blocks = self.columns.div_ceil(self.block[0]) * self.rows.div_ceil(self.block[1]);
+        u64::from(self.runs.runs) * u64::from(blocks)
     }
 }
 
-/// Columns and rows of the pattern of tiles that the invocations of a subgroup own; as in shaders/shared/tile_walk.wgsl.
+/// Columns and rows of the pattern of tiles that the invocations of a subgroup own; as in shaders/shared/tile_push.wgsl.
 fn pattern(subgroup: u32) -> [u32; 2] {
     let columns = match subgroup {
         32 => 8,
@@ -291,7 +294,7 @@ impl Sorted {
         let key_bits = u32::BITS - none.leading_zeros();
         let last = self.radix.record(&mut recorder, device, records, key_bits, subgroup)?;
         self.record_gather(&mut recorder, device, job, drawn, records[last])?;
-        self.record_tile_count(&mut recorder, job, &binning, subgroup)?;
+        self.record_tile_count(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("sorted/sort and count")?);
         let [overflow, entries] = [self.summary.mapped_slice()[0], self.summary.mapped_slice()[1]];
         if overflow != 0 || u64::from(entries) * 4 > left {
@@ -305,7 +308,8 @@ impl Sorted {
         let (rectangles, cursors) = (self.rectangles.get().all(), self.cursors.get().slice(0, binning.cells()));
         let entries = self.entries.get().all();
         let store = TileStore { view: cloud.view(), rectangles, cursors, entries };
-        recorder.run(&store, &binning.run(subgroup))?;
+        let run = Run::new(Dispatch::Groups(binning.groups())).push(&binning.push());
+        recorder.run(&store, &run.variant(tile_variant().subgroup(subgroup)))?;
         let blend = Blend {
             view: cloud.view(),
             ends: cursors,
@@ -402,7 +406,6 @@ impl Sorted {
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
         binning: &Binning,
-        subgroup: u32,
     ) -> Result<(), Error> {
         let Some(scan) = &self.scan else { return Ok(()) };
         let cells = binning.cells();
@@ -410,7 +413,8 @@ impl Sorted {
         recorder.fill("sorted/clear", counts, 0)?;
         recorder.fill("sorted/clear", self.overflow.all(), 0)?;
         let rectangles = self.rectangles.get().all();
-        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, &binning.run(subgroup))?;
+        let run = Run::new(Dispatch::Invocations(binning.drawn)).push(&binning.push()).variant(tile_variant());
+        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, &run)?;
         scan.record(recorder, counts, cursors, self.overflow.all())?;
         recorder.copy("sorted/summary", self.overflow.all(), self.summary.slice(0, 1))?;
         recorder.copy("sorted/summary", cursors.skip(cells - 1), self.summary.slice(1, 1))?;
@@ -437,9 +441,9 @@ fn depth_key(depth: f32) -> u32 {
     if bits >> 31 != 0 { !bits } else { bits | 1 << 31 }
 }
 
-/// The variant of the passes that walk tiles.
-pub fn walk_variant(subgroup: u32) -> Variant {
-    Variant::plain().subgroup(subgroup).constant("TILE_SIDE", TILE_SIDE)
+/// The variant of the passes that meet splats with tiles.
+pub fn tile_variant() -> Variant {
+    Variant::plain().constant("TILE_SIDE", TILE_SIDE)
 }
 
 /// A variant of `sorted/blend`, from that of shape and falloff.

@@ -36,7 +36,9 @@ pass! {
 }
 
 /// Widest digit in bits.
-const DIGIT_BITS: u32 = 9;
+const MOST_BITS: u32 = 9;
+/// Narrowest.
+const LEAST_BITS: u32 = 4;
 
 /// How records are cut into runs, each of which one subgroup takes in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,13 +79,13 @@ impl Radix {
 
     /// Device bytes of a sort of so many records, the records themselves not counted.
     pub fn bytes(device: &Device, records: u64) -> u64 {
-        let counters = counters(runs(device, records));
+        let counters = counters(device, records);
         counters * 8 + Scan::bytes(counters)
     }
 
     /// Makes room for a sort of so many records.
     pub fn reserve(&mut self, device: &Device, records: u64) -> Result<(), Error> {
-        let counters = counters(runs(device, records));
+        let counters = counters(device, records);
         self.counts.reserve(device, counters)?;
         self.cursors.reserve(device, counters)?;
         // A smaller one is freed before a larger one is made.
@@ -106,8 +108,9 @@ impl Radix {
     ) -> Result<usize, Error> {
         let [mut records, mut moved] = buffers;
         let Some(scan) = &self.scan else { return Ok(0) };
-        let Runs { runs, length } = runs(device, records.len());
-        let digits = bits.div_ceil(DIGIT_BITS).max(1);
+        let cut = runs(device, records.len());
+        let Runs { runs, length } = cut;
+        let digits = bits.div_ceil(widest(cut, records.len())).max(1);
         let digit_bits = bits.div_ceil(digits);
         for digit in 0..digits {
             let mask = (1 << digit_bits) - 1;
@@ -130,8 +133,14 @@ fn runs(device: &Device, records: u64) -> Runs {
     Runs::new(device, records, 1024, 1 << 17)
 }
 
-fn counters(runs: Runs) -> u64 {
-    u64::from(runs.runs) << DIGIT_BITS
+/// The widest digit whose counters do not outweigh the records.
+fn widest(cut: Runs, records: u64) -> u32 {
+    (records / u64::from(cut.runs)).max(1).ilog2().clamp(LEAST_BITS, MOST_BITS)
+}
+
+fn counters(device: &Device, records: u64) -> u64 {
+    let cut = runs(device, records);
+    u64::from(cut.runs) << widest(cut, records)
 }
 
 /// The variant of `radix/scatter`.

@@ -1,0 +1,27 @@
+// What the passes bind that meet drawn splats with tiles.
+#import splat
+
+struct Push {
+    // Drawn splats, and how they are cut into runs.
+    count: u32,
+    runs: u32,
+    run_length: u32,
+    // Tiles of the window in x and y, and of a block.
+    columns: u32,
+    rows: u32,
+    block_columns: u32,
+    block_rows: u32,
+    // Blocks in x.
+    blocks_x: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> rectangles: array<vec2<u32>>;
+var<immediate> push: Push;
+
+// First column and row of tiles that a rectangle meets, and one past the last ones.
+fn tiles_of(rect: vec2<u32>) -> vec4<u32> {
+    let low = (vec2<u32>(rect.x & 0xffffu, rect.y & 0xffffu) - view.window.xy) / TILE_SIDE;
+    let high = (vec2<u32>(rect.x >> 16u, rect.y >> 16u) - 1u - view.window.xy) / TILE_SIDE + 1u;
+    return vec4<u32>(low, high);
+}
