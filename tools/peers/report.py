@@ -86,14 +86,13 @@ def time_row(measurements, facts, scene, tool):
     rows = of(measurements, scene, tool)
     cells = [scene, tool]
     if not rows:
-        reasons = [m["missing"] for m in measurements if (m["scene"], m["tool"]) == (scene, tool)]
-        return [scene, f"{tool} (missing: {reasons[0]})", *[NOTHING] * 7]
+        return [scene, tool, "missing", *[NOTHING] * 6]
     times = [ms for row in rows for ms in row["ms"]]
     calibrations = [row["cal_ms"] for row in rows]
     error = next((row["error"] for row in rows if row.get("error")), None)
     cells += [number(median(times)), f"{number(min(times))}–{number(max(times))}", str(len(times))]
     cells.append(number(fragment_ns(measurements, facts, scene, tool)))
-    cells += [f"{error['rmse']:.1e}", f"{error['above_1_255']:.2%}"] if error else [NOTHING] * 2
+    cells += [f"{error['rmse']:.1e}", f"{error['above_1_255']:.4%}"] if error else [NOTHING] * 2
     cells.append(f"{min(calibrations):.0f}–{max(calibrations):.0f}")
     return cells
 
@@ -103,6 +102,12 @@ def times_table(measurements, facts):
     header = ["scene", "tool", "ms", "range", "frames", "ns per fragment", "RMSE", "pixels off by > 1/255", "cal ms"]
     names = dict.fromkeys((m["scene"], m["tool"]) for m in measurements)
     return markdown(header, [time_row(measurements, facts, *name) for name in names])
+
+
+def reasons(measurements):
+    """Why rows are missing, each reason once."""
+    found = dict.fromkeys(f"- {m['tool']} is missing: {m['missing']}" for m in measurements if "missing" in m)
+    return "\n".join(found) or "Nothing is missing."
 
 
 def ratios_table(measurements, facts):
@@ -125,6 +130,7 @@ def report(measurements, facts, machine):
             f"Machine: {about}.",
             "Tools: " + "; ".join(versions) + ".",
             times_table(measurements, facts),
+            reasons(measurements),
             ratios_table(measurements, facts),
         ]
     )

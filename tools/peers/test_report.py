@@ -2,7 +2,7 @@
 
 import unittest
 
-from report import frame_ms, number, per_fragment_growth, ratio, ratios_table, times_table
+from report import frame_ms, number, per_fragment_growth, ratio, ratios_table, reasons, times_table
 
 
 def line(scene, tool, repeat, *ms, **rest):
@@ -64,12 +64,14 @@ class Tables(unittest.TestCase):
 
     def test_a_row_says_it_all(self):
         row = times_table(DRIFT, FACTS).splitlines()[2]
-        self.assertEqual(row, "| S2_32 | pellucid sorted | 50 | 40–300 | 5 | 50 | 1.2e-07 | 1.25% | 100–102 |")
+        self.assertEqual(row, "| S2_32 | pellucid sorted | 50 | 40–300 | 5 | 50 | 1.2e-07 | 1.2500% | 100–102 |")
 
     def test_what_is_missing_is_listed(self):
         absent = {"scene": "S2_32", "tool": "vtk sorted", "repeat": 0, "cal_ms": 1, "missing": "no module"}
         row = times_table([*DRIFT, absent], FACTS).splitlines()[-1]
-        self.assertEqual(row, "| S2_32 | vtk sorted (missing: no module) |" + " – |" * 7)
+        self.assertEqual(row, "| S2_32 | vtk sorted | missing |" + " – |" * 6)
+        self.assertEqual(reasons([*DRIFT, absent, absent]), "- vtk sorted is missing: no module")
+        self.assertEqual(reasons(DRIFT), "Nothing is missing.")
 
     def test_targets_stand_over_the_ratios(self):
         rows = ratios_table(LISTS, FACTS).splitlines()

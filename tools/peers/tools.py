@@ -102,7 +102,8 @@ def measure_pellucid(binary, tool, job):
     result = {
         "ms": [frame["wall_ms"] for frame in profile["frames"]],
         "version": run([binary, "--version"]).strip(),
-        "driver": f"{profile['device']['name']}, {profile['memory']['bands']} band(s)",
+        "driver": profile["device"]["name"],
+        "bands": profile["memory"]["bands"],
     }
     if not job.with_image:
         return result, None
