@@ -7,13 +7,13 @@ step() { echo "== $*"; }
 
 # Runs a tool that not everybody has; CI has all of them.
 optional() {
-    local tool=$1 crate=$2
+    local tool=$1 how=$2
     shift 2
     step "$*"
     if command -v "$tool" >/dev/null; then
         "$@"
     else
-        echo "note: skipped, $tool is not installed (cargo install --locked $crate)"
+        echo "note: skipped, $tool is not installed ($how)"
     fi
 }
 
@@ -23,7 +23,10 @@ step cargo clippy
 cargo clippy --locked --all-targets -- -D warnings
 step cargo doc
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
-optional typos typos-cli typos
-optional cargo-deny cargo-deny cargo deny --locked check
+optional typos "cargo install --locked typos-cli" typos
+optional cargo-deny "cargo install --locked cargo-deny" cargo deny --locked check
+optional ruff "pip install ruff" ruff check tools/peers
+optional ruff "pip install ruff" ruff format --check tools/peers
+optional python3 "the scripts in tools/peers are in Python" python3 -m unittest discover tools/peers
 step tools/test.sh
 tools/test.sh
