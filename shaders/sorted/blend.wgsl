@@ -14,6 +14,8 @@ struct Push {
     runs: u32,
     // Key of the nearest depth.
     nearest: u32,
+    // Which part of each tile's splats: those from segment * TAKEN on.
+    segment: u32,
     // Largest opacity, and largest color component, background included: bounds of what may still come.
     most_opacity: f32,
     most_color: f32,
@@ -30,6 +32,9 @@ struct Push {
 @group(0) @binding(8) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
+// Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow. The next run goes on
+// from the image.
+override TAKEN: u32 = 1u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 // What may stop a block: 0 nothing (every fragment is counted), 1 only what changes no bit, 2 what changes no 8-bit sRGB
@@ -46,6 +51,7 @@ const HELD = SIDE * SIDE / SUBGROUP;
 const BLOCKS = TILE_SIDE / SIDE;
 
 #each held var<private> sum{held}: Composed;
+#each held var<private> before{held}: u32;
 
 // Where in the tile the i-th pixel lies that this invocation holds.
 fn place(lane: u32, i: u32) -> vec2<u32> {
@@ -146,14 +152,24 @@ fn blend(block: u32, hits: u32, splat: Splat, tilt: Tilt, color: vec4<f32>, rank
     }
 }
 
-fn finish(sum: Composed, pixel: vec2<u32>) {
+// What the runs before left of a pixel.
+fn resume(pixel: vec2<u32>) -> Composed {
+    if push.segment == 0u || any(pixel >= view.window.zw) {
+        return Composed(vec4<f32>(0.0), NOTHING);
+    }
+    let p = window_index(pixel, view.window);
+    // A depth stands for its key: nothing behind asks for the rank again.
+    return Composed(image[p], select(depth_key(depths[p]), NOTHING, depths[p] > 3.4e38));
+}
+
+fn finish(sum: Composed, before: u32, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
     let p = window_index(pixel, view.window);
     image[p] = sum.rgba;
     var key = sum.key;
-    if SHAPE != SHAPE_ORIENTED && key != NOTHING {
+    if SHAPE != SHAPE_ORIENTED && key != before {
         key = records[key].x + push.nearest;
     }
     depths[p] = composed_depth(key);
@@ -170,11 +186,16 @@ fn main(
         return;
     }
     let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE;
-#each held     sum{held} = Composed(vec4<f32>(0.0), NOTHING);
-    let end = ends[(tile + 1u) * push.runs - 1u];
+    let start = tile_start(tile) + push.segment * TAKEN;
+    let end = min(start + TAKEN, ends[(tile + 1u) * push.runs - 1u]);
+    if push.segment > 0u && start >= end {
+        return;
+    }
+#each held     sum{held} = resume(corner + place(lane, {held}u));
+#each held     before{held} = sum{held}.key;
     var live = (1u << (BLOCKS * BLOCKS)) - 1u;
     var steps = 0u;
-    for (var next = tile_start(tile); next < end && live != 0u; next += SUBGROUP) {
+    for (var next = start; next < end && live != 0u; next += SUBGROUP) {
         let present = next + lane < end;
         let rank = entries[min(next + lane, end - 1u)];
         let footprint = footprints[rank];
@@ -192,5 +213,5 @@ fn main(
 #each block             live = close(live, {block}u);
         }
     }
-#each held     finish(sum{held}, corner + place(lane, {held}u));
+#each held     finish(sum{held}, before{held}, corner + place(lane, {held}u));
 }

@@ -47,6 +47,7 @@ gpu_struct! {
         tiles: u32,
         runs: u32,
         nearest: u32,
+        segment: u32,
         most_opacity: f32,
         most_color: f32,
     }
@@ -93,6 +94,22 @@ pass! {
     }
 }
 
+gpu_struct! {
+    /// Push constants of `sorted/measure`: tiles, and cells of each.
+    pub struct MeasurePush {
+        tiles: u32,
+        runs: u32,
+    }
+}
+
+pass! {
+    /// The longest list of a tile.
+    pub Measure(MeasurePush) = "sorted/measure" {
+        starts: Read<u32>,
+        longest: ReadWrite<u32>,
+    }
+}
+
 pass! {
     /// Tiles to pixels.
     pub Blend(BlendPush) = "sorted/blend" {
@@ -118,6 +135,8 @@ const BLOCK_SIDE: u32 = 8;
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
 const MOST_ITERATIONS: u64 = 50_000;
+/// Splats of a tile that one run of `sorted/blend` takes, at five iterations each.
+const SEGMENT: u32 = 8192;
 /// Shortest run of splats that a subgroup walks.
 const SHORTEST_RUN: u64 = 256;
 
@@ -165,6 +184,7 @@ pub struct Sorted {
     cursors: Kept<u32>,
     scan: Option<Scan>,
     overflow: Buffer<u32>,
+    longest: Buffer<u32>,
     summary: Buffer<u32>,
     entries: Kept<u32>,
 }
@@ -248,7 +268,8 @@ impl Sorted {
             cursors: Kept::new("tile cursors by run", Memory::Device),
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
-            summary: device.buffer("tile summary", 2, Memory::Readback)?,
+            longest: device.buffer("longest tile list", 1, Memory::Device)?,
+            summary: device.buffer("tile summary", 3, Memory::Readback)?,
             entries: Kept::new("sorted tile entries", Memory::Device),
         })
     }
@@ -296,7 +317,8 @@ impl Sorted {
         self.record_gather(&mut recorder, device, job, drawn, records[last])?;
         self.record_tile_count(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("sorted/sort and count")?);
-        let [overflow, entries] = [self.summary.mapped_slice()[0], self.summary.mapped_slice()[1]];
+        let words = self.summary.mapped_slice();
+        let [overflow, entries, longest] = [words[0], words[1], words[2]];
         if overflow != 0 || u64::from(entries) * 4 > left {
             return Ok(Outcome::Overflow);
         }
@@ -322,16 +344,20 @@ impl Sorted {
             depths: target.depths(),
         };
         let (stop, most_color) = stop(job);
-        let push = BlendPush {
-            columns: binning.columns,
-            tiles: binning.tiles() as u32,
-            runs: binning.runs.runs,
-            nearest,
-            most_opacity: cloud.most_opacity(),
-            most_color,
-        };
         let variant = blend_variant(compose::shape_variant(job.raster.footprint, job.discs.falloff), stop, subgroup);
-        recorder.run(&blend, &Run::new(Dispatch::Groups(binning.tiles())).push(&push).variant(variant))?;
+        for segment in 0..longest.div_ceil(SEGMENT).max(1) {
+            let push = BlendPush {
+                columns: binning.columns,
+                tiles: binning.tiles() as u32,
+                runs: binning.runs.runs,
+                nearest,
+                segment,
+                most_opacity: cloud.most_opacity(),
+                most_color,
+            };
+            let run = Run::new(Dispatch::Groups(binning.tiles())).push(&push).variant(variant.clone());
+            recorder.run(&blend, &run)?;
+        }
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("sorted/blend")?);
         Ok(Outcome::Done)
@@ -416,8 +442,14 @@ impl Sorted {
         let run = Run::new(Dispatch::Invocations(binning.drawn)).push(&binning.push()).variant(tile_variant());
         recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, &run)?;
         scan.record(recorder, counts, cursors, self.overflow.all())?;
+        let (tiles, longest) = (binning.tiles(), self.longest.all());
+        recorder.fill("sorted/clear", longest, 0)?;
+        let run = Run::new(Dispatch::Invocations(tiles));
+        let push = MeasurePush { tiles: tiles as u32, runs: binning.runs.runs };
+        recorder.run(&Measure { starts: cursors, longest }, &run.push(&push))?;
         recorder.copy("sorted/summary", self.overflow.all(), self.summary.slice(0, 1))?;
         recorder.copy("sorted/summary", cursors.skip(cells - 1), self.summary.slice(1, 1))?;
+        recorder.copy("sorted/summary", longest, self.summary.slice(2, 1))?;
         Ok(())
     }
 }
@@ -451,6 +483,7 @@ pub fn blend_variant(shape: Variant, stop: u32, subgroup: u32) -> Variant {
     let blocks = (TILE_SIDE / BLOCK_SIDE).pow(2);
     shape
         .with("STOP", stop)
+        .with("TAKEN", SEGMENT)
         .constant("TILE_SIDE", TILE_SIDE)
         .subgroup(subgroup)
         .each("block", blocks)
