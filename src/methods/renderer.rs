@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
-use super::abuffer::{ABuffer, Lists, Outcome};
+use super::abuffer::{ABuffer, Lists, Outcome, Storing};
 use super::bands::{self, Budget, Window};
 use super::splat::Opaque;
-use super::{Error, abuffer, splat};
+use super::{Error, abuffer, linked_list, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -280,7 +280,9 @@ impl Renderer {
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
-        self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget, progress: &self.progress })
+        let storing = storing(&frame.method);
+        self.abuffer
+            .lists(&self.device, &abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress })
     }
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -302,7 +304,7 @@ impl Renderer {
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
+        let asked = frame.method.lists().map_or(Raster::Auto, |discs| discs.raster);
         let walker = self.walker(asked, window)?;
         let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
@@ -314,8 +316,9 @@ impl Renderer {
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let device = &self.device;
         let outcome = match frame.method {
-            Method::ABuffer(discs) => {
-                let job = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
+            Method::ABuffer(discs) | Method::LinkedList(discs) => {
+                let storing = storing(&frame.method);
+                let job = abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress };
                 if work.survey {
                     self.abuffer.survey(device, &job, work.timeline, work.facts)?
                 } else {
@@ -375,7 +378,7 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
-        let (Some(fragments), Method::ABuffer(_)) = (&mut image.fragments, frame.method) else { return Ok(()) };
+        let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.lists()) else { return Ok(()) };
         let counts = self.abuffer.read_counts(window)?;
         let width = (window[2] - window[0]) as usize;
         for (row, counts) in counts.chunks(width).enumerate() {
@@ -386,10 +389,15 @@ impl Renderer {
     }
 }
 
+/// How a method's fragments are stored.
+fn storing(method: &Method) -> Storing {
+    if let Method::LinkedList(_) = method { Storing::Links } else { Storing::Slots }
+}
+
 /// The windows of a frame, the first one last.
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
-        Method::ABuffer(_) => abuffer::PIXEL_BYTES,
+        Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         _ => splat::PIXEL_BYTES,
     };
     let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
@@ -436,15 +444,14 @@ fn blank(frame: &Frame) -> Image {
         height: frame.size[1],
         rgba: vec![[0.0; 4]; pixels],
         depth: vec![f32::INFINITY; pixels],
-        fragments: (frame.fragments && matches!(frame.method, Method::ABuffer(_))).then(|| vec![0; pixels]),
+        fragments: (frame.fragments && frame.method.lists().is_some()).then(|| vec![0; pixels]),
     }
 }
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(Discs { shape: DiscShape::Flat, .. }) => (Footprint::Disc, 1.0, f32::MAX),
-        Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }) => (Footprint::Oriented, 1.0, f32::MAX),
+        Method::ABuffer(discs) | Method::LinkedList(discs) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
@@ -483,8 +490,8 @@ fn aggregate(
 fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    let oriented = matches!(frame.method, Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }));
+    let transparent = frame.method.lists().is_some();
+    let oriented = frame.method.lists().is_some_and(|discs| discs.shape == DiscShape::Oriented);
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
@@ -498,6 +505,12 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "abuffer/store" => {
             Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))
         }
+        // Besides the node, its link and the counter of nodes, read and written.
+        "linked-list/store" => {
+            Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT + LINK + 8))
+        }
+        // Every run looks at all offsets.
+        "linked-list/gather" => Some(pixels * 8 + facts.fragments * (2 * FRAGMENT + LINK)),
         "abuffer/cursors" => Some(pixels * 8),
         "image/clear" => Some(pixels * 20),
         "abuffer/classify" => Some(pixels * 4),
@@ -510,3 +523,4 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
 }
 
 const FRAGMENT: u64 = abuffer::FRAGMENT_BYTES;
+const LINK: u64 = linked_list::LINK_BYTES;
