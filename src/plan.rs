@@ -5,7 +5,7 @@ use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::{Facts, Frame};
 use crate::passes::tiles;
 use crate::points::Points;
-use crate::scene::{Discs, Method, ScreenSplats, ShadingModel};
+use crate::scene::{Discs, LongLists, Method, ScreenSplats, ShadingModel};
 
 /// One pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -48,15 +48,14 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    if transparent {
-        plan.abuffer(frame, facts, seen, why);
+    if let Some(discs) = frame.method.lists() {
+        plan.lists(frame, discs, facts, seen, why);
         for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
             plan.add(name, false, format!("no opaque method: {why}"));
         }
     } else {
         plan.opaque(device, frame, facts, wide_atomics, seen, why);
-        for name in abuffer_passes() {
+        for name in list_passes() {
             plan.add(name, false, format!("no transparency: {why}"));
         }
     }
@@ -69,7 +68,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 }
 
 /// The passes that a frame with lists begins with.
-const LISTS: [&str; 7] = [
+const LISTS: [&str; 10] = [
     "abuffer/clear",
     "abuffer/count",
     "abuffer/measure",
@@ -77,22 +76,27 @@ const LISTS: [&str; 7] = [
     "abuffer/summary",
     "image/clear",
     "abuffer/store",
+    "linked-list/clear",
+    "linked-list/store",
+    "linked-list/gather",
 ];
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
-/// The passes of lists that are too long for one invocation.
-const LONG: [&str; 6] = [
-    "abuffer/split",
-    "abuffer/run-groups",
-    "abuffer/sort-runs",
-    "abuffer/merge",
-    "abuffer/blend-runs",
-    "abuffer/combine",
+/// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
+const LONG: [(&str, Option<LongLists>); 8] = [
+    ("abuffer/split", None),
+    ("abuffer/run-groups", None),
+    ("abuffer/sort-runs", Some(LongLists::Merge)),
+    ("abuffer/merge", Some(LongLists::Merge)),
+    ("abuffer/sort-blocks", Some(LongLists::InPlace)),
+    ("abuffer/merge-in-place", Some(LongLists::InPlace)),
+    ("abuffer/blend-runs", None),
+    ("abuffer/combine", None),
 ];
 
-/// The passes of the A-buffer.
-fn abuffer_passes() -> impl Iterator<Item = &'static str> {
-    LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG)
+/// The passes of the methods with lists.
+fn list_passes() -> impl Iterator<Item = &'static str> {
+    LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG.map(|(name, _)| name))
 }
 
 /// Elements that a prefix sum takes in one run, without a level of sums above.
@@ -112,7 +116,7 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
-    fn abuffer(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
+    fn lists(&mut self, frame: &Frame, discs: &Discs, facts: &Facts, seen: bool, why: &str) {
         let nothing = "no splat touches the image";
         let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
         self.add("abuffer/clear", true, "counters start at zero");
@@ -122,15 +126,26 @@ impl Plan {
         let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
         let tiled = self.tiles(frame, facts);
         self.scan(counts.max(tiled), "fragment counts");
-        self.add("abuffer/cursors", true, "the next free slot of each list is its first");
+        let linked = matches!(frame.method, Method::LinkedList(_));
+        let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+        self.add("abuffer/cursors", !linked, slots);
         self.add("abuffer/summary", true, "the fragments' total decides the bands");
         self.add("image/clear", true, "pixels without fragments stay empty");
         let any = facts.fragments > 0;
-        self.add("abuffer/store", any, pick(format!("{} fragments in {} band(s)", facts.fragments, facts.bands)));
+        let stored = format!("{} fragments in {} band(s)", facts.fragments, facts.bands);
+        for (name, for_links) in [
+            ("abuffer/store", false),
+            ("linked-list/clear", true),
+            ("linked-list/store", true),
+            ("linked-list/gather", true),
+        ] {
+            let reason = if for_links == linked { pick(stored.clone()) } else { why.to_owned() };
+            self.add(name, any && for_links == linked, reason);
+        }
         for name in BY_LENGTH {
             self.add(name, any, pick("lists of each length get their own kernel".to_owned()));
         }
-        self.kernels(facts.max_list);
+        self.kernels(facts.max_list, discs.long_lists);
     }
 
     /// The lists of large splats by tile; returns the longest prefix sum that they need.
@@ -161,7 +176,7 @@ impl Plan {
     }
 
     /// The kernels of the lengths that there are.
-    fn kernels(&mut self, longest: u32) {
+    fn kernels(&mut self, longest: u32, long_lists: LongLists) {
         for (class, (most, name)) in CLASSES.into_iter().enumerate() {
             let least = lower_bound(class) + 1;
             let on = longest >= least;
@@ -179,8 +194,11 @@ impl Plan {
         } else {
             format!("no list is longer than {LOCAL_LENGTH} (longest: {longest})")
         };
-        for name in LONG {
-            self.add(name, long, reason.clone());
+        for (name, way) in LONG {
+            let taken = way.is_none_or(|way| way == long_lists);
+            let how = if long_lists == LongLists::Merge { "merge" } else { "in-place" };
+            let reason = if taken { reason.clone() } else { format!("long_lists = \"{how}\"") };
+            self.add(name, long && taken, reason);
         }
     }
 

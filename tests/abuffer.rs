@@ -6,49 +6,14 @@ use common::*;
 use glam::{DVec3, Vec3};
 use pellucid::camera::Camera;
 use pellucid::gpu::Device;
-use pellucid::methods::{Error, Renderer};
+use pellucid::methods::{Error, Frame, Renderer, abuffer};
 use pellucid::points::Points;
 use pellucid::reference;
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading, ShadingModel};
+use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, LongLists, Method, Raster, Shading, ShadingModel};
 use rand::seq::SliceRandom;
-
-const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];
-const FALLOFFS: [Falloff; 2] = [Falloff::Flat, Falloff::Gaussian];
-const RASTERS: [Raster; 2] = [Raster::Compute, Raster::Hardware];
-
-/// All combinations of shape, falloff and raster.
-fn all_discs() -> impl Iterator<Item = Discs> {
-    SHAPES.into_iter().flat_map(|shape| {
-        FALLOFFS.into_iter().flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster }))
-    })
-}
 
 fn flat() -> Method {
     Method::ABuffer(Discs::default())
-}
-
-fn reference(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> reference::Picture {
-    let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-    reference::abuffer::render(camera, size, points, &colors, discs)
-}
-
-/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
-fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
-    let all = scene_in_order(points);
-    let clear =
-        |i: usize| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&all, i, shape)) > 0.02;
-    (0..points.len()).filter(|i| clear(*i)).map(|i| points[i]).collect()
-}
-
-/// The points in the order given, for looking at them one by one.
-fn scene_in_order(points: &[P]) -> Points {
-    Points {
-        positions: points.iter().map(|p| p.position).collect(),
-        colors: points.iter().map(|p| p.color).collect(),
-        opacities: points.iter().map(|p| p.opacity).collect(),
-        radii: points.iter().map(|p| p.radius).collect(),
-        normals: Some(points.iter().map(|p| p.normal).collect()),
-    }
 }
 
 #[test]
@@ -93,7 +58,7 @@ fn coverage_safe_scenes_equal_the_reference_to_3e_5() {
                 let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 assert!(points.len() > 800, "most points are safe: {}", points.len());
                 let image = render(device, &points, &frame(camera, size, Method::ABuffer(discs)));
-                let (largest, _) = difference(&image, &reference(&points, &camera, size, &discs), 0.0);
+                let (largest, _) = difference(&image, &exact(&points, &camera, size, &discs), 0.0);
                 // Fragments of one pixel nearer than float32 can tell are as good as absent in these scenes.
                 assert!(largest < 3e-5, "{discs:?}: {largest}");
             }
@@ -110,7 +75,7 @@ fn depth_and_counts_equal_the_reference() {
             let camera = perspective();
             let points = scene(&safe(&mixed, &camera, size, discs.shape));
             let image = render(device, &points, &frame(camera, size, Method::ABuffer(discs)));
-            let wanted = reference(&points, &camera, size, &discs);
+            let wanted = exact(&points, &camera, size, &discs);
             assert_eq!(image.fragments.as_deref(), Some(&wanted.counts[..]), "{discs:?}");
             for (found, wanted) in image.depth.iter().zip(&wanted.depth) {
                 // A few roundings of a depth of about 5; an oriented disc adds a slope of at most some hundred.
@@ -130,7 +95,7 @@ fn random_soups_differ_in_few_pixels() {
                 let discs = Discs { shape, ..Discs::default() };
                 let points = scene(&soup(seed, count, radius.clone(), 0.05..0.95, true));
                 let image = render(device, &points, &frame(perspective(), size, Method::ABuffer(discs)));
-                let (_, over) = difference(&image, &reference(&points, &perspective(), size, &discs), 1e-3);
+                let (_, over) = difference(&image, &exact(&points, &perspective(), size, &discs), 1e-3);
                 assert!(over < 0.005, "seed {seed} {shape:?}: {over}");
             }
         }
@@ -142,7 +107,7 @@ fn the_comparison_notices_a_wrong_image() {
     with_device(|device| {
         let points = scene(&soup(14, 300, 0.05..0.2, 0.2..0.8, false));
         let mut image = render(device, &points, &frame(perspective(), [64, 64], flat()));
-        let wanted = reference(&points, &perspective(), [64, 64], &Discs::default());
+        let wanted = exact(&points, &perspective(), [64, 64], &Discs::default());
         let middle = 32 * 64 + 32;
         image.rgba[middle][1] += 1e-3;
         assert!(difference(&image, &wanted, 0.0).0 > 9e-4);
@@ -151,8 +116,13 @@ fn the_comparison_notices_a_wrong_image() {
     });
 }
 
-/// One pixel with these layers, front to back, each of one point; the image's R and A.
+/// The picture of one pixel with these layers, each of one point.
 fn one_pixel(device: &Device, layers: &[(f64, Vec3, f32)]) -> [f32; 4] {
+    one_pixel_by(device, flat(), layers).expect("renders")
+}
+
+/// As [`one_pixel`], by a method that may refuse.
+fn one_pixel_by(device: &Device, method: Method, layers: &[(f64, Vec3, f32)]) -> Result<[f32; 4], Error> {
     let points: Vec<P> = layers
         .iter()
         .map(|(depth, color, opacity)| P {
@@ -163,7 +133,35 @@ fn one_pixel(device: &Device, layers: &[(f64, Vec3, f32)]) -> [f32; 4] {
             normal: Vec3::ZERO,
         })
         .collect();
-    render(device, &scene(&points), &frame(pixel_camera([1, 1]), [1, 1], flat())).rgba[0]
+    let mut renderer = Renderer::new(device)?;
+    let mut cloud = renderer.upload(&scene(&points))?;
+    Ok(renderer.render(&mut cloud, &frame(pixel_camera([1, 1]), [1, 1], method))?.image.rgba[0])
+}
+
+/// Compares one pixel of `n` layers with the reference; its bits.
+fn assert_layers(device: &Device, method: Method, n: usize) -> [u32; 4] {
+    // Opacity falls with the length, so that the last layers still count.
+    let opacity = (3.0 / n as f32).min(0.5);
+    let mut layers: Vec<_> = (0..n)
+        .map(|i| {
+            let color = Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / n as f32);
+            (1.0 + i as f64, color, opacity)
+        })
+        .collect();
+    let fragments: Vec<reference::abuffer::Fragment> = layers
+        .iter()
+        .enumerate()
+        .map(|(i, l)| reference::abuffer::Fragment { z: l.0, index: i as u32, alpha: f64::from(l.2) })
+        .collect();
+    let colors: Vec<DVec3> = layers.iter().map(|l| l.1.as_dvec3()).collect();
+    let wanted = reference::abuffer::composite(&fragments, &colors);
+    layers.shuffle(&mut random(n as u64));
+    let found = one_pixel_by(device, method, &layers).expect("renders");
+    for (f, w) in found.iter().zip([wanted.color.x, wanted.color.y, wanted.color.z, wanted.alpha]) {
+        // 256 additions per run and at most 80 runs, each rounding a value below 1 by half an ulp.
+        assert!((f64::from(*f) - w).abs() < 3e-6, "{n} layers: {f} {w}");
+    }
+    found.map(f32::to_bits)
 }
 
 #[test]
@@ -180,29 +178,50 @@ fn a_hundred_thousand_thin_layers_are_not_lost() {
 fn long_lists_are_sorted_whatever_their_length() {
     with_device(|device| {
         for n in [1usize, 2, 3, 31, 32, 33, 63, 64, 65, 128, 129, 255, 256, 257, 511, 512, 513, 1025, 10_000] {
-            let mut r = random(n as u64);
-            // Opacity falls with the length, so that the last layers still count.
-            let opacity = (3.0 / n as f32).min(0.5);
-            let mut layers: Vec<_> = (0..n)
-                .map(|i| {
-                    let color = Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / n as f32);
-                    (1.0 + i as f64, color, opacity)
-                })
-                .collect();
-            let fragments: Vec<reference::abuffer::Fragment> = layers
-                .iter()
-                .enumerate()
-                .map(|(i, l)| reference::abuffer::Fragment { z: l.0, index: i as u32, alpha: f64::from(l.2) })
-                .collect();
-            let colors: Vec<DVec3> = layers.iter().map(|l| l.1.as_dvec3()).collect();
-            let wanted = reference::abuffer::composite(&fragments, &colors);
-            layers.shuffle(&mut r);
-            let found = one_pixel(device, &layers);
-            for (f, w) in found.iter().zip([wanted.color.x, wanted.color.y, wanted.color.z, wanted.alpha]) {
-                // 256 additions per run and at most 40 runs, each rounding a value below 1 by half an ulp.
-                assert!((f64::from(*f) - w).abs() < 3e-6, "{n} layers: {f} {w}");
-            }
+            assert_layers(device, flat(), n);
         }
+    });
+}
+
+fn in_place() -> Method {
+    Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..Discs::default() })
+}
+
+#[test]
+fn long_lists_are_sorted_in_place_to_the_same_bytes() {
+    with_device(|device| {
+        // Beyond 8571 one level of merges has more iterations than one run allows.
+        for n in [257usize, 512, 513, 4000, 8193, 20_000] {
+            assert_eq!(assert_layers(device, in_place(), n), assert_layers(device, flat(), n), "{n}");
+        }
+        // Many lists of many lengths at a time, ties among them, and in bands.
+        let mut points = soup(52, 1500, 0.2..1.5, 0.001..0.02, true);
+        for p in &mut points {
+            p.position = (p.position * 8.0).round() / 8.0;
+        }
+        let points = scene(&points);
+        let size = [64, 48];
+        let merged = render(device, &points, &frame(perspective(), size, flat()));
+        let lengths = merged.fragments.as_deref().expect("asked for");
+        assert!(lengths.iter().any(|n| *n < 200) && lengths.iter().any(|n| *n > 600));
+        for memory_budget in [None, Some(1 << 20)] {
+            let image = render(device, &points, &Frame { memory_budget, ..frame(perspective(), size, in_place()) });
+            assert!(bits(&image) == bits(&merged), "{memory_budget:?}");
+        }
+    });
+}
+
+#[test]
+fn lists_too_long_to_be_sorted_in_place_are_an_error_that_says_what_would_do() {
+    with_device(|device| {
+        let n = abuffer::in_place_length() + 1;
+        let layers: Vec<_> = (0..n).map(|i| (1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
+        let error = one_pixel_by(device, in_place(), &layers).expect_err("too long");
+        assert!(matches!(error, Error::ListTooLong { length, most } if length == n && most == n - 1), "{error:?}");
+        let message = error.to_string();
+        assert!(message.contains(&(n - 1).to_string()) && message.contains("long_lists = \"merge\""), "{message}");
+        one_pixel_by(device, in_place(), &layers[1..]).expect("the longest list allowed");
+        one_pixel_by(device, flat(), &layers).expect("merged whatever its length");
     });
 }
 
@@ -329,7 +348,8 @@ fn chunks_and_parts_change_no_byte() {
     // 4 MiB hold 131 072 points or 209 664 splats: three chunks, and two of the four parts that stages reach splats by.
     let points =
         |count| scene(&[soup(24, count, 0.0..0.005, 0.1..0.9, true), soup(25, 20, 0.2..0.6, 0.1..0.3, true)].concat());
-    let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster: Raster::Compute };
+    let discs =
+        Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster: Raster::Compute, ..Discs::default() };
     let cases = [
         (Method::ABuffer(discs), 300_000),
         (Method::ABuffer(Discs { raster: Raster::Hardware, shape: DiscShape::Flat, ..discs }), 140_000),
@@ -394,7 +414,7 @@ fn hard_cameras_and_sizes_equal_the_reference() {
                     let discs = Discs { shape, ..Discs::default() };
                     let points = scene(&safe(&soup, &camera, size, shape));
                     let image = render(device, &points, &frame(camera, size, Method::ABuffer(discs)));
-                    let (largest, _) = difference(&image, &reference(&points, &camera, size, &discs), 0.0);
+                    let (largest, _) = difference(&image, &exact(&points, &camera, size, &discs), 0.0);
                     assert!(largest < 3e-5, "{camera:?} {size:?} {shape:?}: {largest}");
                 }
             }
@@ -430,8 +450,7 @@ fn odd_points_are_drawn_as_the_reference_says() {
         for p in odd {
             let points = scene(&[p]);
             let image = render(device, &points, &frame(perspective(), [64, 64], flat()));
-            let (largest, _) =
-                difference(&image, &reference(&points, &perspective(), [64, 64], &Discs::default()), 0.0);
+            let (largest, _) = difference(&image, &exact(&points, &perspective(), [64, 64], &Discs::default()), 0.0);
             assert!(largest < 1e-6, "{p:?}: {largest}");
         }
         let empty = render(device, &scene(&odd[6..8]), &frame(perspective(), [64, 64], flat()));

@@ -82,6 +82,7 @@ fn every_key_of_the_contract_is_read() {
         shape = "oriented"
         falloff = "gaussian"
         raster = "compute"
+        long_lists = "in-place"
         "#,
     )
     .unwrap();
@@ -95,7 +96,12 @@ fn every_key_of_the_contract_is_read() {
     assert_eq!(cloud.path, PathBuf::from("/abs/scan.laz"));
     assert_eq!((cloud.color, cloud.radius), (Some(Vec3::new(1.0, 0.5, 0.25)), Some(0.01)));
     assert_eq!(cloud.translate, DVec3::new(500_000.0, 4_500_000.0, 100.0));
-    let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster: Raster::Compute };
+    let discs = Discs {
+        shape: DiscShape::Oriented,
+        falloff: Falloff::Gaussian,
+        raster: Raster::Compute,
+        long_lists: LongLists::InPlace,
+    };
     assert_eq!(scene.method, Method::ABuffer(discs));
     assert_eq!(scene.warnings, [""; 0]);
 }
@@ -173,7 +179,7 @@ fn syntax_errors_name_line_and_column() {
 #[test]
 fn methods_of_the_contract_that_are_missing_are_named() {
     let message = refused(&format!("[method]\nname = \"peel\"\n{CLOUD}"));
-    let expected = "method \"peel\" is not in this version; it has: auto, points, squares, circles, abuffer";
+    let expected = format!("method \"peel\" is not in this version; it has: {}", METHODS.join(", "));
     assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
 }

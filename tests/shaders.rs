@@ -2,7 +2,7 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
-use pellucid::methods::{abuffer, splat};
+use pellucid::methods::{abuffer, linked_list, splat};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint};
 use pellucid::passes::{raster, scan, tiles};
@@ -62,8 +62,12 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::RunGroups>(&mut seen, [Variant::plain()]);
     check::<abuffer::SortRuns>(&mut seen, [abuffer::sort_runs_variant()]);
     check::<abuffer::Merge>(&mut seen, [Variant::plain()]);
+    check::<abuffer::SortBlocks>(&mut seen, [abuffer::sort_blocks_variant()]);
+    check::<abuffer::MergeInPlace>(&mut seen, [Variant::plain()]);
     check::<abuffer::BlendRuns>(&mut seen, compose_variants());
     check::<abuffer::Combine>(&mut seen, [Variant::plain()]);
+    check::<linked_list::Store>(&mut seen, raster_variants());
+    check::<linked_list::Gather>(&mut seen, [linked_list::gather_variant()]);
     check::<splat::Nearest>(&mut seen, raster_variants());
     check::<splat::NearestDepth>(&mut seen, raster_variants());
     check::<splat::NearestId>(&mut seen, raster_variants());

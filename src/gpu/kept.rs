@@ -28,6 +28,11 @@ impl<T: GpuType> Kept<T> {
         Ok(())
     }
 
+    /// Frees the buffer.
+    pub fn release(&mut self) {
+        self.buffer = None;
+    }
+
     /// The buffer; there must have been a [`Self::reserve`].
     pub fn get(&self) -> &Buffer<T> {
         self.buffer.as_ref().expect("reserved before use")

@@ -2,6 +2,7 @@
 
 pub mod abuffer;
 pub mod bands;
+pub mod linked_list;
 pub mod renderer;
 pub mod sorted;
 pub mod splat;
@@ -45,6 +46,16 @@ pub enum Error {
         available: u64,
         /// The budget that would do.
         budget: u64,
+    },
+    /// A list is too long to be sorted in place.
+    #[error(
+        "a list of {length} fragments: long_lists = \"in-place\" sorts lists of up to {most}; use long_lists = \"merge\""
+    )]
+    ListTooLong {
+        /// Fragments of the list.
+        length: u32,
+        /// Fragments of the longest list that is sorted in place.
+        most: u32,
     },
     /// One pixel alone overflows the 32-bit counters.
     #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-use super::abuffer::{ABuffer, Lists};
+use super::abuffer::{ABuffer, Lists, Storing};
 use super::bands::{self, Budget, Window};
 use super::sorted::{self, Sorted, Stop};
 use super::splat::Opaque;
-use super::{Error, Outcome, abuffer, splat};
+use super::{Error, Outcome, abuffer, linked_list, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -289,7 +289,9 @@ impl Renderer {
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
-        self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget, progress: &self.progress })
+        let storing = storing(&frame.method);
+        self.abuffer
+            .lists(&self.device, &abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress })
     }
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -324,8 +326,9 @@ impl Renderer {
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let device = &self.device;
         let outcome = match frame.method {
-            Method::ABuffer(discs) => {
-                let job = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
+            Method::ABuffer(discs) | Method::LinkedList(discs) => {
+                let storing = storing(&frame.method);
+                let job = abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress };
                 if work.survey {
                     self.abuffer.survey(device, &job, work.timeline, work.facts)?
                 } else {
@@ -333,7 +336,8 @@ impl Renderer {
                 }
             }
             Method::Sorted(discs) => {
-                let abuffer = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
+                let storing = Storing::Slots;
+                let abuffer = abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress };
                 // Only lists have lengths: they are counted where these are asked for.
                 let listed = if work.survey || frame.fragments {
                     self.abuffer.survey(device, &abuffer, work.timeline, work.facts)?
@@ -423,10 +427,15 @@ impl Renderer {
     }
 }
 
+/// How a method's fragments are stored.
+fn storing(method: &Method) -> Storing {
+    if let Method::LinkedList(_) = method { Storing::Links } else { Storing::Slots }
+}
+
 /// The windows of a frame, the first one last.
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
-        Method::ABuffer(_) => abuffer::PIXEL_BYTES,
+        Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Sorted(_) if frame.fragments => abuffer::PIXEL_BYTES,
         Method::Sorted(_) => sorted::PIXEL_BYTES,
         _ => splat::PIXEL_BYTES,
@@ -482,7 +491,9 @@ fn blank(frame: &Frame) -> Image {
 /// How a method's splats are made.
 fn projecting(frame: &Frame) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(discs) | Method::Sorted(discs) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
+        Method::ABuffer(discs) | Method::LinkedList(discs) | Method::Sorted(discs) => {
+            (abuffer::footprint(discs.shape), 1.0, f32::MAX)
+        }
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
@@ -537,6 +548,12 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "abuffer/store" => {
             Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))
         }
+        // Besides the node, its link and the counter of nodes, read and written.
+        "linked-list/store" => {
+            Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT + LINK + 8))
+        }
+        // Every run looks at all offsets.
+        "linked-list/gather" => Some(pixels * 8 + facts.fragments * (2 * FRAGMENT + LINK)),
         "abuffer/cursors" => Some(pixels * 8),
         "image/clear" => Some(pixels * 20),
         "abuffer/classify" => Some(pixels * 4),
@@ -549,3 +566,4 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
 }
 
 const FRAGMENT: u64 = abuffer::FRAGMENT_BYTES;
+const LINK: u64 = linked_list::LINK_BYTES;

@@ -1,12 +1,13 @@
 //! The keys of every method of the contract, so that a key of a method that is not in force can be told from a slip.
 
 /// Methods that this version renders, by the names a scene file gives them.
-pub const METHODS: &[&str] = &["auto", "points", "squares", "circles", "abuffer", "sorted"];
+pub const METHODS: &[&str] = &["auto", "points", "squares", "circles", "abuffer", "linked-list", "sorted"];
 
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];
 const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];
 const BLENDED: &[&str] = &["size", "max_pixel_radius", "shape", "blend_depth"];
 const DISCS: &[&str] = &["shape", "falloff", "raster"];
+const LISTS: &[&str] = &["long_lists"];
 const FILTERS: &[&str] = &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance"];
 const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells", "pixels_per_shell", "layout"];
 
@@ -22,8 +23,8 @@ pub(crate) const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
     ("hqs", &[BLENDED]),
     ("splats", &[BLENDED]),
     ("image-space", &[FILTERS]),
-    ("abuffer", &[DISCS]),
-    ("linked-list", &[DISCS]),
+    ("abuffer", &[DISCS, LISTS]),
+    ("linked-list", &[DISCS, LISTS]),
     ("sorted", &[DISCS]),
     ("peel", &[DISCS, &["layers"]]),
     ("peel-layers", &[FILTERS, &["layers"]]),

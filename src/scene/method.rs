@@ -2,7 +2,7 @@
 
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
-use super::settings::{DiscShape, Discs, Falloff, Method, Raster, ScreenSplats};
+use super::settings::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats};
 use super::table::{Range, Table};
 
 /// Reads the table; keys of other methods become warnings.
@@ -22,6 +22,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
+        "linked-list" => Method::LinkedList(discs(table)?),
         "sorted" => Method::Sorted(discs(table)?),
         _ => Method::Auto,
     })
@@ -55,9 +56,11 @@ fn discs(table: &Table<'_>) -> Result<Discs, Error> {
     let shapes = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
     let falloffs = [("flat", Falloff::Flat), ("gaussian", Falloff::Gaussian)];
     let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
+    let long_lists = [("merge", LongLists::Merge), ("in-place", LongLists::InPlace)];
     Ok(Discs {
         shape: table.choice("shape", &shapes)?.unwrap_or_default(),
         falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
         raster: table.choice("raster", &rasters)?.unwrap_or_default(),
+        long_lists: table.choice("long_lists", &long_lists)?.unwrap_or_default(),
     })
 }

@@ -184,6 +184,16 @@ pub enum Raster {
     Hardware,
 }
 
+/// How lists that are too long for one invocation's registers are sorted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LongLists {
+    /// In runs, by many invocations, merged between two buffers.
+    #[default]
+    Merge,
+    /// By one invocation for each list, in the fragment buffer itself.
+    InPlace,
+}
+
 /// Settings of the disc family (`abuffer` and its relatives).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Discs {
@@ -193,6 +203,8 @@ pub struct Discs {
     pub falloff: Falloff,
     /// `raster`.
     pub raster: Raster,
+    /// `long_lists`; of `abuffer` and `linked-list`, which sort lists.
+    pub long_lists: LongLists,
 }
 
 /// Settings of opaque screen-aligned splats (`squares`, `circles`).
@@ -224,6 +236,8 @@ pub enum Method {
     Circles(ScreenSplats),
     /// Exact order-independent transparency (MCTB12).
     ABuffer(Discs),
+    /// The same image through linked lists (YHGT10).
+    LinkedList(Discs),
     /// Splats sorted once by depth, blended tile by tile; exact for flat discs.
     Sorted(Discs),
 }
@@ -237,14 +251,23 @@ impl Method {
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
             Self::ABuffer(_) => "abuffer",
+            Self::LinkedList(_) => "linked-list",
             Self::Sorted(_) => "sorted",
         }
     }
 
     /// The settings of a method that blends discs.
-    pub fn discs(&self) -> Option<Discs> {
+    pub fn discs(&self) -> Option<&Discs> {
         match self {
-            Self::ABuffer(discs) | Self::Sorted(discs) => Some(*discs),
+            Self::ABuffer(discs) | Self::LinkedList(discs) | Self::Sorted(discs) => Some(discs),
+            _ => None,
+        }
+    }
+
+    /// The settings of a method that collects each pixel's fragments in a list.
+    pub fn lists(&self) -> Option<&Discs> {
+        match self {
+            Self::ABuffer(discs) | Self::LinkedList(discs) => Some(discs),
             _ => None,
         }
     }

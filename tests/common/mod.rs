@@ -10,8 +10,8 @@ use pellucid::image::Image;
 use pellucid::methods::{Frame, Renderer, Stop};
 use pellucid::points::Points;
 use pellucid::prepare::order;
-use pellucid::reference::Picture;
-use pellucid::scene::{ColorSpace, Method, Shading};
+use pellucid::reference::{self, Picture};
+use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -131,6 +131,44 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         memory_budget: None,
         fragments: true,
         stop: Stop::Exact,
+    }
+}
+
+pub const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];
+pub const FALLOFFS: [Falloff; 2] = [Falloff::Flat, Falloff::Gaussian];
+pub const RASTERS: [Raster; 2] = [Raster::Compute, Raster::Hardware];
+
+/// All combinations of shape, falloff and raster.
+pub fn all_discs() -> impl Iterator<Item = Discs> {
+    SHAPES.into_iter().flat_map(|shape| {
+        FALLOFFS
+            .into_iter()
+            .flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster, ..Discs::default() }))
+    })
+}
+
+/// The exact image of transparent discs without shading, in float64.
+pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> Picture {
+    let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
+    reference::abuffer::render(camera, size, points, &colors, discs)
+}
+
+/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
+pub fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Vec<P> {
+    let all = scene_in_order(points);
+    let clear =
+        |i: usize| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&all, i, shape)) > 0.02;
+    (0..points.len()).filter(|i| clear(*i)).map(|i| points[i]).collect()
+}
+
+/// The points in the order given, for looking at them one by one.
+fn scene_in_order(points: &[P]) -> Points {
+    Points {
+        positions: points.iter().map(|p| p.position).collect(),
+        colors: points.iter().map(|p| p.color).collect(),
+        opacities: points.iter().map(|p| p.opacity).collect(),
+        radii: points.iter().map(|p| p.radius).collect(),
+        normals: Some(points.iter().map(|p| p.normal).collect()),
     }
 }
 

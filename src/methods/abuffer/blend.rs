@@ -6,6 +6,7 @@ use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, S
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
 use crate::passes::compose::{self, Composing, Cut};
+use crate::scene::LongLists;
 
 /// Lists of up to this length are sorted in registers.
 const NETWORK_LENGTH: u32 = 64;
@@ -26,12 +27,13 @@ pub const CLASSES: [(u32, &str); 8] = [
 const CLASS_WORDS: u64 = 8;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
+/// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
+const MOST_ITERATIONS: u32 = 60_000;
 
 /// Buffers of sorting and blending, kept from frame to frame.
 pub struct Blender {
     classes: Buffer<u32>,
     pixels: Kept<u32>,
-    merged: Kept<[u32; 2]>,
     runs: Kept<ListRun>,
     lists: Kept<LongList>,
     partials: Kept<Partial>,
@@ -47,6 +49,8 @@ pub struct Stored<'a> {
     pub offsets: Slice<'a, u32>,
     /// The band's fragments.
     pub fragments: Slice<'a, [u32; 2]>,
+    /// Room for them once more, if long lists are merged.
+    pub spare: Option<Slice<'a, [u32; 2]>>,
 }
 
 impl Blender {
@@ -55,7 +59,6 @@ impl Blender {
         Ok(Self {
             classes: device.buffer("classes", CLASS_WORDS * (CLASSES.len() as u64 + 1), Memory::Device)?,
             pixels: Kept::new("pixels by class", Memory::Device),
-            merged: Kept::new("merged fragments", Memory::Device),
             runs: Kept::new("list runs", Memory::Device),
             lists: Kept::new("long lists", Memory::Device),
             partials: Kept::new("partial sums", Memory::Device),
@@ -63,22 +66,13 @@ impl Blender {
         })
     }
 
-    /// Room for a window of `pixels`, with at most `most` fragments in a band, but for no more than `limit`.
-    pub fn reserve(
-        &mut self,
-        device: &Device,
-        pixels: u64,
-        most: u64,
-        limit: u64,
-        counted: &Counted,
-    ) -> Result<(), Error> {
+    /// Room for a window of `pixels`, with at most `long` fragments in a band's long lists.
+    pub fn reserve(&mut self, device: &Device, pixels: u64, long: u64) -> Result<(), Error> {
         self.pixels.reserve(device, pixels)?;
-        if counted.lengths.in_long_lists > 0 {
-            let long = most.min(u64::from(counted.lengths.in_long_lists));
+        if long > 0 {
             let local = u64::from(LOCAL_LENGTH);
             // A long list has more than `local` fragments, so it fills more than half of its runs.
             let runs = (2 * long).div_ceil(local);
-            self.merged.reserve_within(device, most, limit)?;
             self.runs.reserve(device, runs)?;
             self.lists.reserve(device, long.div_ceil(local))?;
             self.partials.reserve(device, runs)?;
@@ -96,7 +90,7 @@ impl Blender {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
-        let Stored { cut, offsets, fragments } = stored;
+        let Stored { cut, offsets, fragments, .. } = stored;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
@@ -118,13 +112,17 @@ impl Blender {
             return Ok(());
         }
 
-        let sorted = self.record_long_sort(recorder, stored, band, counted.lengths.longest)?;
+        self.record_split(recorder, stored, band)?;
+        let longest = counted.lengths.longest;
+        let sorted = match (job.discs.long_lists, stored.spare) {
+            (LongLists::Merge, Some(spare)) => self.record_merge_sort(recorder, fragments, spare, longest)?,
+            _ => self.record_in_place_sort(recorder, fragments, longest)?,
+        };
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
         recorder.run(&blend, &self.over_runs().variant(variant))?;
-        let over_lists = Run::new(Dispatch::Indirect(work.cast().skip(4).first(3)));
-        recorder.run(&Combine { work, lists, partials, image, depths }, &over_lists)
+        recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())
     }
 
     /// Records the work list of each class; pixels without fragments are in none, and are set to nothing before.
@@ -144,23 +142,28 @@ impl Blender {
         recorder.run(&Order { offsets, classes, pixels }, &run)
     }
 
-    /// Records runs sorted one by one and merged pair by pair; returns where the sorted lists end up.
-    fn record_long_sort<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        stored: Stored<'a>,
-        band: &Band,
-        longest: u32,
-    ) -> Result<Slice<'a, [u32; 2]>, Error> {
-        let Stored { offsets, fragments, .. } = stored;
+    /// Records the work lists of runs and of long lists.
+    fn record_split<'a>(&'a self, recorder: &mut Recorder<'a>, stored: Stored<'a>, band: &Band) -> Result<(), Error> {
+        let offsets = stored.offsets;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         recorder.fill("abuffer/clear", work, 0)?;
         let over_long = self.over_class(CLASSES.len(), band).variant(class_variant());
         recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, &over_long)?;
-        recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))?;
+        recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))
+    }
+
+    /// Records runs sorted one by one and merged pair by pair; returns where the sorted lists end up.
+    fn record_merge_sort<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        fragments: Slice<'a, [u32; 2]>,
+        spare: Slice<'a, [u32; 2]>,
+        longest: u32,
+    ) -> Result<Slice<'a, [u32; 2]>, Error> {
+        let (work, runs) = (self.work.all(), self.runs.get().all());
         recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
-        let (mut unmerged, mut merged) = (fragments, self.merged.get().all());
+        let (mut unmerged, mut merged) = (fragments, spare);
         let mut width = LOCAL_LENGTH;
         while width < longest {
             recorder.run(&Merge { work, runs, unmerged, merged }, &self.over_runs().push(&MergePush { width }))?;
@@ -168,6 +171,23 @@ impl Blender {
             width = width.saturating_mul(2);
         }
         Ok(unmerged)
+    }
+
+    /// Records long lists sorted where they lie, each by one invocation: blocks, then merges level by level, in as few runs
+    /// as the loops allow; returns where the sorted lists are.
+    fn record_in_place_sort<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        fragments: Slice<'a, [u32; 2]>,
+        longest: u32,
+    ) -> Result<Slice<'a, [u32; 2]>, Error> {
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        let blocks = self.over_lists().variant(sort_blocks_variant());
+        recorder.run(&SortBlocks { work, runs, lists, fragments }, &blocks)?;
+        for push in in_place_merges(longest) {
+            recorder.run(&MergeInPlace { work, runs, lists, fragments }, &self.over_lists().push(&push))?;
+        }
+        Ok(fragments)
     }
 
     fn over_class(&self, index: usize, band: &Band) -> Run<'_> {
@@ -179,6 +199,35 @@ impl Blender {
     fn over_runs(&self) -> Run<'_> {
         Run::new(Dispatch::Indirect(self.work.all().cast().first(3)))
     }
+
+    fn over_lists(&self) -> Run<'_> {
+        Run::new(Dispatch::Indirect(self.work.all().cast().skip(4).first(3)))
+    }
+}
+
+/// Iterations of one step of an in-place merge: half as many comparisons as fragments, and the loop over steps.
+fn step_iterations(length: u32) -> u32 {
+    length.div_ceil(2) + 1
+}
+
+/// The longest list that is sorted in place: one step of a merge must stay within the iterations of an invocation.
+pub fn in_place_length() -> u32 {
+    2 * (MOST_ITERATIONS - 1)
+}
+
+/// The runs of `abuffer/merge-in-place` for lists of up to `longest` fragments: each level of merges is cut where its
+/// iterations would be too many.
+fn in_place_merges(longest: u32) -> Vec<InPlacePush> {
+    let at_once = (MOST_ITERATIONS / step_iterations(longest)).max(1);
+    let mut found = Vec::new();
+    for width_log in BLOCK_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
+        // A level takes one step more than the logarithm of its width.
+        for first in (0..=width_log).step_by(at_once as usize) {
+            let distance_log = width_log - first;
+            found.push(InPlacePush { width_log, distance_log, steps: at_once.min(distance_log + 1) });
+        }
+    }
+    found
 }
 
 /// The longest list of the classes before this one.
@@ -205,6 +254,11 @@ pub fn class_variant() -> Variant {
 /// The variant of `abuffer/sort-runs`.
 pub fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain(), LOCAL_LENGTH)
+}
+
+/// The variant of `abuffer/sort-blocks`.
+pub fn sort_blocks_variant() -> Variant {
+    Variant::plain().constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }
 
 /// What shaders/shared/local_sort.wgsl needs.
@@ -239,7 +293,7 @@ pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
     let (fragments, _) = between(LOCAL_LENGTH, u32::MAX);
     let longest = lengths.iter().copied().max().unwrap_or(0);
     match name {
-        "abuffer/sort-runs" => Some(fragments * 2 * FRAGMENT_BYTES),
+        "abuffer/sort-runs" | "abuffer/sort-blocks" => Some(fragments * 2 * FRAGMENT_BYTES),
         // Every merge moves all long lists, whether they are done already or not.
         "abuffer/merge" => {
             let merges = u64::from(longest.div_ceil(LOCAL_LENGTH).next_power_of_two().ilog2());
@@ -272,6 +326,19 @@ mod tests {
         assert_eq!(least_bytes("abuffer/merge", &lengths), Some(900 * 32));
         assert_eq!(least_bytes("abuffer/resolve-1", &[]), None);
         assert_eq!(least_bytes("splat/project", &lengths), None);
+    }
+
+    #[test]
+    fn merges_in_place_are_complete_and_within_the_iterations() {
+        for longest in [257, 512, 513, 4000, 8192, 8193, 65_536, 65_537, in_place_length()] {
+            let merges = in_place_merges(longest);
+            let steps: Vec<_> =
+                merges.iter().flat_map(|m| (0..m.steps).map(|s| (m.width_log, m.distance_log - s))).collect();
+            let widths = 5..u32::BITS - (longest - 1).leading_zeros();
+            assert_eq!(steps, widths.flat_map(|w| (0..=w).rev().map(move |d| (w, d))).collect::<Vec<_>>(), "{longest}");
+            assert!(merges.iter().all(|m| m.steps * step_iterations(longest) <= MOST_ITERATIONS), "{longest}");
+        }
+        assert!(step_iterations(in_place_length() + 1) > MOST_ITERATIONS);
     }
 
     #[test]

@@ -3,19 +3,24 @@
 //! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
 //! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each class of
 //! lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two buffers, blended
-//! run by run and composed, so that no invocation loops longer than a run, however long the list is.
+//! run by run and composed, so that no invocation loops longer than a run, however long the list is. Or, if asked for, one
+//! invocation sorts each of them in place, which takes half the memory and bounds their length ([`in_place_length`]).
+//!
+//! Everything but the store serves `linked-list` too ([`Storing`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
 mod passes;
 
 pub use blend::{
-    CLASSES, class_variant, is_network, least_bytes, lower_bound, record_nothing, resolve_variant, sort_runs_variant,
+    CLASSES, class_variant, in_place_length, is_network, least_bytes, lower_bound, record_nothing, resolve_variant,
+    sort_blocks_variant, sort_runs_variant,
 };
 pub use passes::*;
 
 use indicatif::ProgressBar;
 
 use super::bands::{self, Band, Budget, Window};
+use super::linked_list::{self, LinkedList};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
@@ -23,7 +28,7 @@ use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{Chunk, Raster};
 use crate::passes::scan::Scan;
-use crate::scene::{DiscShape, Discs};
+use crate::scene::{DiscShape, Discs, LongLists};
 use blend::{Blender, Stored};
 
 /// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.
@@ -52,7 +57,19 @@ pub struct ABuffer {
     lengths: Buffer<Lengths>,
     summary: Buffer<u32>,
     fragments: Kept<[u32; 2]>,
+    /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
+    spare: Kept<[u32; 2]>,
+    linked: LinkedList,
     blender: Blender,
+}
+
+/// How fragments get to their pixels' ranges of the buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Storing {
+    /// Each into a slot that its pixel hands out: `abuffer`.
+    Slots,
+    /// Through linked lists: `linked-list`.
+    Links,
 }
 
 /// What count and scan found in a window.
@@ -76,8 +93,10 @@ impl Counted {
 pub struct WindowJob<'a> {
     /// The projected cloud and who visits its pixels.
     pub raster: Raster<'a>,
-    /// Shape and falloff.
+    /// Shape, falloff, and how long lists are sorted.
     pub discs: Discs,
+    /// How fragments are stored.
+    pub storing: Storing,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
     /// Counts finished pixels.
@@ -104,6 +123,8 @@ impl ABuffer {
             lengths: device.buffer("list lengths", 1, Memory::Device)?,
             summary: device.buffer("fragment summary", 4, Memory::Readback)?,
             fragments: Kept::new("fragments", Memory::Device),
+            spare: Kept::new("spare fragments", Memory::Device),
+            linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
         })
     }
@@ -126,14 +147,19 @@ impl ABuffer {
         counted.note(&bands, facts);
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
         let cut = Cut::new(device, job.raster.cloud.len())?;
-        let stored = Stored { cut, offsets: self.offsets.get().all(), fragments: self.fragments.get().all() };
+        let stored = Stored {
+            cut,
+            offsets: self.offsets.get().all(),
+            fragments: self.fragments.get().all(),
+            spare: Need::of(job, &counted).spare.then(|| self.spare.get().all()),
+        };
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
             if i == 0 {
                 record_nothing(&mut recorder, target, job.raster.window)?;
             }
             if band.fragments > 0 {
-                self.record_store(&mut recorder, job, band)?;
+                self.record_store(&mut recorder, job, band, &counted)?;
                 self.blender.record(&mut recorder, job, stored, target, band, &counted)?;
             }
             if i + 1 == bands.len() {
@@ -176,7 +202,7 @@ impl ABuffer {
         let band = Band::whole(job.raster.window, u64::from(counted.total));
         self.reserve_fragments(device, job, &[band], &counted)?;
         let mut recorder = device.recorder()?;
-        self.record_store(&mut recorder, job, &band)?;
+        self.record_store(&mut recorder, job, &band, &counted)?;
         recorder.submit("abuffer/store")?;
         Ok(Lists {
             offsets: self.offsets.get().read(0, pixels + 1)?,
@@ -210,8 +236,10 @@ impl ABuffer {
         recorder
             .run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure.variant(measure_variant()))?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
-        // From here on the counts are the cursors that hand out slots.
-        recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
+        if job.storing == Storing::Slots {
+            // From here on the counts are the cursors that hand out slots.
+            recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
+        }
         recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
         recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
         recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
@@ -224,19 +252,18 @@ impl ABuffer {
         })
     }
 
-    /// Bytes that a band needs per fragment: twice the fragment and the runs' records where long lists are merged.
-    fn bytes_per_fragment(counted: &Counted) -> u64 {
-        if counted.lengths.in_long_lists > 0 { 2 * FRAGMENT_BYTES + 1 } else { FRAGMENT_BYTES }
-    }
-
     /// Fragments that fit at a time: within the budget, and within a binding.
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
         let left = job.budget.left(bands::pixels(job.raster.window) * PIXEL_BYTES);
-        (left / Self::bytes_per_fragment(counted)).min(device.limits().binding_bytes / FRAGMENT_BYTES)
+        (left / Need::of(job, counted).bytes()).min(device.limits().binding_bytes / FRAGMENT_BYTES)
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
         let window = job.raster.window;
+        let (length, most) = (counted.lengths.longest, in_place_length());
+        if job.discs.long_lists == LongLists::InPlace && length > most {
+            return Err(Error::ListTooLong { length, most });
+        }
         let capacity = Self::capacity(device, job, counted);
         if u64::from(counted.total) <= capacity {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
@@ -249,7 +276,7 @@ impl ABuffer {
                 let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
                 return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
             }
-            let each = Self::bytes_per_fragment(counted);
+            let each = Need::of(job, counted).bytes();
             let needed = u64::from(length) * each;
             Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
         })
@@ -265,16 +292,71 @@ impl ABuffer {
         let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
         // What an earlier frame left may be more than this one's budget allows.
         let limit = Self::capacity(device, job, counted).max(most);
+        let need = Need::of(job, counted);
+        // What this frame does not need goes first, since the budget is for all of it.
+        if !need.spare {
+            self.spare.release();
+        }
+        if !need.links {
+            self.linked.release();
+        }
         self.fragments.reserve_within(device, most, limit)?;
-        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), most, limit, counted)?)
+        if need.spare {
+            self.spare.reserve_within(device, most, limit)?;
+        }
+        if need.links {
+            self.linked.reserve(device, most, limit)?;
+        }
+        let long = most.min(counted.lengths.in_long_lists.into());
+        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
     }
 
-    fn record_store<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>, band: &Band) -> Result<(), Error> {
-        Ok(job.raster.record(recorder, band, |chunk: Chunk<'a>| Store {
-            chunk,
-            cursors: self.counts.get().all(),
-            fragments: self.fragments.get().all(),
-        })?)
+    /// Records a band's fragments to their pixels' ranges.
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let (counts, fragments) = (self.counts.get().all(), self.fragments.get().all());
+        match job.storing {
+            Storing::Slots => {
+                job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
+            }
+            Storing::Links => {
+                let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
+                let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
+                self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a window's fragments need beside the fragment buffer.
+#[derive(Clone, Copy)]
+struct Need {
+    /// Room for the fragments once more.
+    spare: bool,
+    /// Links of nodes.
+    links: bool,
+    /// Records of long lists and their runs.
+    runs: bool,
+}
+
+impl Need {
+    fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
+        let links = job.storing == Storing::Links;
+        let runs = counted.lengths.in_long_lists > 0;
+        Self { spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs }
+    }
+
+    /// Bytes for each fragment of a band, its 8 in the fragment buffer included.
+    fn bytes(self) -> u64 {
+        let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
+        let links = if self.links { linked_list::LINK_BYTES } else { 0 };
+        FRAGMENT_BYTES + spare + links + u64::from(self.runs)
     }
 }
 

@@ -35,6 +35,15 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Push constants: logarithms of the runs' length and of the first step's distance, and how many steps.
+    pub struct InPlacePush {
+        width_log: u32,
+        distance_log: u32,
+        steps: u32,
+    }
+}
+
+gpu_struct! {
     /// Longest list, and fragments in lists over [`super::LOCAL_LENGTH`].
     pub struct Lengths {
         longest: u32,
@@ -190,6 +199,26 @@ pass! {
         runs: Read<ListRun>,
         unmerged: Read<[u32; 2]>,
         merged: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Sorts each block of each long list in place.
+    pub SortBlocks = "abuffer/sort-blocks" in "abuffer/sort_blocks" {
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        lists: Read<LongList>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Merges pairs of runs in place.
+    pub MergeInPlace(InPlacePush) = "abuffer/merge-in-place" in "abuffer/merge_in_place" {
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        lists: Read<LongList>,
+        fragments: ReadWrite<[u32; 2]>,
     }
 }
 

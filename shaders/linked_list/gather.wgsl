@@ -1,0 +1,49 @@
+// linked-list/gather: writes each pixel's list into its range of the fragment buffer, where abuffer/store would have put it.
+// One invocation per pixel of the band follows at most STEP links; the head then is where the next run goes on.
+// Reference: reference::abuffer::lists, after sorting.
+#import dispatch
+
+struct Push {
+    band_start: u32,
+    band_end: u32,
+    // The band's first fragment among the window's.
+    first_fragment: u32,
+    // Nodes of each list that earlier runs have written.
+    done: u32,
+}
+
+@group(0) @binding(0) var<storage, read> offsets: array<u32>;
+@group(0) @binding(1) var<storage, read_write> heads: array<u32>;
+@group(0) @binding(2) var<storage, read> nodes: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read> links: array<u32>;
+@group(0) @binding(4) var<storage, read_write> fragments: array<vec2<u32>>;
+var<immediate> push: Push;
+override STEP: u32 = 1u;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = push.band_start + invocation_index(workgroup, groups, local);
+    if p >= push.band_end {
+        return;
+    }
+    let first = offsets[p] - push.first_fragment + push.done;
+    let end = min(offsets[p + 1u] - push.first_fragment, arrayLength(&fragments));
+    if first >= end {
+        return;
+    }
+    let last = min(first + STEP, end);
+    // The end of a list is beyond every node.
+    let count = min(arrayLength(&nodes), arrayLength(&links));
+    var node = heads[p];
+    for (var slot = first; slot < last && node < count; slot++) {
+        fragments[slot] = nodes[node];
+        node = links[node];
+    }
+    if last < end {
+        heads[p] = node;
+    }
+}

@@ -1,0 +1,117 @@
+//! `linked-list`: the image of `abuffer` through per-pixel linked lists (YHGT10).
+//!
+//! Count, scan and bands are those of `abuffer`, so that all memory is bounded before it is taken: a band has as many nodes
+//! as fragments were counted in it. `linked-list/store` hangs each fragment before its pixel's list, `linked-list/gather`
+//! writes the lists to where `abuffer/store` would have put them, and sorting and blending go on from there: the order of
+//! fragments is total, so that the image has the same bytes. A fragment takes 20 bytes: node and link, 12, and its place in
+//! the fragment buffer, 8; long lists are merged into the memory of the nodes.
+
+use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::methods::bands::Band;
+use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::{gpu_struct, pass};
+
+/// Bytes of a node's link to the next.
+pub const LINK_BYTES: u64 = 4;
+/// Links that one invocation of `linked-list/gather` follows; longer lists are gathered by several runs.
+const GATHER_STEP: u32 = 32_768;
+/// The end of a list.
+const NONE: u32 = u32::MAX;
+
+gpu_struct! {
+    /// Push constants: a band of pixels, its first fragment, and how many nodes of each list are gathered.
+    pub struct GatherPush {
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+        done: u32,
+    }
+}
+
+pass! {
+    /// Fragments into nodes.
+    pub Store(RasterPush) = "linked-list/store" in "linked_list/store" {
+        chunk: Shared<ChunkGroup>,
+        heads: ReadWrite<u32>,
+        node_count: ReadWrite<u32>,
+        nodes: ReadWrite<[u32; 2]>,
+        links: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Lists into their pixels' ranges.
+    pub Gather(GatherPush) = "linked-list/gather" in "linked_list/gather" {
+        offsets: Read<u32>,
+        heads: ReadWrite<u32>,
+        nodes: Read<[u32; 2]>,
+        links: Read<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+/// The variant of `linked-list/gather`.
+pub fn gather_variant() -> Variant {
+    Variant::plain().with("STEP", GATHER_STEP)
+}
+
+/// What linked lists need besides the buffers of the A-buffer.
+pub struct LinkedList {
+    node_count: Buffer<u32>,
+    links: Kept<u32>,
+}
+
+/// Buffers of the A-buffer that the lists of a band go through.
+#[derive(Clone, Copy)]
+pub struct Through<'a> {
+    /// Prefix sums of the window's list lengths.
+    pub offsets: Slice<'a, u32>,
+    /// One word for each pixel of the window.
+    pub heads: Slice<'a, u32>,
+    /// Room for the band's fragments.
+    pub nodes: Slice<'a, [u32; 2]>,
+    /// Where the lists end up.
+    pub fragments: Slice<'a, [u32; 2]>,
+}
+
+impl LinkedList {
+    /// No buffers but the small one yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        let node_count = device.buffer("node count", 1, Memory::Device)?;
+        Ok(Self { node_count, links: Kept::new("list links", Memory::Device) })
+    }
+
+    /// Room for `most` nodes, but for no more than `limit`.
+    pub fn reserve(&mut self, device: &Device, most: u64, limit: u64) -> Result<(), Error> {
+        self.links.reserve_within(device, most, limit)
+    }
+
+    /// Frees what [`Self::reserve`] took.
+    pub fn release(&mut self) {
+        self.links.release();
+    }
+
+    /// Records the fragments of a band to their pixels' ranges; `longest` is the length of the longest list.
+    pub fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        raster: &Raster<'a>,
+        through: Through<'a>,
+        band: &Band,
+        longest: u32,
+    ) -> Result<(), Error> {
+        let Through { offsets, heads, nodes, fragments } = through;
+        let (node_count, links) = (self.node_count.all(), self.links.get().all());
+        let pixels = u64::from(band.pixels[1] - band.pixels[0]);
+        recorder.fill("linked-list/clear", heads.skip(band.pixels[0].into()).first(pixels), NONE)?;
+        recorder.fill("linked-list/clear", node_count, 0)?;
+        raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, heads, node_count, nodes, links })?;
+        for done in (0..longest).step_by(GATHER_STEP as usize) {
+            let [band_start, band_end] = band.pixels;
+            let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };
+            let run = Run::new(Dispatch::Invocations(pixels)).push(&push).variant(gather_variant());
+            recorder.run(&Gather { offsets, heads, nodes, links, fragments }, &run)?;
+        }
+        Ok(())
+    }
+}
