@@ -5,6 +5,8 @@
 // all invocations one by one by shuffles. A block is done when nothing behind can change its output.
 // Reference: reference::sorted.
 #import over
+#import blocks
+#import stop
 #import dispatch
 
 struct Push {
@@ -37,42 +39,10 @@ var<immediate> push: Push;
 override TAKEN: u32 = 1u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
-// What may stop a block: 0 nothing (every fragment is counted), 1 only what changes no bit, 2 what changes no 8-bit sRGB
-// value by more than a quarter step, 3 the same for values blended as they are.
-const STOP_NEVER = 0u;
-const STOP_EXACT = 1u;
-const STOP_SRGB = 2u;
-override STOP: u32 = 1u;
 // Steps between two looks at what may stop.
 const LOOK = 4u;
-// Side of a block, pixels of a block that an invocation holds, blocks of a tile in x and y.
-const SIDE = 8u;
-const HELD = SIDE * SIDE / SUBGROUP;
-const BLOCKS = TILE_SIDE / SIDE;
-
 #each held var<private> sum{held}: Composed;
 #each held var<private> before{held}: u32;
-
-// Where in the tile the i-th pixel lies that this invocation holds.
-fn place(lane: u32, i: u32) -> vec2<u32> {
-    let within = lane + SUBGROUP * (i % HELD);
-    let block = i / HELD;
-    return vec2<u32>(within % SIDE, within / SIDE) + block_corner(block);
-}
-
-// Whether a splat may touch a block. A disc lies within its radius around its centre, give or take rounding; an oriented
-// one does not quite in perspective, and is handed to every block.
-fn touches(splat: Splat, low: vec2<u32>) -> bool {
-    if SHAPE == SHAPE_ORIENTED {
-        return true;
-    }
-    let half = 0.5 * f32(SIDE - 1u);
-    let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
-    let outside = max(abs(middle) - half, vec2<f32>(0.0));
-    // The pixel of the centre lies at most 0.71 away.
-    let reach = max(splat.radius, 0.75) + 1e-5 * (splat.radius + abs(middle.x) + abs(middle.y));
-    return dot(outside, outside) <= reach * reach;
-}
 
 // One splat over one of this invocation's pixels.
 fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, pixel: vec2<u32>) -> Composed {
@@ -86,26 +56,6 @@ fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, p
     return behind(front, select(rank, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED), c);
 }
 
-// Whether what lies behind cannot change a pixel's output.
-fn done(sum: Composed) -> bool {
-    if STOP == STOP_EXACT {
-        let most = (1.0 - sum.rgba.a) * push.most_opacity;
-        return all(sum.rgba + most * vec4<f32>(vec3<f32>(push.most_color), 1.0) == sum.rgba);
-    }
-    // A quarter of 1/255. The sRGB curve's slope at c is at most 12.92, and 0.711 / sqrt(c) beyond its linear part.
-    const QUARTER = 1.0 / 1020.0;
-    let rest = (1.0 - sum.rgba.a) * push.most_color;
-    if STOP == STOP_SRGB {
-        let least = min(sum.rgba.r, min(sum.rgba.g, sum.rgba.b));
-        return rest * 12.92 < QUARTER || (rest * rest * (0.711 * 0.711) < QUARTER * QUARTER * least && least > 0.0031309);
-    }
-    return rest < QUARTER;
-}
-
-fn block_corner(block: u32) -> vec2<u32> {
-    return vec2<u32>(block % BLOCKS, block / BLOCKS) * SIDE;
-}
-
 fn is_live(live: u32, block: u32) -> bool {
     return (live & (1u << block)) != 0u;
 }
@@ -113,7 +63,7 @@ fn is_live(live: u32, block: u32) -> bool {
 // Strikes a block whose pixels are all done from the live ones.
 fn close(live: u32, block: u32) -> u32 {
     var open = false;
-#each held     if {held}u / HELD == block { open = open || !done(sum{held}); }
+#each held     if {held}u / HELD == block { open = open || !done(sum{held}, push.most_opacity, push.most_color); }
     return select(live & ~(1u << block), live, subgroupBallot(open).x != 0u);
 }
 

@@ -23,6 +23,9 @@ struct Stats {
     // Most columns and rows of pixels of a splat.
     widest: atomic<u32>,
     tallest: atomic<u32>,
+    // Pixels of all rectangles, 64 bits.
+    area_low: atomic<u32>,
+    area_high: atomic<u32>,
 }
 
 struct Push {
@@ -274,16 +277,23 @@ fn main(
     let first = workgroup_index(workgroup, groups) * WG_SIZE * RUN + local;
     var visible = 0u;
     var most = vec2<u32>(0u);
+    var area = 0u;
     for (var k = 0u; k < RUN; k++) {
         let i = first + k * WG_SIZE;
         if i < push.count {
             let extent = project(i);
             visible += select(0u, 1u, extent.x > 0u);
             most = max(most, extent);
+            // No image has more than 2^28 pixels, so that eight of them stay within 32 bits.
+            area += extent.x * extent.y;
         }
     }
     if visible > 0u {
         atomicAdd(&stats[push.chunk].visible, visible);
+        let old = atomicAdd(&stats[push.chunk].area_low, area);
+        if old + area < old {
+            atomicAdd(&stats[push.chunk].area_high, 1u);
+        }
         atomicMax(&stats[push.chunk].widest, most.x);
         atomicMax(&stats[push.chunk].tallest, most.y);
     }

@@ -33,6 +33,11 @@ impl<T: GpuType> Kept<T> {
         self.buffer = None;
     }
 
+    /// Bytes of the buffer, 0 before the first reservation.
+    pub fn bytes(&self) -> u64 {
+        self.buffer.as_ref().map_or(0, Buffer::bytes)
+    }
+
     /// The buffer; there must have been a [`Self::reserve`].
     pub fn get(&self) -> &Buffer<T> {
         self.buffer.as_ref().expect("reserved before use")

@@ -18,7 +18,7 @@ use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
-use crate::scene::{ColorSpace, DiscShape, Discs, MAX_SIDE, Method, Raster, ScreenSplats, Shading};
+use crate::scene::{ColorSpace, DiscShape, Discs, LongLists, MAX_SIDE, Method, Raster, ScreenSplats, Shading};
 
 /// What to render of an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -289,9 +289,10 @@ impl Renderer {
         let footprint = projecting(frame).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
-        let storing = storing(&frame.method);
+        let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
+        let stop = sorted::stop(Stop::Exact, frame.color, 1.0);
         self.abuffer
-            .lists(&self.device, &abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress })
+            .lists(&self.device, &abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress })
     }
 
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -326,41 +327,49 @@ impl Renderer {
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let device = &self.device;
         let outcome = match frame.method {
-            Method::ABuffer(discs) | Method::LinkedList(discs) => {
-                let storing = storing(&frame.method);
-                let job = abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress };
-                if work.survey {
+            Method::ABuffer(discs) | Method::LinkedList(discs) | Method::Sorted(discs) => {
+                let how = projecting(frame);
+                let ordering = sorted::WindowJob {
+                    raster,
+                    discs,
+                    color: frame.color,
+                    depth_range: [frame.camera.near as f32, frame.camera.far as f32],
+                    most_color: cloud.most_color(&how),
+                    stop: frame.stop,
+                    budget,
+                };
+                let stop = sorted::stop(frame.stop, frame.color, ordering.most_color);
+                let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
+                let mut job = abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
+                if let Method::Sorted(_) = frame.method {
+                    // Only lists have lengths: they are counted where these are asked for.
+                    let listed = if work.survey || frame.fragments {
+                        self.abuffer.survey(device, &job, work.timeline, work.facts)?
+                    } else {
+                        Outcome::Done
+                    };
+                    match listed {
+                        Outcome::Done if !work.survey => {
+                            let outcome =
+                                self.sorted.render(device, &ordering, &self.target, work.timeline, work.facts)?;
+                            self.progress.inc(bands::pixels(window));
+                            outcome
+                        }
+                        outcome => outcome,
+                    }
+                } else if work.survey {
                     self.abuffer.survey(device, &job, work.timeline, work.facts)?
                 } else {
-                    self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
-                }
-            }
-            Method::Sorted(discs) => {
-                let storing = Storing::Slots;
-                let abuffer = abuffer::WindowJob { raster, discs, storing, budget, progress: &self.progress };
-                // Only lists have lengths: they are counted where these are asked for.
-                let listed = if work.survey || frame.fragments {
-                    self.abuffer.survey(device, &abuffer, work.timeline, work.facts)?
-                } else {
-                    Outcome::Done
-                };
-                match listed {
-                    Outcome::Done if !work.survey => {
-                        let job = sorted::WindowJob {
-                            raster,
-                            discs,
-                            color: frame.color,
-                            depth_range: [frame.camera.near as f32, frame.camera.far as f32],
-                            most_color: cloud.most_color(&projecting(frame)),
-                            stop: frame.stop,
-                            budget,
-                        };
-                        let outcome =
-                            self.sorted.render(device, &job, &self.target, work.timeline, work.facts)?;
-                        self.progress.inc(bands::pixels(window));
-                        outcome
+                    if self.in_order(&ordering, &frame.method) {
+                        if let Some(binned) = self.sorted.bin(device, &ordering, work.timeline)? {
+                            let mut recorder = device.recorder()?;
+                            self.sorted.record_tile_store(&mut recorder, &ordering, &binned)?;
+                            work.timeline.add(recorder.submit("sorted/tile-store")?);
+                            job.storing = Storing::Ordered(self.sorted.tiles(binned));
+                            job.budget.tiles += self.sorted.bytes();
+                        }
                     }
-                    outcome => outcome,
+                    self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
                 }
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
@@ -375,6 +384,19 @@ impl Renderer {
             work.facts.note(&stats, walker);
         }
         Ok(outcome)
+    }
+
+    /// Whether an A-buffer is filled tile by tile from sorted splats: only flat discs come in the order of blending then, and
+    /// it pays where splats are large enough.
+    fn in_order(&self, job: &sorted::WindowJob<'_>, method: &Method) -> bool {
+        let Method::ABuffer(discs) = method else { return false };
+        let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+        discs.shape == DiscShape::Flat
+            && discs.long_lists == LongLists::Merge
+            && job.raster.walker == Walker::Compute
+            && self.device.info().subgroup.is_some()
+            && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
+            && Sorted::least_bytes(&self.device, job) <= job.budget.left(0) / 4
     }
 
     fn project(
@@ -427,10 +449,8 @@ impl Renderer {
     }
 }
 
-/// How a method's fragments are stored.
-fn storing(method: &Method) -> Storing {
-    if let Method::LinkedList(_) = method { Storing::Links } else { Storing::Slots }
-}
+/// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
+const ORDERED_AREA: u64 = 32;
 
 /// The windows of a frame, the first one last.
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {

@@ -4,17 +4,17 @@
 //! The order is that of the A-buffer, depth and then content: the sort is stable and points come in canonical order.
 
 use super::abuffer::CountPush;
-use super::bands::{self, Budget, Window};
+use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
-use crate::passes::project::{Bounds, Splat, Stats, View};
+use crate::passes::project::{Bounds, Footprint, Splat, Stats, View};
 use crate::passes::radix::{Radix, Runs};
 use crate::passes::raster::Raster;
 use crate::passes::scan::Scan;
 use crate::scene::{ColorSpace, Discs};
-use crate::{gpu_struct, pass};
+use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants of `sorted/keys`; the shader says what the members are.
@@ -110,6 +110,37 @@ pass! {
     }
 }
 
+gpu_struct! {
+    /// Push constants of stages that go through ordered tiles; shaders/shared/tile_gather.wgsl says what the members are.
+    pub struct GatherPush {
+        columns: u32,
+        first_tile: u32,
+        tiles: u32,
+        runs: u32,
+        nearest: u32,
+        segment: u32,
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+    }
+}
+
+group! {
+    /// What a stage binds that goes through ordered tiles.
+    pub Gathering as GatheringGroup {
+        /// The camera.
+        view: Uniform<View>,
+        /// Where each cell's entries end.
+        ends: Read<u32>,
+        /// Ranks of the tiles' splats.
+        entries: Read<u32>,
+        /// Relative depth key and index, by rank.
+        records: Read<[u32; 2]>,
+        /// Place, pixel and radius, by rank.
+        footprints: Read<[u32; 4]>,
+    }
+}
+
 pass! {
     /// Tiles to pixels.
     pub Blend(BlendPush) = "sorted/blend" {
@@ -199,6 +230,73 @@ struct Binning {
     block: [u32; 2],
 }
 
+/// A window whose splats are sorted, and the tiles' numbers of them known.
+#[derive(Debug, Clone, Copy)]
+pub struct Binned {
+    binning: Binning,
+    /// Which of the buffers of records holds the sorted ones.
+    records: usize,
+    /// Key of the nearest depth.
+    nearest: u32,
+    /// Pairs of splat and tile.
+    entries: u32,
+    /// Splats of the tile with most of them.
+    longest: u32,
+    subgroup: u32,
+}
+
+impl Binned {
+    /// Runs over all tiles that it takes to get through the longest list.
+    fn segments(&self) -> u32 {
+        self.longest.div_ceil(SEGMENT).max(1)
+    }
+}
+
+/// Tiles with their splats in order of depth.
+#[derive(Clone, Copy)]
+pub struct OrderedTiles<'a> {
+    binned: Binned,
+    ends: Slice<'a, u32>,
+    entries: Slice<'a, u32>,
+    records: Slice<'a, [u32; 2]>,
+    footprints: Slice<'a, [u32; 4]>,
+}
+
+impl<'a> OrderedTiles<'a> {
+    /// Records a stage that collects the fragments of a band's pixels.
+    pub fn record<P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        view: Slice<'a, View>,
+        window: Window,
+        band: &Band,
+        stage: impl Fn(Gathering<'a>) -> P,
+    ) -> Result<(), Error> {
+        let Self { binned, ends, entries, records, footprints } = *self;
+        let binning = binned.binning;
+        let pass = stage(Gathering { view, ends, entries, records, footprints });
+        let row = |pixel: u32| pixel / (window[2] - window[0]) / TILE_SIDE;
+        let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
+        let tiles = (last - first + 1) * binning.columns;
+        for segment in 0..binned.segments() {
+            let push = GatherPush {
+                columns: binning.columns,
+                first_tile: first * binning.columns,
+                tiles,
+                runs: binning.runs.runs,
+                nearest: binned.nearest,
+                segment,
+                band_start: band.pixels[0],
+                band_end: band.pixels[1],
+                first_fragment: band.first_fragment,
+            };
+            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push).variant(gather_variant(binned.subgroup));
+            recorder.run(&pass, &run)?;
+        }
+        Ok(())
+    }
+}
+
 impl Binning {
     /// `drawn` splats, each over at most `extent` columns and rows of pixels.
     fn new(device: &Device, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
@@ -283,20 +381,38 @@ impl Sorted {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        let subgroup = device.info().subgroup.ok_or_else(|| Error::NoSubgroups { device: device.info().name.clone() })?;
-        let (cloud, window, stats) = (job.raster.cloud, job.raster.window, job.raster.stats);
-        let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
+        let window = job.raster.window;
         let pixels = bands::pixels(window);
-        if drawn == 0 {
+        if job.raster.stats.iter().all(|s| s.visible == 0) {
             let mut recorder = device.recorder()?;
             super::abuffer::record_nothing(&mut recorder, target, window)?;
             target.record_read_back(&mut recorder, pixels)?;
             timeline.add(recorder.submit("image/clear")?);
             return Ok(Outcome::Done);
         }
-        let extent = Stats::extent(stats);
-        let binning = Binning::new(device, window, drawn, extent, subgroup);
-        let Some(left) = self.check(device, job, &binning)? else { return Ok(Outcome::Overflow) };
+        let Some(binned) = self.bin(device, job, timeline)? else { return Ok(Outcome::Overflow) };
+        facts.tile_entries += u64::from(binned.entries);
+        facts.bands += 1;
+        let mut recorder = device.recorder()?;
+        self.record_tile_store(&mut recorder, job, &binned)?;
+        self.record_blend(&mut recorder, job, &binned, target)?;
+        target.record_read_back(&mut recorder, pixels)?;
+        timeline.add(recorder.submit("sorted/blend")?);
+        Ok(Outcome::Done)
+    }
+
+    /// Sorts a window's splats and counts those of each tile; `None` if the window must be cut. There must be a splat to draw.
+    pub fn bin(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+    ) -> Result<Option<Binned>, Error> {
+        let subgroup = device.info().subgroup.ok_or_else(|| Error::NoSubgroups { device: device.info().name.clone() })?;
+        let (cloud, window, stats) = (job.raster.cloud, job.raster.window, job.raster.stats);
+        let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
+        let binning = Binning::new(device, window, drawn, Stats::extent(stats), subgroup);
+        let Some(left) = self.check(device, job, &binning)? else { return Ok(None) };
         self.reserve(device, job, &binning)?;
 
         let mut recorder = device.recorder()?;
@@ -320,47 +436,89 @@ impl Sorted {
         let words = self.summary.mapped_slice();
         let [overflow, entries, longest] = [words[0], words[1], words[2]];
         if overflow != 0 || u64::from(entries) * 4 > left {
-            return Ok(Outcome::Overflow);
+            return Ok(None);
         }
-        facts.tile_entries += u64::from(entries);
-        facts.bands += 1;
         self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
+        Ok(Some(Binned { binning, records: last, nearest, entries, longest, subgroup }))
+    }
 
-        let mut recorder = device.recorder()?;
-        let (rectangles, cursors) = (self.rectangles.get().all(), self.cursors.get().slice(0, binning.cells()));
-        let entries = self.entries.get().all();
-        let store = TileStore { view: cloud.view(), rectangles, cursors, entries };
-        let run = Run::new(Dispatch::Groups(binning.groups())).push(&binning.push());
-        recorder.run(&store, &run.variant(tile_variant().subgroup(subgroup)))?;
+    /// Records the lists of a binned window's tiles.
+    pub fn record_tile_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: &Binned,
+    ) -> Result<(), Error> {
+        let (rectangles, cursors) = (self.rectangles.get().all(), self.cursors.get().slice(0, binned.binning.cells()));
+        let store = TileStore { view: job.raster.cloud.view(), rectangles, cursors, entries: self.entries.get().all() };
+        let run = Run::new(Dispatch::Groups(binned.binning.groups())).push(&binned.binning.push());
+        Ok(recorder.run(&store, &run.variant(tile_variant().subgroup(binned.subgroup)))?)
+    }
+
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: &Binned,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let binning = &binned.binning;
         let blend = Blend {
-            view: cloud.view(),
-            ends: cursors,
-            entries,
-            records: self.records[last].get().all(),
+            view: job.raster.cloud.view(),
+            ends: self.cursors.get().slice(0, binning.cells()),
+            entries: self.entries.get().all(),
+            records: self.records[binned.records].get().all(),
             footprints: self.footprints.get().all(),
             colors: self.colors.get().all(),
             slopes: self.slopes.get().all(),
             image: target.image(),
             depths: target.depths(),
         };
-        let (stop, most_color) = stop(job);
-        let variant = blend_variant(compose::shape_variant(job.raster.footprint, job.discs.falloff), stop, subgroup);
-        for segment in 0..longest.div_ceil(SEGMENT).max(1) {
+        let (stop, most_color) = stop(job.stop, job.color, job.most_color);
+        let shape = compose::shape_variant(job.raster.footprint, job.discs.falloff);
+        let variant = blend_variant(shape, stop, binned.subgroup);
+        for segment in 0..binned.segments() {
             let push = BlendPush {
                 columns: binning.columns,
                 tiles: binning.tiles() as u32,
                 runs: binning.runs.runs,
-                nearest,
+                nearest: binned.nearest,
                 segment,
-                most_opacity: cloud.most_opacity(),
+                most_opacity: job.raster.cloud.most_opacity(),
                 most_color,
             };
             let run = Run::new(Dispatch::Groups(binning.tiles())).push(&push).variant(variant.clone());
             recorder.run(&blend, &run)?;
         }
-        target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("sorted/blend")?);
-        Ok(Outcome::Done)
+        Ok(())
+    }
+
+    /// A binned window's tiles, for stages that go through them.
+    pub fn tiles(&self, binned: Binned) -> OrderedTiles<'_> {
+        OrderedTiles {
+            binned,
+            ends: self.cursors.get().slice(0, binned.binning.cells()),
+            entries: self.entries.get().all(),
+            records: self.records[binned.records].get().all(),
+            footprints: self.footprints.get().all(),
+        }
+    }
+
+    /// Device bytes that sorting a window's splats takes, tiles not counted.
+    pub fn least_bytes(device: &Device, job: &WindowJob<'_>) -> u64 {
+        let points = job.raster.cloud.len();
+        let drawn: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+        let slopes = if job.raster.cloud.has_normals() { 16 } else { 0 };
+        points * 16 + Radix::bytes(device, points) + drawn * (16 + 16 + 8 + slopes)
+    }
+
+    /// Device bytes of the buffers that hold a binned window.
+    pub fn bytes(&self) -> u64 {
+        let records: u64 = self.records.iter().map(|r| r.bytes()).sum();
+        let splats = self.footprints.bytes() + self.colors.bytes() + self.slopes.bytes() + self.rectangles.bytes();
+        let tiles = self.counts.bytes() + self.cursors.bytes() + self.entries.bytes();
+        let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
+        records + splats + tiles + scan + self.radix.kept_bytes()
     }
 
     /// Bytes left for the tiles' entries; `None` if the window must be cut.
@@ -369,8 +527,7 @@ impl Sorted {
         if points * 8 > binding {
             return Err(Error::TooManyPoints { points, limit: binding / 8 });
         }
-        let slopes = if job.raster.cloud.has_normals() { 16 } else { 0 };
-        let needed = points * 16 + Radix::bytes(device, points) + binning.drawn * (16 + 16 + 8 + slopes);
+        let needed = Self::least_bytes(device, job);
         let available = job.budget.left(0);
         if needed > available {
             return Err(Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed) });
@@ -455,12 +612,12 @@ impl Sorted {
 }
 
 /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
-fn stop(job: &WindowJob<'_>) -> (u32, f32) {
-    match (job.stop, job.color) {
-        (Stop::Exact, _) => (1, job.most_color),
+pub fn stop(stop: Stop, color: ColorSpace, most_color: f32) -> (u32, f32) {
+    match (stop, color) {
+        (Stop::Exact, _) => (1, most_color),
         (Stop::EightBit { transparent }, space) => {
             // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9 here.
-            let most = job.most_color.max(1.0);
+            let most = most_color.max(1.0);
             let most = if transparent { (most + 1.0) * 1.2 } else { most };
             (if space == ColorSpace::Linear { 2 } else { 3 }, most)
         }
@@ -478,11 +635,20 @@ pub fn tile_variant() -> Variant {
     Variant::plain().constant("TILE_SIDE", TILE_SIDE)
 }
 
+/// The variant of stages that go through ordered tiles.
+pub fn gather_variant(subgroup: u32) -> Variant {
+    blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
+}
+
 /// A variant of `sorted/blend`, from that of shape and falloff.
 pub fn blend_variant(shape: Variant, stop: u32, subgroup: u32) -> Variant {
+    blocks(shape, subgroup).with("STOP", stop)
+}
+
+/// What shaders/shared/blocks.wgsl needs.
+fn blocks(variant: Variant, subgroup: u32) -> Variant {
     let blocks = (TILE_SIDE / BLOCK_SIDE).pow(2);
-    shape
-        .with("STOP", stop)
+    variant
         .with("TAKEN", SEGMENT)
         .constant("TILE_SIDE", TILE_SIDE)
         .subgroup(subgroup)

@@ -78,10 +78,17 @@ gpu_struct! {
         tiles_high: u32,
         widest: u32,
         tallest: u32,
+        area_low: u32,
+        area_high: u32,
     }
 }
 
 impl Stats {
+    /// Pixels of all rectangles of all chunks.
+    pub fn area(stats: &[Self]) -> u64 {
+        stats.iter().map(|s| u64::from(s.area_high) << 32 | u64::from(s.area_low)).sum()
+    }
+
     /// Columns and rows of pixels of the widest and the tallest splat of all chunks.
     pub fn extent(stats: &[Self]) -> [u32; 2] {
         stats.iter().fold([0, 0], |[x, y], s| [x.max(s.widest), y.max(s.tallest)])

@@ -83,6 +83,12 @@ impl Radix {
         counters * 8 + Scan::bytes(counters)
     }
 
+    /// Device bytes of the buffers that are kept.
+    pub fn kept_bytes(&self) -> u64 {
+        let scan = self.scan.as_ref().map_or(0, |s| Scan::bytes(s.capacity()));
+        self.counts.bytes() + self.cursors.bytes() + scan
+    }
+
     /// Makes room for a sort of so many records.
     pub fn reserve(&mut self, device: &Device, records: u64) -> Result<(), Error> {
         let counters = counters(device, records);

@@ -1,7 +1,7 @@
 //! Sorting and blending: each class of list lengths by its own kernel, long lists run by run.
 
 use super::passes::*;
-use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, WindowJob};
+use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
@@ -94,6 +94,9 @@ impl Blender {
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
+        if let Storing::Ordered(_) = job.storing {
+            return self.record_ordered(recorder, job, stored, target, band, counted);
+        }
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
@@ -118,9 +121,54 @@ impl Blender {
             (LongLists::Merge, Some(spare)) => self.record_merge_sort(recorder, fragments, spare, longest)?,
             _ => self.record_in_place_sort(recorder, fragments, longest)?,
         };
+        self.record_blend_runs(recorder, composing, sorted, variant, target)
+    }
+
+    /// Records the blending of lists that were stored in order: nothing is sorted.
+    fn record_ordered<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        target: &'a Target,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let Stored { cut, offsets, fragments, .. } = stored;
+        let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
+        let composing = Composing::new(job.raster.cloud, cut);
+        let (image, depths) = (target.image(), target.depths());
+        let push = OrderedPush {
+            band_start: band.pixels[0],
+            band_end: band.pixels[1],
+            first_fragment: band.first_fragment,
+            most_opacity: job.raster.cloud.most_opacity(),
+            most_color: job.stop.1,
+        };
+        let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
+        let run = Run::new(pixels).push(&push).variant(variant.clone().with("STOP", job.stop.0));
+        recorder.run(&ResolveOrdered { composing, offsets, fragments, image, depths }, &run)?;
+        if counted.lengths.in_long_lists == 0 {
+            return Ok(());
+        }
+        self.record_classes(recorder, offsets, band)?;
+        self.record_split(recorder, stored, band)?;
+        self.record_blend_runs(recorder, composing, fragments, variant, target)
+    }
+
+    /// Records the composition of sorted long lists, run by run.
+    fn record_blend_runs<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        composing: Composing<'a>,
+        fragments: Slice<'a, [u32; 2]>,
+        variant: Variant,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let (image, depths) = (target.image(), target.depths());
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
-        let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
+        let blend = BlendRuns { composing, work, runs, fragments, partials };
         recorder.run(&blend, &self.over_runs().variant(variant))?;
         recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())
     }

@@ -22,6 +22,7 @@ use indicatif::ProgressBar;
 use super::bands::{self, Band, Budget, Window};
 use super::linked_list::{self, LinkedList};
 use super::renderer::{Facts, Target, Timeline};
+use super::sorted::OrderedTiles;
 use super::{Error, Outcome};
 use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::compose::Cut;
@@ -64,10 +65,12 @@ pub struct ABuffer {
 }
 
 /// How fragments get to their pixels' ranges of the buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Storing {
-    /// Each into a slot that its pixel hands out: `abuffer`.
+#[derive(Clone, Copy)]
+pub enum Storing<'a> {
+    /// Each into a slot that its pixel hands out.
     Slots,
+    /// Tile by tile, in the order of blending: flat discs alone have one.
+    Ordered(OrderedTiles<'a>),
     /// Through linked lists: `linked-list`.
     Links,
 }
@@ -96,7 +99,9 @@ pub struct WindowJob<'a> {
     /// Shape, falloff, and how long lists are sorted.
     pub discs: Discs,
     /// How fragments are stored.
-    pub storing: Storing,
+    pub storing: Storing<'a>,
+    /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
+    pub stop: (u32, f32),
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
     /// Counts finished pixels.
@@ -226,17 +231,21 @@ impl ABuffer {
         recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
-        job.raster.record_tiles(&mut recorder)?;
-        job.raster.record(&mut recorder, &Band::whole(job.raster.window, 0), |chunk: Chunk<'_>| Count {
-            chunk,
-            counts: counts.all(),
-        })?;
+        let whole = Band::whole(job.raster.window, 0);
+        if let Storing::Ordered(tiles) = job.storing {
+            let counts = counts.all();
+            let view = job.raster.cloud.view();
+            tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
+        } else {
+            job.raster.record_tiles(&mut recorder)?;
+            job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
+        }
         let measure =
             Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN))).push(&CountPush { count: pixels as u32 });
         recorder
             .run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure.variant(measure_variant()))?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
-        if job.storing == Storing::Slots {
+        if !matches!(job.storing, Storing::Links) {
             // From here on the counts are the cursors that hand out slots.
             recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
         }
@@ -324,6 +333,14 @@ impl ABuffer {
             Storing::Slots => {
                 job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
             }
+            Storing::Ordered(tiles) => {
+                let view = job.raster.cloud.view();
+                tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
+                    tiles,
+                    cursors: counts,
+                    fragments,
+                })?;
+            }
             Storing::Links => {
                 let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
                 let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
@@ -347,9 +364,10 @@ struct Need {
 
 impl Need {
     fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
-        let links = job.storing == Storing::Links;
+        let links = matches!(job.storing, Storing::Links);
+        let sorted = matches!(job.storing, Storing::Ordered(_));
         let runs = counted.lengths.in_long_lists > 0;
-        Self { spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs }
+        Self { spare: links || (runs && !sorted && job.discs.long_lists == LongLists::Merge), links, runs }
     }
 
     /// Bytes for each fragment of a band, its 8 in the fragment buffer included.

@@ -1,5 +1,6 @@
 //! The passes of the A-buffer and what they share with their shaders.
 
+use crate::methods::sorted::{GatherPush, GatheringGroup};
 use crate::passes::compose::ComposingGroup;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, group, pass};
@@ -93,6 +94,45 @@ pass! {
     pub Count(RasterPush) = "abuffer/count" {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Fragments per pixel, from ordered tiles.
+    pub CountTiles(GatherPush) = "abuffer/count" in "abuffer/count_tiles" {
+        tiles: Shared<GatheringGroup>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Fragments into their pixels' slots in the order of blending, from ordered tiles.
+    pub StoreTiles(GatherPush) = "abuffer/store" in "abuffer/store_tiles" {
+        tiles: Shared<GatheringGroup>,
+        cursors: ReadWrite<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `abuffer/resolve-ordered`; the shader says what the members are.
+    pub struct OrderedPush {
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+        most_opacity: f32,
+        most_color: f32,
+    }
+}
+
+pass! {
+    /// Lists that were stored in order.
+    pub ResolveOrdered(OrderedPush) = "abuffer/resolve-ordered" in "abuffer/resolve_ordered" {
+        composing: Shared<ComposingGroup>,
+        offsets: Read<u32>,
+        fragments: Read<[u32; 2]>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
     }
 }
 
