@@ -1,7 +1,7 @@
 // abuffer/count for flat discs in order of depth: how many fragments each pixel gets (MCTB12).
 // Reference: the lengths of reference::abuffer::lists.
 #import tile_gather
-@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(4) var<storage, read_write> counts: array<u32>;
 
 #each held var<private> count{held}: u32;
 
@@ -11,7 +11,7 @@ fn begin(i: u32, pixel: vec2<u32>) {
 #each held     if i == {held}u { count{held} = before; }
 }
 
-fn visit(i: u32, hit: bool, key: u32, splat: u32) {
+fn visit(i: u32, hit: bool, rank: u32) {
 #each held     if i == {held}u { count{held} += select(0u, 1u, hit); }
 }
 

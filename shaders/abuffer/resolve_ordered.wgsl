@@ -1,25 +1,49 @@
-// abuffer/resolve-ordered: blends lists whose fragments were stored in the order of blending. One invocation per pixel of the
-// band; longer lists are composed run by run.
+// abuffer/resolve-ordered: blends lists whose splats were stored in the order of blending, front to back until nothing behind
+// can be seen. One invocation per pixel of the band. A run takes TAKEN splats of a list; the next one goes on from the image.
 // Reference: reference::abuffer::composite.
-#import compose
+#import splat
 #import stop
-#import long_list
 #import dispatch
 
 struct Push {
     band_start: u32,
     band_end: u32,
     first_fragment: u32,
+    // Which part of each list: its splats from segment * TAKEN on.
+    segment: u32,
+    // Key of the nearest depth.
+    nearest: u32,
     // Largest opacity, and largest color component, background included.
     most_opacity: f32,
     most_color: f32,
 }
 
-@group(0) @binding(13) var<storage, read> offsets: array<u32>;
-@group(0) @binding(14) var<storage, read> fragments: array<vec2<u32>>;
-@group(0) @binding(15) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(16) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> offsets: array<u32>;
+@group(0) @binding(2) var<storage, read> ranks: array<u32>;
+@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
+
+const FALLOFF_GAUSSIAN = 1u;
+override FALLOFF: u32 = 0u;
+override TAKEN: u32 = 1u;
+// Splats between two looks at what may stop.
+const LOOK = 16u;
+
+fn color_of(rank: u32, pixel: vec2<u32>) -> vec4<f32> {
+    var color = colors[rank];
+    if FALLOFF == FALLOFF_GAUSSIAN {
+        let f = footprints[rank];
+        let splat = Splat(bitcast<f32>(f.x), bitcast<f32>(f.y), f.z, 0.0, bitcast<f32>(f.w));
+        let rho = cover(splat, Tilt(vec4<f32>(0.0)), pixel, view).rho;
+        color.a *= exp(-2.0 * rho * rho);
+    }
+    return color;
+}
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -31,24 +55,32 @@ fn main(
     if p >= push.band_end {
         return;
     }
-    let n = offsets[p + 1u] - offsets[p];
-    if n == 0u || n > RUN_LENGTH {
+    let first = offsets[p] + push.segment * TAKEN;
+    let end = min(first + TAKEN, offsets[p + 1u]);
+    if first >= end {
         return;
     }
-    let start = offsets[p] - push.first_fragment;
     let width = view.window.z - view.window.x;
     let pixel = view.window.xy + vec2<u32>(p % width, p / width);
     var sum = Composed(vec4<f32>(0.0), NOTHING);
-    var i = 0u;
-    // There is a first fragment, so the condition may stand at the end: CPU drivers run every loop once more otherwise.
+    if push.segment > 0u {
+        let seen = depths[p] <= 3.4e38;
+        sum = Composed(image[p], select(NOTHING, 0u, seen));
+    }
+    let before = sum.key;
+    var i = first - push.first_fragment;
+    let last = end - push.first_fragment;
+    // There is a first one, so the condition may stand at the end: CPU drivers run every loop once more otherwise.
     loop {
-        let fragment = fragments[start + i];
-        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+        let rank = ranks[i];
+        sum = behind(sum, rank, color_of(rank, pixel));
         i += 1u;
-        if i >= n || (i % 16u == 0u && done(sum, push.most_opacity, push.most_color)) {
+        if i >= last || (i % LOOK == 0u && done(sum, push.most_opacity, push.most_color)) {
             break;
         }
     }
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    if before == NOTHING && sum.key != NOTHING {
+        depths[p] = key_depth(records[sum.key].x + push.nearest);
+    }
 }

@@ -1,6 +1,6 @@
 // Collects fragments tile by tile: one subgroup per tile goes through the tile's flat discs in order of depth. Nobody else
 // touches its pixels, so that there are no atomics, and each pixel's fragments come in the order of blending. The stage
-// defines begin(i, pixel), visit(i, hit, key, splat) and end_pixel(i, pixel) for the i-th pixel that an invocation holds.
+// defines begin(i, pixel), visit(i, hit, rank) and end_pixel(i, pixel) for the i-th pixel that an invocation holds.
 #import blocks
 #import dispatch
 
@@ -10,8 +10,6 @@ struct Push {
     first_tile: u32,
     tiles: u32,
     runs: u32,
-    // Key of the nearest depth.
-    nearest: u32,
     // Which part of each tile's splats: those from segment * TAKEN on.
     segment: u32,
     // The band of pixels in work, and its first fragment among the window's.
@@ -23,8 +21,7 @@ struct Push {
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> ends: array<u32>;
 @group(0) @binding(2) var<storage, read> entries: array<u32>;
-@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
-@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> footprints: array<vec4<u32>>;
 var<immediate> push: Push;
 
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
@@ -37,7 +34,7 @@ fn band_pixel(pixel: vec2<u32>) -> u32 {
     return select(0xffffffffu, p, inside);
 }
 
-fn over_block(block: u32, hits: u32, splat: Splat, record: vec2<u32>, corner: vec2<u32>, lane: u32) {
+fn over_block(block: u32, hits: u32, splat: Splat, rank: u32, corner: vec2<u32>, lane: u32) {
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
@@ -46,11 +43,10 @@ fn over_block(block: u32, hits: u32, splat: Splat, record: vec2<u32>, corner: ve
         s.fraction_y = subgroupShuffle(splat.fraction_y, k);
         s.pixel = subgroupShuffle(splat.pixel, k);
         s.radius = subgroupShuffle(splat.radius, k);
-        let key = subgroupShuffle(record.x, k) + push.nearest;
-        let i = subgroupShuffle(record.y, k);
+        let r = subgroupShuffle(rank, k);
         let flat = Tilt(vec4<f32>(0.0));
         let any = left != 0u;
-#each held         if {held}u / HELD == block { visit({held}u, any && cover(s, flat, corner + place(lane, {held}u), view).hit, key, i); }
+#each held         if {held}u / HELD == block { visit({held}u, any && cover(s, flat, corner + place(lane, {held}u), view).hit, r); }
         left &= left - 1u;
         if left == 0u {
             break;
@@ -81,10 +77,9 @@ fn main(
         let present = next + lane < end;
         let rank = entries[min(next + lane, end - 1u)];
         let footprint = footprints[rank];
-        let record = records[rank];
         let splat = Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
 #each block         let hits{block} = subgroupBallot(present && touches(splat, corner + block_corner({block}u))).x;
-#each block         over_block({block}u, hits{block}, splat, record, corner, lane);
+#each block         over_block({block}u, hits{block}, splat, rank, corner, lane);
     }
 #each held     end_pixel({held}u, corner + place(lane, {held}u));
 }

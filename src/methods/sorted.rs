@@ -117,7 +117,6 @@ gpu_struct! {
         first_tile: u32,
         tiles: u32,
         runs: u32,
-        nearest: u32,
         segment: u32,
         band_start: u32,
         band_end: u32,
@@ -134,8 +133,6 @@ group! {
         ends: Read<u32>,
         /// Ranks of the tiles' splats.
         entries: Read<u32>,
-        /// Relative depth key and index, by rank.
-        records: Read<[u32; 2]>,
         /// Place, pixel and radius, by rank.
         footprints: Read<[u32; 4]>,
     }
@@ -237,7 +234,7 @@ pub struct Binned {
     /// Which of the buffers of records holds the sorted ones.
     records: usize,
     /// Key of the nearest depth.
-    nearest: u32,
+    pub nearest: u32,
     /// Pairs of splat and tile.
     entries: u32,
     /// Splats of the tile with most of them.
@@ -255,11 +252,16 @@ impl Binned {
 /// Tiles with their splats in order of depth.
 #[derive(Clone, Copy)]
 pub struct OrderedTiles<'a> {
-    binned: Binned,
+    /// How they were made.
+    pub binned: Binned,
     ends: Slice<'a, u32>,
     entries: Slice<'a, u32>,
-    records: Slice<'a, [u32; 2]>,
-    footprints: Slice<'a, [u32; 4]>,
+    /// Relative depth key and index of the splat, by rank.
+    pub records: Slice<'a, [u32; 2]>,
+    /// Fractions, pixel and radius, by rank.
+    pub footprints: Slice<'a, [u32; 4]>,
+    /// Colors as blended, and opacities, by rank.
+    pub colors: Slice<'a, [f32; 4]>,
 }
 
 impl<'a> OrderedTiles<'a> {
@@ -272,9 +274,9 @@ impl<'a> OrderedTiles<'a> {
         band: &Band,
         stage: impl Fn(Gathering<'a>) -> P,
     ) -> Result<(), Error> {
-        let Self { binned, ends, entries, records, footprints } = *self;
+        let Self { binned, ends, entries, footprints, .. } = *self;
         let binning = binned.binning;
-        let pass = stage(Gathering { view, ends, entries, records, footprints });
+        let pass = stage(Gathering { view, ends, entries, footprints });
         let row = |pixel: u32| pixel / (window[2] - window[0]) / TILE_SIDE;
         let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
         let tiles = (last - first + 1) * binning.columns;
@@ -284,7 +286,6 @@ impl<'a> OrderedTiles<'a> {
                 first_tile: first * binning.columns,
                 tiles,
                 runs: binning.runs.runs,
-                nearest: binned.nearest,
                 segment,
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
@@ -501,6 +502,7 @@ impl Sorted {
             entries: self.entries.get().all(),
             records: self.records[binned.records].get().all(),
             footprints: self.footprints.get().all(),
+            colors: self.colors.get().all(),
         }
     }
 

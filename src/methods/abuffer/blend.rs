@@ -5,13 +5,17 @@ use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
+use crate::methods::sorted::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
-use crate::scene::LongLists;
+use crate::passes::project::Footprint;
+use crate::scene::{Falloff, LongLists};
 
 /// Lists of up to this length are sorted in registers.
 const NETWORK_LENGTH: u32 = 64;
 /// Blocks that a local sort begins with, each sorted in registers.
 const BLOCK_LENGTH: u32 = 32;
+/// Splats that one run of `abuffer/resolve-ordered` takes of a list: one iteration each.
+const ORDERED_TAKEN: u32 = 32_768;
 /// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
 pub const CLASSES: [(u32, &str); 8] = [
     (1, "abuffer/resolve-1"),
@@ -94,8 +98,8 @@ impl Blender {
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
-        if let Storing::Ordered(_) = job.storing {
-            return self.record_ordered(recorder, job, stored, target, band, counted);
+        if let Storing::Ordered(tiles) = &job.storing {
+            return Self::record_ordered(recorder, job, stored, tiles, target, band, counted);
         }
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
@@ -121,56 +125,49 @@ impl Blender {
             (LongLists::Merge, Some(spare)) => self.record_merge_sort(recorder, fragments, spare, longest)?,
             _ => self.record_in_place_sort(recorder, fragments, longest)?,
         };
-        self.record_blend_runs(recorder, composing, sorted, variant, target)
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        let partials = self.partials.get().all();
+        let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
+        recorder.run(&blend, &self.over_runs().variant(variant))?;
+        recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())
     }
 
     /// Records the blending of lists that were stored in order: nothing is sorted.
     fn record_ordered<'a>(
-        &'a self,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
         stored: Stored<'a>,
+        tiles: &OrderedTiles<'a>,
         target: &'a Target,
         band: &Band,
         counted: &Counted,
     ) -> Result<(), Error> {
-        let Stored { cut, offsets, fragments, .. } = stored;
-        let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
-        let composing = Composing::new(job.raster.cloud, cut);
-        let (image, depths) = (target.image(), target.depths());
-        let push = OrderedPush {
-            band_start: band.pixels[0],
-            band_end: band.pixels[1],
-            first_fragment: band.first_fragment,
-            most_opacity: job.raster.cloud.most_opacity(),
-            most_color: job.stop.1,
+        let cloud = job.raster.cloud;
+        let resolve = ResolveOrdered {
+            view: cloud.view(),
+            offsets: stored.offsets,
+            ranks: stored.fragments.cast(),
+            records: tiles.records,
+            footprints: tiles.footprints,
+            colors: tiles.colors,
+            image: target.image(),
+            depths: target.depths(),
         };
-        let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
-        let run = Run::new(pixels).push(&push).variant(variant.clone().with("STOP", job.stop.0));
-        recorder.run(&ResolveOrdered { composing, offsets, fragments, image, depths }, &run)?;
-        if counted.lengths.in_long_lists == 0 {
-            return Ok(());
+        for segment in 0..counted.lengths.longest.div_ceil(ORDERED_TAKEN) {
+            let push = OrderedPush {
+                band_start: band.pixels[0],
+                band_end: band.pixels[1],
+                first_fragment: band.first_fragment,
+                segment,
+                nearest: tiles.binned.nearest,
+                most_opacity: cloud.most_opacity(),
+                most_color: job.stop.1,
+            };
+            let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
+            let run = Run::new(pixels).push(&push).variant(ordered_variant(job.discs.falloff, job.stop.0));
+            recorder.run(&resolve, &run)?;
         }
-        self.record_classes(recorder, offsets, band)?;
-        self.record_split(recorder, stored, band)?;
-        self.record_blend_runs(recorder, composing, fragments, variant, target)
-    }
-
-    /// Records the composition of sorted long lists, run by run.
-    fn record_blend_runs<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        composing: Composing<'a>,
-        fragments: Slice<'a, [u32; 2]>,
-        variant: Variant,
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        let (image, depths) = (target.image(), target.depths());
-        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        let partials = self.partials.get().all();
-        let blend = BlendRuns { composing, work, runs, fragments, partials };
-        recorder.run(&blend, &self.over_runs().variant(variant))?;
-        recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())
+        Ok(())
     }
 
     /// Records the work list of each class; pixels without fragments are in none, and are set to nothing before.
@@ -292,6 +289,11 @@ pub fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
 /// Whether lists of up to `capacity` fragments are sorted in registers.
 pub fn is_network(capacity: u32) -> bool {
     capacity <= NETWORK_LENGTH
+}
+
+/// The variant of `abuffer/resolve-ordered`.
+pub fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
+    compose::shape_variant(Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
 }
 
 /// The variant of the passes that know the classes.

@@ -38,6 +38,8 @@ pub const LOCAL_LENGTH: u32 = 256;
 const MEASURE_RUN: u64 = 64;
 /// Bytes of a fragment: depth key and splat index.
 pub const FRAGMENT_BYTES: u64 = 8;
+/// Bytes of a fragment of a list that is stored in order: the splat's rank.
+pub const RANK_BYTES: u64 = 4;
 /// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
 pub const PIXEL_BYTES: u64 = 13;
 
@@ -264,7 +266,8 @@ impl ABuffer {
     /// Fragments that fit at a time: within the budget, and within a binding.
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
         let left = job.budget.left(bands::pixels(job.raster.window) * PIXEL_BYTES);
-        (left / Need::of(job, counted).bytes()).min(device.limits().binding_bytes / FRAGMENT_BYTES)
+        let need = Need::of(job, counted);
+        (left / need.bytes()).min(device.limits().binding_bytes / need.fragment)
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
@@ -280,12 +283,13 @@ impl ABuffer {
         let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
             let [x, y] = bands::place(window, pixel);
-            let (bytes, limit) = (u64::from(length) * FRAGMENT_BYTES, device.limits().binding_bytes);
+            let need = Need::of(job, counted);
+            let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
             if bytes > limit {
                 let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
                 return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
             }
-            let each = Need::of(job, counted).bytes();
+            let each = need.bytes();
             let needed = u64::from(length) * each;
             Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
         })
@@ -309,14 +313,16 @@ impl ABuffer {
         if !need.links {
             self.linked.release();
         }
-        self.fragments.reserve_within(device, most, limit)?;
+        // In records of eight bytes.
+        let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
+        self.fragments.reserve_within(device, records(most), records(limit))?;
         if need.spare {
             self.spare.reserve_within(device, most, limit)?;
         }
         if need.links {
             self.linked.reserve(device, most, limit)?;
         }
-        let long = most.min(counted.lengths.in_long_lists.into());
+        let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
         Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
     }
 
@@ -338,7 +344,7 @@ impl ABuffer {
                 tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
                     tiles,
                     cursors: counts,
-                    fragments,
+                    ranks: fragments.cast(),
                 })?;
             }
             Storing::Links => {
@@ -354,6 +360,8 @@ impl ABuffer {
 /// What a window's fragments need beside the fragment buffer.
 #[derive(Clone, Copy)]
 struct Need {
+    /// Bytes of a fragment itself: ordered lists hold only ranks.
+    fragment: u64,
     /// Room for the fragments once more.
     spare: bool,
     /// Links of nodes.
@@ -366,15 +374,16 @@ impl Need {
     fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
         let links = matches!(job.storing, Storing::Links);
         let sorted = matches!(job.storing, Storing::Ordered(_));
-        let runs = counted.lengths.in_long_lists > 0;
-        Self { spare: links || (runs && !sorted && job.discs.long_lists == LongLists::Merge), links, runs }
+        let runs = !sorted && counted.lengths.in_long_lists > 0;
+        let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
+        Self { fragment, spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs }
     }
 
-    /// Bytes for each fragment of a band, its 8 in the fragment buffer included.
+    /// Bytes for each fragment of a band, those in the fragment buffer included.
     fn bytes(self) -> u64 {
         let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
         let links = if self.links { linked_list::LINK_BYTES } else { 0 };
-        FRAGMENT_BYTES + spare + links + u64::from(self.runs)
+        self.fragment + spare + links + u64::from(self.runs)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::methods::sorted::{GatherPush, GatheringGroup};
 use crate::passes::compose::ComposingGroup;
+use crate::passes::project::View;
 use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, group, pass};
 
@@ -110,7 +111,7 @@ pass! {
     pub StoreTiles(GatherPush) = "abuffer/store" in "abuffer/store_tiles" {
         tiles: Shared<GatheringGroup>,
         cursors: ReadWrite<u32>,
-        fragments: ReadWrite<[u32; 2]>,
+        ranks: ReadWrite<u32>,
     }
 }
 
@@ -120,6 +121,8 @@ gpu_struct! {
         band_start: u32,
         band_end: u32,
         first_fragment: u32,
+        segment: u32,
+        nearest: u32,
         most_opacity: f32,
         most_color: f32,
     }
@@ -128,9 +131,12 @@ gpu_struct! {
 pass! {
     /// Lists that were stored in order.
     pub ResolveOrdered(OrderedPush) = "abuffer/resolve-ordered" in "abuffer/resolve_ordered" {
-        composing: Shared<ComposingGroup>,
+        view: Uniform<View>,
         offsets: Read<u32>,
-        fragments: Read<[u32; 2]>,
+        ranks: Read<u32>,
+        records: Read<[u32; 2]>,
+        footprints: Read<[u32; 4]>,
+        colors: Read<[f32; 4]>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
     }
