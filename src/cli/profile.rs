@@ -33,16 +33,18 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let mut session = Session::open(&args.device, &resolved, true, &progress)?;
     session.describe(talk);
     // The first frame pays for pipelines and buffers.
-    session.render()?;
-    let mut frames = Vec::new();
+    let first = session.render()?;
+    session.renderer.recycle(first.image);
+    let mut profile = session.profile();
     counted(&progress, "measuring", args.frames.into());
     for _ in 0..args.frames {
-        frames.push(session.render()?);
+        let rendered = session.render()?;
+        profile.add(&rendered);
+        session.renderer.recycle(rendered.image);
         progress.inc(1);
     }
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();
-    let profile = session.profile(frames);
     args.measure.write(&profile)?;
     if args.json {
         print_json(&profile.to_json())?;

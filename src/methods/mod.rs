@@ -2,6 +2,7 @@
 
 pub mod abuffer;
 pub mod bands;
+pub mod points;
 pub mod renderer;
 pub mod splat;
 
