@@ -135,12 +135,13 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
     // The first frame pays for pipelines and buffers.
-    renderer.render(&mut cloud, &frame)?;
+    let first = renderer.render(&mut cloud, &frame)?;
+    renderer.recycle(first.image);
     let mut profile = Profile::new(device, &frame);
     for _ in 0..frames {
         let rendered = renderer.render(&mut cloud, &frame)?;
-        profile.facts = rendered.facts;
-        profile.frames.push(rendered.profile);
+        profile.add(&rendered);
+        renderer.recycle(rendered.image);
     }
     println!("{}", profile.table(Some(copy_rate)));
     Ok(())

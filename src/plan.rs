@@ -46,19 +46,26 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Phong => "Phong shading where there are normals",
     };
     plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
-    plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
+    let direct = matches!(frame.method, Method::Points | Method::Auto);
+    let project = if direct {
+        "a point is one pixel: no splats".to_owned()
+    } else {
+        format!("{} points; {shading}", facts.points)
+    };
+    plan.add("splat/project", facts.points > 0 && !direct, project);
+    plan.nearest(device, POINTS, direct && facts.points > 0, wide_atomics, why);
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     if let Some(discs) = frame.method.lists() {
         plan.lists(frame, discs, facts, seen, why);
-        for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
-            plan.add(name, false, format!("no opaque method: {why}"));
-        }
     } else {
-        plan.opaque(device, frame, facts, wide_atomics, seen, why);
+        let tiled = plan.tiles(frame, facts);
+        plan.scan(tiled, "tiles of large splats");
         for name in list_passes() {
             plan.add(name, false, format!("no transparency: {why}"));
         }
     }
+    plan.splats(device, frame.method.discs().is_none() && !direct, wide_atomics, seen, why);
+    plan.add("points/resolve", direct, format!("index of the nearest point to color; {shading}"));
     plan.add(
         "image/read-back",
         true,
@@ -93,6 +100,11 @@ const LONG: [(&str, Option<LongLists>); 8] = [
     ("abuffer/blend-runs", None),
     ("abuffer/combine", None),
 ];
+
+/// The passes that find the nearest splats, by 64-bit atomics and without.
+const SPLATS: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
+/// The same for 1-pixel points.
+const POINTS: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
 
 /// The passes of the methods with lists.
 fn list_passes() -> impl Iterator<Item = &'static str> {
@@ -202,18 +214,24 @@ impl Plan {
         }
     }
 
-    fn opaque(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
-        let tiled = self.tiles(frame, facts);
-        self.scan(tiled, "tiles of large splats");
+    /// The passes of opaque splats.
+    fn splats(&mut self, device: &Device, on: bool, wide: bool, seen: bool, why: &str) {
+        let reason = if on && !seen { "no splat touches the image" } else { why };
+        self.nearest(device, SPLATS, on && seen, wide, reason);
+        self.add("splat/resolve", on, "index of the nearest splat to color");
+    }
+
+    /// The nearest of each pixel, with and without 64-bit atomics: `[wide, narrow, narrow]`.
+    fn nearest(&mut self, device: &Device, [both, depth, id]: [&'static str; 3], on: bool, wide: bool, reason: &str) {
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
-        let reason = |used: bool| match (seen, used) {
-            (false, _) => "no splat touches the image".to_owned(),
-            (true, true) => format!("{why}; {has} 64-bit atomics"),
-            (true, false) => format!("{has} 64-bit atomics"),
-        };
-        self.add("splat/nearest", seen && wide, reason(wide));
-        self.add("splat/nearest-depth", seen && !wide, reason(!wide));
-        self.add("splat/nearest-id", seen && !wide, reason(!wide));
-        self.add("splat/resolve", true, "index of the nearest splat to color");
+        for (name, needed) in [(both, wide), (depth, !wide), (id, !wide)] {
+            let atomics = format!("{has} 64-bit atomics");
+            let reason = match (on, needed) {
+                (false, _) => reason.to_owned(),
+                (true, true) => format!("{reason}; {atomics}"),
+                (true, false) => atomics,
+            };
+            self.add(name, on && needed, reason);
+        }
     }
 }

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use serde_json::{Value, json};
 
 use crate::gpu::{self, Device, Memory};
-use crate::methods::{Facts, Frame, FrameProfile, PassProfile};
+use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -40,6 +40,15 @@ impl Profile {
             list_histogram: Vec::new(),
             frames: Vec::new(),
         }
+    }
+
+    /// Adds a frame.
+    pub fn add(&mut self, rendered: &Rendered) {
+        if let Some(fragments) = &rendered.image.fragments {
+            self.list_histogram = histogram(fragments);
+        }
+        self.facts = rendered.facts.clone();
+        self.frames.push(rendered.profile.clone());
     }
 
     /// The profile in the form that the interface documents, version 1.

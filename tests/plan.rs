@@ -77,12 +77,11 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let steps = plan(device, &frame, &facts, wide, "a reason");
             assert!(steps.iter().all(|step| !step.reason.is_empty()), "{steps:?}");
             let on = |name: &str| steps.iter().any(|step| step.name == name && step.on);
-            if !matches!(method, Method::ABuffer(_)) {
-                assert_eq!(
-                    [on("splat/nearest"), on("splat/nearest-depth"), on("splat/nearest-id")],
-                    [wide, !wide, !wide]
-                );
-            }
+            let nearest =
+                |stem: &str| ["nearest", "nearest-depth", "nearest-id"].map(|end| on(&format!("{stem}/{end}")));
+            let wanted = |of: bool| if of { [wide, !wide, !wide] } else { [false; 3] };
+            assert_eq!(nearest("splat"), wanted(matches!(method, Method::Circles(_))));
+            assert_eq!(nearest("points"), wanted(method == Method::Points));
             let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
             names.sort_unstable();
             names
@@ -91,7 +90,9 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         let mut once = all.clone();
         once.dedup();
         assert_eq!(all, once);
-        assert_eq!(names_of(Method::Points, true), all);
-        assert_eq!(names_of(Method::Points, false), all);
+        for method in [Method::Points, Method::Circles(ScreenSplats::default())] {
+            assert_eq!(names_of(method, true), all);
+            assert_eq!(names_of(method, false), all);
+        }
     });
 }

@@ -2,11 +2,11 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
-use pellucid::methods::{abuffer, linked_list, splat};
+use pellucid::methods::{abuffer, linked_list, points, splat};
 use pellucid::passes::compose::{self, Cut};
-use pellucid::passes::project::{self, Footprint};
+use pellucid::passes::project::{self, Footprint, Projecting};
 use pellucid::passes::{raster, scan, tiles};
-use pellucid::scene::{ColorSpace, Falloff};
+use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel};
 use pellucid::{gpu_struct, pass};
 
 const FOOTPRINTS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::Square, Footprint::Point];
@@ -20,6 +20,22 @@ fn check<P: Pass>(seen: &mut Vec<&'static str>, variants: impl IntoIterator<Item
 
 fn raster_variants() -> Vec<Variant> {
     FOOTPRINTS.iter().flat_map(|f| raster::WALKERS.map(|w| raster::variant(*f, w))).collect()
+}
+
+/// All ways to shade.
+fn projectings(footprint: Footprint) -> Vec<Projecting> {
+    let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
+    let of = |model, color| {
+        let shading = Shading { model, ..Shading::default() };
+        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, shading, color }
+    };
+    models.into_iter().flat_map(|m| [ColorSpace::Linear, ColorSpace::Encoded].map(|c| of(m, c))).collect()
+}
+
+fn point_variants() -> Vec<Variant> {
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    let all = projectings(Footprint::Point);
+    all.iter().flat_map(|how| cuts.map(|cut| points::resolve_variant(cut, how, true))).collect()
 }
 
 fn compose_variants() -> Vec<Variant> {
@@ -38,11 +54,8 @@ fn resolve_variants(wanted: fn(u32) -> bool) -> Vec<Variant> {
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
-    let colors = [ColorSpace::Linear, ColorSpace::Encoded];
     let project = FOOTPRINTS.iter().flat_map(|f| {
-        (0..3).flat_map(move |shading| {
-            colors.into_iter().flat_map(move |c| [false, true].map(|n| project::project_variant(*f, shading, c, n)))
-        })
+        projectings(*f).into_iter().flat_map(|how| [false, true].map(|n| project::project_variant(&how, n)))
     });
     check::<project::Project>(&mut seen, project);
     check::<tiles::TileCount>(&mut seen, [Variant::plain()]);
@@ -72,6 +85,10 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<splat::NearestDepth>(&mut seen, raster_variants());
     check::<splat::NearestId>(&mut seen, raster_variants());
     check::<splat::Resolve>(&mut seen, compose_variants());
+    check::<points::Nearest>(&mut seen, [points::nearest_variant()]);
+    check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);
+    check::<points::NearestId>(&mut seen, [points::nearest_variant()]);
+    check::<points::Resolve>(&mut seen, point_variants());
 
     let forgotten: Vec<String> =
         shader::stems().into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();

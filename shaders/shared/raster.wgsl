@@ -1,5 +1,6 @@
 // What every stage that visits the pixels of splats binds. The stage defines
 // visit(splat's index in the chunk, splat, tilt, pixel); a walker calls it for each pixel that may be covered.
+#import camera
 #import splat
 
 struct RasterPush {
@@ -18,7 +19,6 @@ struct RasterPush {
     segments: u32,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> splats: array<Splat>;
 @group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
 @group(0) @binding(3) var<storage, read> bounds: array<Bounds>;

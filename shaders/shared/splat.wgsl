@@ -27,11 +27,9 @@ struct Tilt {
 }
 
 // Half-open rectangle of pixels that holds every covered one, within the rectangle in work; empty for a splat that is not drawn.
-struct Bounds {
-    // First column in the low 16 bits, one past the last in the high ones.
-    columns: u32,
-    rows: u32,
-}
+// x: first column in the low 16 bits, one past the last in the high ones; y: rows. A vector, which is loaded and stored
+// at once, where lavapipe takes a struct member by member.
+alias Bounds = vec2<u32>;
 
 struct Coverage {
     hit: bool,
@@ -41,11 +39,11 @@ struct Coverage {
 }
 
 fn bounds_min(b: Bounds) -> vec2<u32> {
-    return vec2<u32>(b.columns & 0xffffu, b.rows & 0xffffu);
+    return b & vec2<u32>(0xffffu);
 }
 
 fn bounds_max(b: Bounds) -> vec2<u32> {
-    return vec2<u32>(b.columns >> 16u, b.rows >> 16u);
+    return b >> vec2<u32>(16u);
 }
 
 // The pixel that contains the centre.

@@ -1,6 +1,7 @@
 // Walker: the rasteriser visits the pixels of each splat's rectangle (splat/quad.vert); the same test decides.
 @fragment
 fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) i: u32) {
+    view = camera;
     let corner = view.window.xy;
     visit(i, splats[i], tilt_of(i), vec2<u32>(position.xy) + corner);
 }

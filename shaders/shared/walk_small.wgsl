@@ -7,6 +7,7 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
+    view = camera;
     let i = invocation_index(workgroup, groups, local);
     if i >= push.count {
         return;

@@ -10,6 +10,7 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
+    view = camera;
     let group = workgroup_index(workgroup, groups);
     let tile = push.first_tile + group % push.tiles;
     let segment = group / push.tiles;

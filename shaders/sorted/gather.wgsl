@@ -32,6 +32,5 @@ fn main(
     if SHAPE == SHAPE_ORIENTED {
         slopes[rank] = tilt_at(i).normal;
     }
-    let rect = bounds[i];
-    rectangles[rank] = vec2<u32>(rect.columns, rect.rows);
+    rectangles[rank] = bounds[i];
 }

@@ -27,7 +27,7 @@ fn main(
     if i >= push.count {
         return;
     }
-    let drawn = bounds[i].columns != 0u;
+    let drawn = any(bounds[i] != vec2<u32>(0u));
     let key = min(depth_key(splats[i].depth) - push.nearest, push.none - 1u);
     records[push.first + i] = vec2<u32>(select(push.none, key, drawn), push.first + i);
 }

@@ -9,6 +9,7 @@ struct Vertex {
 
 @vertex
 fn main(@builtin(vertex_index) vertex: u32) -> Vertex {
+    view = camera;
     let i = vertex / 6u;
     let corner = vertex % 6u;
     let rect = bounds[i];

@@ -51,21 +51,23 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     session.describe(talk);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
+    let mut profile = session.profile();
+    profile.add(&first);
+    profile.frames.clear();
     if let Method::Sorted(_) = session.frame.method {
-        // It counted the lists, which the method itself has no use for.
+        // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
-    let mut frames = Vec::new();
+    session.renderer.recycle(first.image);
     counted(&progress, "measuring", args.frames.into());
     for _ in 0..args.frames {
-        frames.push(session.render()?);
+        let rendered = session.render()?;
+        profile.add(&rendered);
+        session.renderer.recycle(rendered.image);
         progress.inc(1);
     }
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();
-    let mut profile = session.profile(frames);
-    profile.list_histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    (profile.facts.fragments, profile.facts.max_list) = (first.facts.fragments, first.facts.max_list);
     args.measure.write(&profile)?;
     if args.json {
         print_json(&profile.to_json())?;

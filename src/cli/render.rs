@@ -64,7 +64,9 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     output::write_image(&output, &rendered.image, &options)?;
     rendered.image.fragments = rendered.image.fragments.or(counted);
-    args.measure.write(&session.profile(vec![rendered]))?;
+    let mut profile = session.profile();
+    profile.add(&rendered);
+    args.measure.write(&profile)?;
     talk.detail(format_args!("{}: written", output.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
-use pellucid::profile::{self, Profile};
+use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
 
 use super::input::Resolved;
@@ -85,17 +85,9 @@ impl Session {
         Ok(rendered)
     }
 
-    /// A profile of some frames.
-    pub fn profile(&self, frames: Vec<Rendered>) -> Profile {
-        let mut profile = Profile::new(&self.device, &self.frame);
-        for rendered in frames {
-            if let Some(fragments) = &rendered.image.fragments {
-                profile.list_histogram = profile::histogram(fragments);
-            }
-            profile.facts = rendered.facts;
-            profile.frames.push(rendered.profile);
-        }
-        profile
+    /// A profile without frames.
+    pub fn profile(&self) -> Profile {
+        Profile::new(&self.device, &self.frame)
     }
 }
 

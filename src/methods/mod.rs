@@ -3,6 +3,7 @@
 pub mod abuffer;
 pub mod bands;
 pub mod linked_list;
+pub mod points;
 pub mod renderer;
 pub mod sorted;
 pub mod splat;

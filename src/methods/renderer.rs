@@ -215,6 +215,8 @@ pub struct Renderer {
     opaque: Opaque,
     tiles: Tiles,
     target: Target,
+    /// An image that was given back.
+    spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
     pub progress: ProgressBar,
     /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
@@ -231,6 +233,7 @@ impl Renderer {
             opaque: Opaque::default(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
         })
@@ -247,6 +250,12 @@ impl Renderer {
         Ok(DeviceCloud::new(&self.device, points)?)
     }
 
+    /// Takes an image back, for the next frame of its size to be put there: memory fresh from the system costs more time
+    /// than the pixels that come into it.
+    pub fn recycle(&mut self, image: Image) {
+        self.spare = Some(image);
+    }
+
     /// Renders a frame.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
@@ -258,7 +267,7 @@ impl Renderer {
 
         self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
         self.progress.set_position(0);
-        let mut image = blank(frame);
+        let mut image = blank(self.spare.take(), frame);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut timeline = Timeline::default();
         while let Some(window) = windows.pop() {
@@ -313,6 +322,9 @@ impl Renderer {
     /// Renders a window, or only counts it.
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
+        if matches!(frame.method, Method::Points | Method::Auto) && !work.survey {
+            return self.points(cloud, frame, work);
+        }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         let listed = work.survey || frame.fragments || !matches!(frame.method, Method::Sorted(_));
         let asked = frame.method.discs().map_or(Raster::Auto, |discs| discs.raster);
@@ -397,6 +409,17 @@ impl Renderer {
             && self.device.info().subgroup.is_some()
             && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
             && Sorted::least_bytes(&self.device, job) <= job.budget.left(0) / 4
+    }
+
+    /// Renders a window of 1-pixel points, which need no splats.
+    fn points(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let (window, how) = (work.window, projecting(frame));
+        cloud.set_view(&frame.camera, frame.size, window, &how);
+        let (device, wide) = (&self.device, self.wide_atomics);
+        let stats = self.opaque.render_points(device, cloud, (window, &how), wide, &self.target, work.timeline)?;
+        self.progress.inc(bands::pixels(window));
+        work.facts.note(&stats, Walker::Compute);
+        Ok(Outcome::Done)
     }
 
     fn project(
@@ -497,14 +520,14 @@ struct Work<'a> {
     survey: bool,
 }
 
-fn blank(frame: &Frame) -> Image {
-    let pixels = frame.size[0] as usize * frame.size[1] as usize;
-    Image {
-        width: frame.size[0],
-        height: frame.size[1],
-        rgba: vec![[0.0; 4]; pixels],
-        depth: vec![f32::INFINITY; pixels],
-        fragments: (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]),
+/// An image of a frame's size, in the memory of a spare one if that is as large. Whatever it holds: the windows cover all of it.
+fn blank(spare: Option<Image>, frame: &Frame) -> Image {
+    let [width, height] = frame.size;
+    let pixels = width as usize * height as usize;
+    let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
+    match spare {
+        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, ..image },
+        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments },
     }
 }
 
@@ -579,7 +602,8 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "abuffer/classify" => Some(pixels * 4),
         "abuffer/order" => Some(pixels * 8),
         "splat/clear" if !transparent => Some(pixels * 8),
-        "splat/resolve" => Some(pixels * (8 + 16 + 20)),
+        "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+        "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => None,
     }

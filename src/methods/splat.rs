@@ -1,4 +1,4 @@
-//! Opaque splats (`points`, `squares`, `circles`): the nearest wins, ties by content.
+//! Opaque splats (`squares`, `circles`): the nearest wins, ties by content.
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
@@ -59,7 +59,7 @@ pub const PIXEL_BYTES: u64 = 8;
 
 /// Buffers of opaque splats, kept from frame to frame.
 pub struct Opaque {
-    nearest: Kept<NearestSplat>,
+    pub(super) nearest: Kept<NearestSplat>,
 }
 
 impl Default for Opaque {

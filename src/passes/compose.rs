@@ -28,7 +28,7 @@ impl Cut {
     }
 
     /// The parts of a buffer; those beyond its end repeat its first element and are not read.
-    fn of<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
+    pub fn of<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
         let len = u64::from(self.len);
         std::array::from_fn(|i| {
             let start = i as u64 * len;

@@ -6,7 +6,7 @@ use crate::camera::{Camera, Projection};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
 use crate::points::Points;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
-use crate::{gpu_struct, pass};
+use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
@@ -34,16 +34,6 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A point: position relative to the cloud's origin as hi + lo, radius, opacity.
-    pub struct Point {
-        hi: [f32; 3],
-        radius: f32,
-        lo: [f32; 3],
-        opacity: f32,
-    }
-}
-
-gpu_struct! {
     /// A projected splat.
     pub struct Splat {
         fraction_x: f32,
@@ -61,13 +51,8 @@ gpu_struct! {
     }
 }
 
-gpu_struct! {
-    /// Rectangle of pixels that a splat may cover.
-    pub struct Bounds {
-        columns: u32,
-        rows: u32,
-    }
-}
+/// Rectangle of pixels that a splat may cover; shaders/shared/splat.wgsl says how.
+pub type Bounds = [u32; 2];
 
 gpu_struct! {
     /// What the projection of one chunk found.
@@ -111,8 +96,9 @@ gpu_struct! {
 pass! {
     /// Projects, shades and bounds the points of one chunk.
     pub Project(ProjectPush) = "splat/project" {
-        view: Uniform<View>,
-        points: Read<Point>,
+        camera: Uniform<View>,
+        points_hi: Read<[f32; 4]>,
+        points_lo: Read<[f32; 4]>,
         point_colors: Read<[f32; 4]>,
         normals: Read<[f32; 4]>,
         splats: ReadWrite<Splat>,
@@ -153,6 +139,33 @@ pub struct Projecting {
     pub color: ColorSpace,
 }
 
+impl Projecting {
+    /// The variant of shaders/shared/shade.wgsl for a cloud with or without normals.
+    pub fn shaded(&self, normals: bool) -> Variant {
+        let shading = match self.shading.model {
+            _ if !normals => 0u32,
+            ShadingModel::None => 0,
+            ShadingModel::Lambert => 1,
+            ShadingModel::Phong => 2,
+        };
+        Variant::plain().with("SHADING", shading).with("ENCODED", u32::from(self.color == ColorSpace::Encoded))
+    }
+}
+
+group! {
+    /// What a pass binds of one chunk of points that it takes straight to their pixels.
+    pub Places as PlacesGroup {
+        /// The camera.
+        camera: Uniform<View>,
+        /// Positions, rounded.
+        points_hi: Read<[f32; 4]>,
+        /// The rest of the positions.
+        points_lo: Read<[f32; 4]>,
+        /// What the passes find.
+        stats: ReadWrite<Stats>,
+    }
+}
+
 /// A cloud on the device, with room for its splats.
 ///
 /// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
@@ -163,9 +176,14 @@ pub struct DeviceCloud {
     has_normals: bool,
     most_opacity: f32,
     most_color: f32,
-    points: Buffer<Point>,
-    point_colors: Buffer<[f32; 4]>,
-    normals: Buffer<[f32; 4]>,
+    /// Positions relative to the cloud's origin, rounded, with radii.
+    pub points_hi: Buffer<[f32; 4]>,
+    /// The rest of the positions, with opacities.
+    pub points_lo: Buffer<[f32; 4]>,
+    /// Their colors, linear.
+    pub point_colors: Buffer<[f32; 4]>,
+    /// Their normals; a single element if there are none.
+    pub normals: Buffer<[f32; 4]>,
     /// Projected splats.
     pub splats: Buffer<Splat>,
     /// Their tilts; a single element unless the cloud has normals.
@@ -199,16 +217,14 @@ impl DeviceCloud {
     pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
         let origin = points.bounds().map_or(DVec3::ZERO, |b| b.center());
         let len = points.len() as u64;
-        let records: Vec<Point> = (0..points.len())
-            .map(|i| {
-                let (hi, lo) = split(points.positions[i] - origin);
-                Point { hi: hi.to_array(), radius: points.radii[i], lo: lo.to_array(), opacity: points.opacities[i] }
-            })
-            .collect();
+        let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
+        let places = || points.positions.iter().map(|p| split(*p - origin));
+        let points_hi: Vec<[f32; 4]> = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
+        let points_lo: Vec<[f32; 4]> = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
         let point_colors: Vec<[f32; 4]> = points.colors.iter().map(|c| padded(*c)).collect();
         let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
-        // Points are the widest element; a chunk starts at a multiple of any device's offset alignment.
-        let chunk_len = ((device.limits().binding_bytes / size_of::<Point>() as u64) & !0xffff).max(0x1_0000);
+        // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
+        let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
         let room = |name| device.buffer::<u32>(name, len, Memory::Device);
         let tilted = if normals.is_empty() { 1 } else { len };
@@ -219,7 +235,8 @@ impl DeviceCloud {
             has_normals: !normals.is_empty(),
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
-            points: device.upload("points", &records)?,
+            points_hi: device.upload("points, hi", &points_hi)?,
+            points_lo: device.upload("points, lo", &points_lo)?,
             point_colors: device.upload("point colors", &point_colors)?,
             normals: device.upload("normals", &normals)?,
             splats: device.buffer("splats", len, Memory::Device)?,
@@ -246,7 +263,8 @@ impl DeviceCloud {
 
     /// Device bytes of the cloud and its splats.
     pub fn bytes(&self) -> u64 {
-        self.points.bytes()
+        self.points_hi.bytes()
+            + self.points_lo.bytes()
             + self.point_colors.bytes()
             + self.normals.bytes()
             + self.splats.bytes()
@@ -325,13 +343,14 @@ impl DeviceCloud {
 
     /// Records the projection of all chunks; [`Self::stats`] holds what it found once it was submitted.
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
-        recorder.fill("splat/clear", self.stats.all(), 0)?;
-        let variant = self.variant(how);
+        self.record_clear(recorder)?;
+        let variant = project_variant(how, self.has_normals);
         for (chunk, (first, count)) in self.chunks().enumerate() {
             let normals = if self.has_normals { self.normals.slice(first, count) } else { self.normals.all() };
             let pass = Project {
-                view: self.view.all(),
-                points: self.points.slice(first, count),
+                camera: self.view.all(),
+                points_hi: self.points_hi.slice(first, count),
+                points_lo: self.points_lo.slice(first, count),
                 point_colors: self.point_colors.slice(first, count),
                 normals,
                 splats: self.splats.slice(first, count),
@@ -348,18 +367,23 @@ impl DeviceCloud {
                 &Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN))).push(&push).variant(variant.clone()),
             )?;
         }
+        self.record_stats(recorder)
+    }
+
+    /// Records that nothing has been found yet.
+    pub fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        recorder.fill("splat/clear", self.stats.all(), 0)
+    }
+
+    /// Records the copy of what was found to the host, for [`Self::stats`].
+    pub fn record_stats<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         recorder.copy("splat/stats", self.stats.all(), self.stats_host.all())
     }
 
-    /// The variant of `splat/project` for these settings.
-    fn variant(&self, how: &Projecting) -> Variant {
-        let shading = match how.shading.model {
-            ShadingModel::None => 0u32,
-            ShadingModel::Lambert => 1,
-            ShadingModel::Phong => 2,
-        };
-        let wants_normals = self.has_normals && (shading != 0 || how.footprint == Footprint::Oriented);
-        project_variant(how.footprint, shading, how.color, wants_normals)
+    /// What a pass binds that takes the points of a chunk straight to their pixels.
+    pub fn places(&self, first: u64, count: u64) -> Places<'_> {
+        let (points_hi, points_lo) = (self.points_hi.slice(first, count), self.points_lo.slice(first, count));
+        Places { camera: self.view.all(), points_hi, points_lo, stats: self.stats.all() }
     }
 
     /// What the last submitted projection found, chunk by chunk.
@@ -373,16 +397,16 @@ impl DeviceCloud {
     }
 }
 
-/// Points of one invocation of `splat/project`: the more, the fewer atomics meet in the statistics.
+/// Points of one invocation of `splat/project`, at most 32: the more, the fewer atomics meet in the statistics.
 const PROJECT_RUN: u64 = 8;
 
-/// One variant of `splat/project`.
-pub fn project_variant(footprint: Footprint, shading: u32, color: ColorSpace, normals: bool) -> Variant {
-    Variant::plain()
-        .with("SHAPE", footprint as u32)
-        .with("SHADING", shading)
-        .with("ENCODED", u32::from(color == ColorSpace::Encoded))
-        .with("NORMALS", u32::from(normals))
+/// The variant of `splat/project` for a cloud with or without normals.
+pub fn project_variant(how: &Projecting, normals: bool) -> Variant {
+    let oriented = how.footprint == Footprint::Oriented;
+    let used = normals && (how.shading.model != ShadingModel::None || oriented);
+    how.shaded(used)
+        .with("SHAPE", how.footprint as u32)
+        .with("NORMALS", u32::from(used))
         .with("RUN", PROJECT_RUN as u32)
 }
 

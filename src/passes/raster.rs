@@ -34,7 +34,7 @@ group! {
     /// What a stage binds of one chunk.
     pub Chunk as ChunkGroup {
         /// The camera.
-        view: Uniform<View>,
+        camera: Uniform<View>,
         /// The chunk's splats.
         splats: Read<Splat>,
         /// Their tilts.
@@ -129,7 +129,7 @@ impl<'a> Raster<'a> {
         let cloud = self.cloud;
         let oriented = self.footprint == Footprint::Oriented;
         Chunk {
-            view: cloud.view(),
+            camera: cloud.view(),
             splats: cloud.splats.slice(first, count),
             tilts: if oriented { cloud.tilts_of(first, count) } else { cloud.tilts.slice(0, 1) },
             bounds: cloud.bounds.slice(first, count),

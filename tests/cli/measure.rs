@@ -187,7 +187,12 @@ fn the_plan_is_what_runs() {
         assert_planned(&folder, &[&tori, "--size", size]);
     }
     let opaque = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "points"]);
-    assert!(has(&opaque, "splat/resolve") && !opaque.iter().any(|pass| pass.starts_with("abuffer")), "{opaque:?}");
+    assert!(
+        has(&opaque, "points/resolve")
+            && !has(&opaque, "splat/project")
+            && !opaque.iter().any(|pass| pass.starts_with("abuffer")),
+        "{opaque:?}"
+    );
     // Splats of more than 1024 pixels, few and many, transparent and not.
     for count in [3, 200] {
         write_row(&folder, count, 1.0);
@@ -208,6 +213,7 @@ fn the_plan_is_what_runs() {
     for opacity in ["0.5", "1"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--opacity", opacity]);
     }
+    assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "points"]);
 }
 
 #[test]

@@ -1,0 +1,140 @@
+//! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel, and
+//! only those that win there are shaded.
+//!
+//! The equations are those of the other opaque methods ([`super::splat`]), the projection is `splat/project`'s own.
+
+use super::bands::{self, Window};
+use super::renderer::{Target, Timeline};
+use super::splat::{NearestSplat, Opaque};
+use super::{Error, abuffer};
+use crate::gpu::{Device, Dispatch, Recorder, Run, Slice, Variant};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Stats, View};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants: points of the chunk, its number, and the index of its first point among all.
+    pub struct PointsPush {
+        count: u32,
+        chunk: u32,
+        first: u32,
+    }
+}
+
+pass! {
+    /// Depth and index by one 64-bit minimum.
+    pub Nearest(PointsPush) = "points/nearest" {
+        places: Shared<PlacesGroup>,
+        nearest: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Depth by a 32-bit minimum.
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest_depth" {
+        places: Shared<PlacesGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index among those at the smallest depth.
+    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest_id" {
+        places: Shared<PlacesGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index to shaded color.
+    pub Resolve(abuffer::CountPush) = "points/resolve" {
+        camera: Uniform<View>,
+        points_hi: Parts<[f32; 4]>,
+        points_lo: Parts<[f32; 4]>,
+        point_colors: Parts<[f32; 4]>,
+        normals: Parts<[f32; 4]>,
+        nearest: Read<[u32; 2]>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
+/// such ends.
+const RUN: u64 = 16;
+
+/// The variant of the passes that find the nearest points.
+pub fn nearest_variant() -> Variant {
+    Variant::plain().with("RUN", RUN as u32)
+}
+
+/// A variant of `points/resolve`.
+pub fn resolve_variant(cut: Cut, how: &Projecting, normals: bool) -> Variant {
+    how.shaded(normals).with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+}
+
+impl Opaque {
+    /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk.
+    pub fn render_points(
+        &mut self,
+        device: &Device,
+        cloud: &DeviceCloud,
+        (window, how): (Window, &Projecting),
+        wide: bool,
+        target: &Target,
+        timeline: &mut Timeline,
+    ) -> Result<Vec<Stats>, Error> {
+        let pixels = bands::pixels(window);
+        self.nearest.reserve(device, pixels)?;
+        let mut recorder = device.recorder()?;
+        let nearest = self.nearest.get().slice(0, pixels);
+        recorder.fill("splat/clear", nearest, u32::MAX)?;
+        cloud.record_clear(&mut recorder)?;
+        record_nearest(&mut recorder, cloud, nearest, wide)?;
+        cloud.record_stats(&mut recorder)?;
+        let cut = Cut::new(device, cloud.len())?;
+        let resolve = Resolve {
+            camera: cloud.view(),
+            points_hi: cut.of(&cloud.points_hi),
+            points_lo: cut.of(&cloud.points_lo),
+            point_colors: cut.of(&cloud.point_colors),
+            normals: cut.of(&cloud.normals),
+            nearest: nearest.cast(),
+            image: target.image(),
+            depths: target.depths(),
+        };
+        let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
+        recorder.run(&resolve, &run.variant(resolve_variant(cut, how, cloud.has_normals())))?;
+        target.record_read_back(&mut recorder, pixels)?;
+        timeline.add(recorder.submit("points/nearest")?);
+        Ok(cloud.stats())
+    }
+}
+
+fn record_nearest<'a>(
+    recorder: &mut Recorder<'a>,
+    cloud: &'a DeviceCloud,
+    nearest: Slice<'a, NearestSplat>,
+    wide: bool,
+) -> Result<(), Error> {
+    let chunks = || cloud.chunks().enumerate();
+    let run = |chunk: usize, (first, count): (u64, u64)| {
+        let push = PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
+        Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push).variant(nearest_variant())
+    };
+    let places = |(first, count): (u64, u64)| -> Places<'a> { cloud.places(first, count) };
+    // All depths come before any index.
+    if wide {
+        for (chunk, range) in chunks() {
+            recorder.run(&Nearest { places: places(range), nearest: nearest.cast() }, &run(chunk, range))?;
+        }
+    } else {
+        for (chunk, range) in chunks() {
+            recorder.run(&NearestDepth { places: places(range), nearest }, &run(chunk, range))?;
+        }
+        for (chunk, range) in chunks() {
+            recorder.run(&NearestId { places: places(range), nearest }, &run(chunk, range))?;
+        }
+    }
+    Ok(())
+}
