@@ -48,18 +48,16 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    if transparent {
-        plan.abuffer(frame, facts, seen, why);
-        for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
-            plan.add(name, false, format!("no opaque method: {why}"));
-        }
-    } else {
-        plan.opaque(device, frame, facts, wide_atomics, seen, why);
-        for name in abuffer_passes() {
-            plan.add(name, false, format!("no transparency: {why}"));
-        }
+    let transparent = frame.method.discs().is_some();
+    match frame.method {
+        Method::ABuffer(_) => plan.abuffer(frame, facts, seen, why),
+        Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
+        _ => plan.opaque(device, frame, facts, wide_atomics, seen, why),
     }
+    let without = |what| if transparent { format!("{what}: {why}") } else { format!("no transparency: {why}") };
+    plan.rest(abuffer_passes(), &without("no lists"));
+    plan.rest(PEEL.into_iter(), &without("no peeling"));
+    plan.rest(OPAQUE.into_iter(), &format!("no opaque method: {why}"));
     plan.add(
         "image/read-back",
         true,
@@ -67,6 +65,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     );
     plan.steps
 }
+
+/// Why a pass over splats is off.
+const NOTHING: &str = "no splat touches the image";
 
 /// The passes that a frame with lists begins with.
 const LISTS: [&str; 7] = [
@@ -90,6 +91,20 @@ const LONG: [&str; 6] = [
     "abuffer/combine",
 ];
 
+/// The passes of depth peeling, without those that it shares.
+const PEEL: [&str; 8] = [
+    "peel/count",
+    "peel/clear",
+    "peel/nearest",
+    "peel/nearest-depth",
+    "peel/nearest-id",
+    "peel/blend",
+    "peel/next",
+    "peel/summary",
+];
+/// The passes of opaque splats.
+const OPAQUE: [&str; 4] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"];
+
 /// The passes of the A-buffer.
 fn abuffer_passes() -> impl Iterator<Item = &'static str> {
     LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG)
@@ -112,9 +127,17 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
+    /// The passes of other methods: those that are not listed yet are off.
+    fn rest(&mut self, names: impl Iterator<Item = &'static str>, reason: &str) {
+        for name in names {
+            if self.steps.iter().all(|step| step.name != name) {
+                self.add(name, false, reason);
+            }
+        }
+    }
+
     fn abuffer(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
-        let nothing = "no splat touches the image";
-        let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
+        let pick = |reason: String| if seen { reason } else { NOTHING.to_owned() };
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
@@ -184,18 +207,45 @@ impl Plan {
         }
     }
 
-    fn opaque(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
+    fn peel(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, layers: u32, why: &str) {
+        let seen = facts.visible > 0;
         let tiled = self.tiles(frame, facts);
         self.scan(tiled, "tiles of large splats");
+        let counted = "list lengths, for `profile` and --aov only";
+        self.add("peel/clear", true, "nothing is peeled yet");
+        self.add("peel/count", seen && frame.fragments, if seen { counted } else { NOTHING });
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        let until = if layers == 0 { "until nothing is left".to_owned() } else { format!("{layers} layers") };
+        self.nearest(
+            device,
+            ["peel/nearest", "peel/nearest-depth", "peel/nearest-id"],
+            wide,
+            seen,
+            &format!("{why}; {until}"),
+        );
+        self.add("peel/blend", true, "each layer lies behind those before");
+        self.add("peel/next", true, "a layer without a fragment is the last");
+        self.add("peel/summary", true, "between batches of layers the host looks whether there are more");
+    }
+
+    /// The passes that find what is nearest, by one kind of atomics or the other.
+    fn nearest(&mut self, device: &Device, names: [&'static str; 3], wide: bool, seen: bool, why: &str) {
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
         let reason = |used: bool| match (seen, used) {
-            (false, _) => "no splat touches the image".to_owned(),
+            (false, _) => NOTHING.to_owned(),
             (true, true) => format!("{why}; {has} 64-bit atomics"),
             (true, false) => format!("{has} 64-bit atomics"),
         };
-        self.add("splat/nearest", seen && wide, reason(wide));
-        self.add("splat/nearest-depth", seen && !wide, reason(!wide));
-        self.add("splat/nearest-id", seen && !wide, reason(!wide));
+        let [both, depth, id] = names;
+        self.add(both, seen && wide, reason(wide));
+        self.add(depth, seen && !wide, reason(!wide));
+        self.add(id, seen && !wide, reason(!wide));
+    }
+
+    fn opaque(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
+        let tiled = self.tiles(frame, facts);
+        self.scan(tiled, "tiles of large splats");
+        self.nearest(device, ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"], wide, seen, why);
         self.add("splat/resolve", true, "index of the nearest splat to color");
     }
 }

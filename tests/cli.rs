@@ -113,8 +113,14 @@ fn write_cloud(path: &Path) {
 
 fn write_picture(path: &Path, width: u32, red: f32) {
     let pixels = width as usize * 2;
-    let mut image =
-        Image { width, height: 2, rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels], depth: vec![1.0; pixels], fragments: None };
+    let mut image = Image {
+        width,
+        height: 2,
+        rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels],
+        depth: vec![1.0; pixels],
+        fragments: None,
+        layers: None,
+    };
     image.rgba[1][0] = red;
     let options =
         WriteOptions { background: Vec3::ZERO, color: ColorSpace::Linear, transparent: false, metadata: Vec::new() };

@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, Method, ScreenSplats};
+use pellucid::scene::{DiscShape, Discs, Method, Peel, ScreenSplats};
 
 fn with_opacities(opacities: &[f32]) -> Vec<P> {
     let point = |(i, opacity): (usize, &f32)| P {
@@ -48,7 +48,9 @@ fn a_survey_finds_what_a_frame_meets() {
     with_device(|device| {
         // Radii that give splats of a few pixels and of thousands.
         let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
-        let methods = [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default())];
+        let peel = Method::Peel(Peel::default());
+        let methods =
+            [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default()), peel];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
                 let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
@@ -56,8 +58,9 @@ fn a_survey_finds_what_a_frame_meets() {
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
                 let met = renderer.render(&mut cloud, &frame).expect("rendered").facts;
-                // What is allocated is known only afterwards.
-                let decided = |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, ..facts.clone() };
+                // What is allocated and how much is peeled is known only afterwards.
+                let decided =
+                    |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, layers: 0, ..facts.clone() };
                 assert_eq!(decided(&surveyed), decided(&met), "{}, {memory_budget:?}", method.name());
                 assert!(met.visible > 300 && (met.windows > 1) == memory_budget.is_some(), "{met:?}");
             }
@@ -77,11 +80,9 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let steps = plan(device, &frame, &facts, wide, "a reason");
             assert!(steps.iter().all(|step| !step.reason.is_empty()), "{steps:?}");
             let on = |name: &str| steps.iter().any(|step| step.name == name && step.on);
-            if !matches!(method, Method::ABuffer(_)) {
-                assert_eq!(
-                    [on("splat/nearest"), on("splat/nearest-depth"), on("splat/nearest-id")],
-                    [wide, !wide, !wide]
-                );
+            let used = |stem: &str| ["", "-depth", "-id"].map(|form| on(&format!("{stem}/nearest{form}")));
+            for (stem, nearest) in [("splat", Method::Points), ("peel", Method::Peel(Peel::default()))] {
+                assert_eq!(used(stem), [wide, !wide, !wide].map(|on| on && method == nearest), "{stem}, {method:?}");
             }
             let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
             names.sort_unstable();
@@ -93,5 +94,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         assert_eq!(all, once);
         assert_eq!(names_of(Method::Points, true), all);
         assert_eq!(names_of(Method::Points, false), all);
+        assert_eq!(names_of(Method::Peel(Peel::default()), true), all);
+        assert_eq!(names_of(Method::Peel(Peel::default()), false), all);
     });
 }

@@ -172,8 +172,9 @@ fn syntax_errors_name_line_and_column() {
 
 #[test]
 fn methods_of_the_contract_that_are_missing_are_named() {
-    let message = refused(&format!("[method]\nname = \"peel\"\n{CLOUD}"));
-    let expected = "method \"peel\" is not in this version; it has: auto, points, squares, circles, abuffer";
+    let message = refused(&format!("[method]\nname = \"peel-layers\"\n{CLOUD}"));
+    let expected =
+        "method \"peel-layers\" is not in this version; it has: auto, points, squares, circles, abuffer, peel";
     assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
 }

@@ -6,8 +6,9 @@ use indicatif::ProgressBar;
 
 use super::abuffer::{ABuffer, Lists, Outcome};
 use super::bands::{self, Budget, Window};
+use super::peel::Peeler;
 use super::splat::Opaque;
-use super::{Error, abuffer, splat};
+use super::{Error, abuffer, peel, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -16,7 +17,7 @@ use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
-use crate::scene::{ColorSpace, DiscShape, Discs, MAX_SIDE, Method, Raster, ScreenSplats, Shading};
+use crate::scene::{ColorSpace, DiscShape, Discs, MAX_LAYERS, MAX_SIDE, Method, Peel, Raster, ScreenSplats, Shading};
 
 /// What to render of an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +34,7 @@ pub struct Frame {
     pub method: Method,
     /// Device bytes beside cloud and image; `None`: what the device has, less a reserve.
     pub memory_budget: Option<u64>,
-    /// Whether the image carries the length of each pixel's list.
+    /// Whether the image carries the length of each pixel's list, and the layers that were peeled from it.
     pub fragments: bool,
 }
 
@@ -62,6 +63,8 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Layers that were peeled, the most of any window.
+    pub layers: u32,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows.
@@ -205,12 +208,15 @@ pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
     opaque: Opaque,
+    peeler: Peeler,
     tiles: Tiles,
     target: Target,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
     pub progress: ProgressBar,
-    /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
+    /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
+    /// Layers after which `peel` gives up; [`MAX_LAYERS`] unless a test sets fewer.
+    pub max_layers: u32,
 }
 
 impl Renderer {
@@ -220,10 +226,12 @@ impl Renderer {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
             opaque: Opaque::default(),
+            peeler: Peeler::new(device)?,
             tiles: Tiles::new(device)?,
             target: Target::new(),
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
+            max_layers: MAX_LAYERS,
         })
     }
 
@@ -302,7 +310,7 @@ impl Renderer {
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        let asked = if let Method::ABuffer(discs) = frame.method { discs.raster } else { Raster::Auto };
+        let asked = frame.method.discs().map_or(Raster::Auto, |discs| discs.raster);
         let walker = self.walker(asked, window)?;
         let tile_bytes = if walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
@@ -321,6 +329,16 @@ impl Renderer {
                 } else {
                     self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
                 }
+            }
+            Method::Peel(peel) => {
+                let (counted, wide, limit) = (frame.fragments, self.wide_atomics, self.max_layers);
+                let job = peel::WindowJob { raster, peel, counted, wide, limit, progress: &self.progress };
+                if work.survey {
+                    self.peeler.survey(device, &job, work.timeline, work.facts)?;
+                } else {
+                    self.peeler.render(device, &job, &self.target, work.timeline, work.facts)?;
+                }
+                Outcome::Done
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -375,14 +393,24 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
-        let (Some(fragments), Method::ABuffer(_)) = (&mut image.fragments, frame.method) else { return Ok(()) };
-        let counts = self.abuffer.read_counts(window)?;
-        let width = (window[2] - window[0]) as usize;
-        for (row, counts) in counts.chunks(width).enumerate() {
-            let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
-            fragments[to..to + width].copy_from_slice(counts);
+        if let (Some(fragments), Method::ABuffer(_)) = (&mut image.fragments, frame.method) {
+            place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
+        }
+        if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {
+            let [lengths, peeled] = self.peeler.read_counts(window)?;
+            place_counts(frame, window, &lengths, fragments);
+            place_counts(frame, window, &peeled, layers);
         }
         Ok(())
+    }
+}
+
+/// Copies one number for each of the window's pixels into those of the image.
+fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]) {
+    let width = (window[2] - window[0]) as usize;
+    for (row, counts) in counts.chunks(width).enumerate() {
+        let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
+        image[to..to + width].copy_from_slice(counts);
     }
 }
 
@@ -390,6 +418,7 @@ impl Renderer {
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
         Method::ABuffer(_) => abuffer::PIXEL_BYTES,
+        Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         _ => splat::PIXEL_BYTES,
     };
     let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
@@ -436,15 +465,15 @@ fn blank(frame: &Frame) -> Image {
         height: frame.size[1],
         rgba: vec![[0.0; 4]; pixels],
         depth: vec![f32::INFINITY; pixels],
-        fragments: (frame.fragments && matches!(frame.method, Method::ABuffer(_))).then(|| vec![0; pixels]),
+        fragments: (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]),
+        layers: (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]),
     }
 }
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(Discs { shape: DiscShape::Flat, .. }) => (Footprint::Disc, 1.0, f32::MAX),
-        Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }) => (Footprint::Oriented, 1.0, f32::MAX),
+        Method::ABuffer(discs) | Method::Peel(Peel { discs, .. }) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
@@ -483,8 +512,8 @@ fn aggregate(
 fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    let oriented = matches!(frame.method, Method::ABuffer(Discs { shape: DiscShape::Oriented, .. }));
+    let transparent = frame.method.discs().is_some();
+    let oriented = frame.method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
@@ -493,7 +522,8 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
             Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))
         }
         "abuffer/clear" => Some(pixels * 4),
-        "abuffer/count" => Some(walks + facts.fragments * 8),
+        "peel/clear" => Some(pixels * peel::pixel_bytes(frame.fragments)),
+        "abuffer/count" | "peel/count" => Some(walks + facts.fragments * 8),
         "abuffer/measure" => Some(pixels * 4),
         "abuffer/store" => {
             Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))

@@ -2,7 +2,7 @@
 
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
-use super::settings::{DiscShape, Discs, Falloff, Method, Raster, ScreenSplats};
+use super::settings::{DiscShape, Discs, Falloff, MAX_LAYERS, Method, Peel, Raster, ScreenSplats};
 use super::table::{Range, Table};
 
 /// Reads the table; keys of other methods become warnings.
@@ -22,6 +22,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
+        "peel" => Method::Peel(peel(table)?),
         _ => Method::Auto,
     })
 }
@@ -59,4 +60,8 @@ fn discs(table: &Table<'_>) -> Result<Discs, Error> {
         falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
         raster: table.choice("raster", &rasters)?.unwrap_or_default(),
     })
+}
+
+fn peel(table: &Table<'_>) -> Result<Peel, Error> {
+    Ok(Peel { discs: discs(table)?, layers: table.integer("layers", 0, MAX_LAYERS)?.unwrap_or_default() })
 }

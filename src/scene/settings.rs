@@ -9,6 +9,9 @@ use super::view::View;
 /// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
 pub const MAX_SIDE: u32 = 16_384;
 
+/// Layers that depth peeling goes through at most, since each of them visits every splat.
+pub const MAX_LAYERS: u32 = 65_536;
+
 /// K of Eq. 20 and 21 if a cloud doesn't say.
 pub const DEFAULT_NEIGHBORS: usize = 24;
 
@@ -195,6 +198,15 @@ pub struct Discs {
     pub raster: Raster,
 }
 
+/// Settings of depth peeling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Peel {
+    /// What is peeled.
+    pub discs: Discs,
+    /// `layers`: how many are blended, the nearest ones, at most [`MAX_LAYERS`]; 0: all.
+    pub layers: u32,
+}
+
 /// Settings of opaque screen-aligned splats (`squares`, `circles`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenSplats {
@@ -224,6 +236,8 @@ pub enum Method {
     Circles(ScreenSplats),
     /// Exact order-independent transparency (MCTB12).
     ABuffer(Discs),
+    /// The same by depth peeling.
+    Peel(Peel),
 }
 
 impl Method {
@@ -235,6 +249,15 @@ impl Method {
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
             Self::ABuffer(_) => "abuffer",
+            Self::Peel(_) => "peel",
+        }
+    }
+
+    /// The settings of the disc family; `None` for other methods.
+    pub fn discs(&self) -> Option<Discs> {
+        match *self {
+            Self::ABuffer(discs) | Self::Peel(Peel { discs, .. }) => Some(discs),
+            Self::Auto | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
         }
     }
 

@@ -84,7 +84,7 @@ fn every_method_gives_its_picture() {
     let folder = folder();
     let tori = builtin(&folder, "tori", &["points=2000"]);
     let mut pictures = BTreeMap::new();
-    for method in ["points", "circles", "squares", "abuffer", "auto"] {
+    for method in ["points", "circles", "squares", "abuffer", "peel", "auto"] {
         let output = format!("{method}.exr");
         // Quiet: keys of abuffer are a warning for the others.
         let mut args = vec!["render", &tori, "-q", "--size", "64x64", "--method", method, "-o", &output];
@@ -100,8 +100,9 @@ fn every_method_gives_its_picture() {
     assert!(counts[0] < counts[1] && counts[1] < counts[2], "a disc holds its point, a square its disc: {counts:?}");
     // Opaque discs: the nearest decides, so that the methods agree, and `auto` may take the cheaper one.
     for (channel, values) in &pictures["abuffer"] {
-        let other = &pictures["auto"][channel];
-        assert!(values.iter().zip(other).all(|(a, b)| a == b), "{channel}");
+        for other in ["auto", "peel"] {
+            assert!(values.iter().zip(&pictures[other][channel]).all(|(a, b)| a == b), "{channel} of {other}");
+        }
     }
 }
 
