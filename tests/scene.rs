@@ -180,6 +180,18 @@ fn methods_of_the_contract_that_are_missing_are_named() {
 }
 
 #[test]
+fn layers_to_peel_are_a_whole_number_within_the_limit() {
+    let peel = |layers| with_cloud(&format!("[method]\nname = \"peel\"\nfalloff = \"gaussian\"{layers}")).method;
+    let discs = Discs { falloff: Falloff::Gaussian, ..Discs::default() };
+    assert_eq!(peel(""), Method::Peel(Peel { discs, layers: 0 }));
+    assert_eq!(peel("\nlayers = 65536"), Method::Peel(Peel { discs, layers: 65_536 }));
+    for wrong in ["65537", "-1", "1.5"] {
+        let message = refused(&format!("[method]\nname = \"peel\"\nlayers = {wrong}\n{CLOUD}"));
+        assert!(message.contains("`method.layers` must be an integer from 0 to 65536"), "{message}");
+    }
+}
+
+#[test]
 fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
     let scene = with_cloud("[method]\nname = \"circles\"\nsize = 2.0\nlayers = 4");
     assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, max_pixel_radius: 25.0 }));

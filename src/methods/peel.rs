@@ -19,8 +19,10 @@ use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 
-/// Layers of a submission.
-const BATCH: u32 = 32;
+/// Layers of a submission. Longer ones save nothing (400 layers of 256 pixels took 0.55 s with 4 as with 128), but all that
+/// are recorded beyond the last layer cost something: frames of four layers took 4, 6, 8 and 23 ms with 4, 16, 32 and 128
+/// (medians of 7, lavapipe).
+const BATCH: u32 = 16;
 /// Bytes per pixel of a window: last rank and smallest rank.
 const PIXEL_BYTES: u64 = 16;
 /// As much again where list lengths and layers are counted.

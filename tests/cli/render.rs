@@ -107,6 +107,41 @@ fn every_method_gives_its_picture() {
 }
 
 #[test]
+fn peeled_layers_are_a_channel() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let render = |layers: &str, more: &[&str]| {
+        let args = [
+            "render",
+            &tori,
+            "--size",
+            "64x48",
+            "--method",
+            "peel",
+            "--opacity",
+            "0.5",
+            "-o",
+            "a.exr",
+            "--set",
+            layers,
+        ];
+        done(&folder, &[&args[..], more].concat());
+        exr(&inside(&folder, "a.exr")).0
+    };
+    let all = render("method.layers=0", &["--aov"]);
+    assert_eq!(all["layers.Y"], all["fragments.Y"], "nothing is opaque");
+    let two = render("method.layers=2", &["--aov"]);
+    assert_eq!(two["fragments.Y"], all["fragments.Y"]);
+    assert!(two["layers.Y"].iter().zip(&all["layers.Y"]).all(|(some, all)| *some == all.min(2.0)));
+    // A profile counts, but writes no channel.
+    let plain = render("method.layers=0", &["--profile", "p.json"]);
+    assert!(!plain.contains_key("layers.Y") && !plain.contains_key("fragments.Y"), "{:?}", plain.keys());
+}
+
+#[test]
 fn options_reach_the_picture() {
     if !has_device() {
         return;

@@ -78,7 +78,7 @@ fn crossing() -> (Points, Vec<DVec3>) {
             .collect(),
         colors: vec![Vec3::ONE; count],
         opacities: (0..count).map(|i| number(i, 17) as f32).collect(),
-        radii: (0..count).map(|i| 3.0 * number(i, 19) as f32).collect(),
+        radii: (0..count).map(|i| 6.0 * number(i, 19) as f32).collect(),
         normals: Some((0..count).map(|i| tilted(80.0 * number(i, 23)).as_vec3()).collect()),
     };
     let colors = (0..count).map(|i| DVec3::new(number(i, 29), number(i, 31), number(i, 37))).collect();
