@@ -17,6 +17,8 @@ pub struct Image {
     pub depth: Vec<f32>,
     /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
     pub fragments: Option<Vec<u32>>,
+    /// Layers that were blended on each pixel, of methods that peel, if they were asked for (`--aov`).
+    pub layers: Option<Vec<u32>>,
 }
 
 impl Image {

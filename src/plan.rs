@@ -53,19 +53,24 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         format!("{} points; {shading}", facts.points)
     };
     plan.add("splat/project", facts.points > 0 && !direct, project);
-    plan.nearest(device, POINTS, direct && facts.points > 0, wide_atomics, why);
-    plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
-    if let Some(discs) = frame.method.lists() {
-        plan.lists(frame, discs, facts, seen, why);
-    } else {
-        let tiled = plan.tiles(frame, facts);
-        plan.scan(tiled, "tiles of large splats");
-        for name in list_passes() {
-            plan.add(name, false, format!("no transparency: {why}"));
-        }
+    if direct {
+        plan.nearest(device, POINTS, facts.points > 0, wide_atomics, why);
     }
-    plan.splats(device, frame.method.discs().is_none() && !direct, wide_atomics, seen, why);
-    plan.add("points/resolve", direct, format!("index of the nearest point to color; {shading}"));
+    plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
+    match frame.method {
+        Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(frame, &discs, facts, seen, why),
+        Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
+        Method::Points | Method::Auto => {
+            plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
+        }
+        _ => plan.splats(device, frame, facts, wide_atomics, seen, why),
+    }
+    let transparent = frame.method.discs().is_some();
+    let without = |what| if transparent { format!("{what}: {why}") } else { format!("no transparency: {why}") };
+    plan.rest(list_passes(), &without("no lists"));
+    plan.rest(PEEL.into_iter(), &without("no peeling"));
+    plan.rest(SPLATS.into_iter().chain(["splat/resolve"]), &format!("no opaque splats: {why}"));
+    plan.rest(POINTS.into_iter().chain(["points/resolve"]), &format!("no 1-pixel points: {why}"));
     plan.add(
         "image/read-back",
         true,
@@ -73,6 +78,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     );
     plan.steps
 }
+
+/// Why a pass over splats is off.
+const NOTHING: &str = "no splat touches the image";
 
 /// The passes that a frame with lists begins with.
 const LISTS: [&str; 10] = [
@@ -105,6 +113,19 @@ const LONG: [(&str, Option<LongLists>); 8] = [
 const SPLATS: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
 /// The same for 1-pixel points.
 const POINTS: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
+/// The same for layers.
+const LAYERS: [&str; 3] = ["peel/nearest", "peel/nearest-depth", "peel/nearest-id"];
+/// The passes of depth peeling, without those that it shares.
+const PEEL: [&str; 8] = [
+    "peel/count",
+    "peel/clear",
+    "peel/nearest",
+    "peel/nearest-depth",
+    "peel/nearest-id",
+    "peel/blend",
+    "peel/next",
+    "peel/summary",
+];
 
 /// The passes of the methods with lists.
 fn list_passes() -> impl Iterator<Item = &'static str> {
@@ -128,9 +149,17 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
+    /// The passes of other methods: those that are not listed yet are off.
+    fn rest(&mut self, names: impl Iterator<Item = &'static str>, reason: &str) {
+        for name in names {
+            if self.steps.iter().all(|step| step.name != name) {
+                self.add(name, false, reason);
+            }
+        }
+    }
+
     fn lists(&mut self, frame: &Frame, discs: &Discs, facts: &Facts, seen: bool, why: &str) {
-        let nothing = "no splat touches the image";
-        let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
+        let pick = |reason: String| if seen { reason } else { NOTHING.to_owned() };
         self.add("abuffer/clear", true, "counters start at zero");
         self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
         self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
@@ -214,15 +243,39 @@ impl Plan {
         }
     }
 
+    fn peel(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, layers: u32, why: &str) {
+        let seen = facts.visible > 0;
+        let tiled = self.tiles(frame, facts);
+        self.scan(tiled, "tiles of large splats");
+        let counted = "list lengths, for `profile` and --aov only";
+        self.add("peel/clear", true, "nothing is peeled yet");
+        self.add("peel/count", seen && frame.fragments, if seen { counted } else { NOTHING });
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        let until = if layers == 0 { "until nothing is left".to_owned() } else { format!("{layers} layers") };
+        self.nearest(device, LAYERS, seen, wide, if seen { format!("{why}; {until}") } else { NOTHING.to_owned() });
+        self.add("peel/blend", true, "each layer lies behind those before");
+        self.add("peel/next", true, "a layer without a fragment is the last");
+        self.add("peel/summary", true, "between batches of layers the host looks whether there are more");
+    }
+
     /// The passes of opaque splats.
-    fn splats(&mut self, device: &Device, on: bool, wide: bool, seen: bool, why: &str) {
-        let reason = if on && !seen { "no splat touches the image" } else { why };
-        self.nearest(device, SPLATS, on && seen, wide, reason);
-        self.add("splat/resolve", on, "index of the nearest splat to color");
+    fn splats(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
+        let tiled = self.tiles(frame, facts);
+        self.scan(tiled, "tiles of large splats");
+        self.nearest(device, SPLATS, seen, wide, if seen { why } else { NOTHING });
+        self.add("splat/resolve", true, "index of the nearest splat to color");
     }
 
     /// The nearest of each pixel, with and without 64-bit atomics: `[wide, narrow, narrow]`.
-    fn nearest(&mut self, device: &Device, [both, depth, id]: [&'static str; 3], on: bool, wide: bool, reason: &str) {
+    fn nearest(
+        &mut self,
+        device: &Device,
+        [both, depth, id]: [&'static str; 3],
+        on: bool,
+        wide: bool,
+        reason: impl AsRef<str>,
+    ) {
+        let reason = reason.as_ref();
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
         for (name, needed) in [(both, wide), (depth, !wide), (id, !wide)] {
             let atomics = format!("{has} 64-bit atomics");

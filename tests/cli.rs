@@ -113,8 +113,14 @@ fn write_cloud(path: &Path) {
 
 fn write_picture(path: &Path, width: u32, red: f32) {
     let pixels = width as usize * 2;
-    let mut image =
-        Image { width, height: 2, rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels], depth: vec![1.0; pixels], fragments: None };
+    let mut image = Image {
+        width,
+        height: 2,
+        rgba: vec![[0.0, 0.0, 0.0, 1.0]; pixels],
+        depth: vec![1.0; pixels],
+        fragments: None,
+        layers: None,
+    };
     image.rgba[1][0] = red;
     let options =
         WriteOptions { background: Vec3::ZERO, color: ColorSpace::Linear, transparent: false, metadata: Vec::new() };
@@ -153,7 +159,7 @@ fn wrong_scene_files_exit_with_2_and_name_line_and_column() {
             "s.toml:3:1: unknown key `cloud.0.opactiy`; did you mean `opacity`?",
         ),
         ("[[cloud]]\npath = \"a.ply\"\nopacity = 2\n", "s.toml:3:11: `cloud.0.opacity` must be a number"),
-        ("[method]\nname = \"peel\"\n", "s.toml:2:8: method \"peel\" is not in this version"),
+        ("[method]\nname = \"peel-layers\"\n", "s.toml:2:8: method \"peel-layers\" is not in this version"),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n", "s.toml:3:10: "),
         ("[image]\nsize = [8, 8]\n", "there is no cloud"),
     ];

@@ -34,6 +34,7 @@ fn frame() -> Image {
         ],
         depth: vec![1.0, 2.0, f32::INFINITY, 4.0, 5.0, 6.0],
         fragments: Some(vec![1, 2, 0, 4, 5, 100_000]),
+        layers: Some(vec![1, 2, 0, 3, 3, 3]),
     }
 }
 
@@ -85,8 +86,14 @@ fn a_transparent_png_has_straight_alpha_and_no_background() {
 fn encoded_values_go_into_a_png_as_they_are_and_into_an_exr_decoded() {
     let folder = tempfile::tempdir().unwrap();
     let options = WriteOptions { color: ColorSpace::Encoded, ..options() };
-    let frame =
-        Image { width: 2, height: 1, rgba: vec![[0.5, 0.0, 0.0, 0.5], [0.0; 4]], depth: vec![1.0; 2], fragments: None };
+    let frame = Image {
+        width: 2,
+        height: 1,
+        rgba: vec![[0.5, 0.0, 0.0, 0.5], [0.0; 4]],
+        depth: vec![1.0; 2],
+        fragments: None,
+        layers: None,
+    };
     let (a, b) = (folder.path().join("a.png"), folder.path().join("a.exr"));
     write_image(&a, &frame, &options).unwrap();
     write_image(&b, &frame, &options).unwrap();
@@ -107,7 +114,7 @@ fn exr_holds_float_channels_and_the_metadata() {
     write_image(&path, &frame(), &options()).unwrap();
     let picture = read_first_flat_layer_from_file(&path).unwrap();
     let names: Vec<_> = picture.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
-    assert_eq!(names, ["A", "B", "G", "R", "Z", "fragments.Y"]);
+    assert_eq!(names, ["A", "B", "G", "R", "Z", "fragments.Y", "layers.Y"]);
     let values = |name: &str| -> Vec<f32> {
         let channels = &picture.layer_data.channel_data.list;
         let channel = channels.iter().find(|c| c.name.to_string() == name).unwrap();
@@ -120,12 +127,13 @@ fn exr_holds_float_channels_and_the_metadata() {
     assert_eq!(values("A")[..3], [1.0, 0.5, 0.0]);
     assert_eq!(values("Z"), frame().depth);
     assert_eq!(values("fragments.Y"), [1.0, 2.0, 0.0, 4.0, 5.0, 100_000.0]);
+    assert_eq!(values("layers.Y"), [1.0, 2.0, 0.0, 3.0, 3.0, 3.0]);
     for (name, value) in options().metadata {
         let found = picture.layer_data.attributes.other.get(&Text::from(name.as_str()));
         let Some(AttributeValue::Text(text)) = found else { panic!("{name}: {found:?}") };
         assert_eq!(text.as_slice(), value.as_bytes(), "{name}");
     }
-    let without = pellucid::image::Image { fragments: None, ..frame() };
+    let without = pellucid::image::Image { fragments: None, layers: None, ..frame() };
     write_image(&path, &without, &options()).unwrap();
     assert_eq!(read_first_flat_layer_from_file(&path).unwrap().layer_data.channel_data.list.len(), 5);
 }
@@ -141,7 +149,8 @@ fn the_same_image_gives_the_same_bytes() {
         height: side,
         rgba: pixels.clone().map(|i| [(i as f32).sin(), (i % 7) as f32, 0.5, 1.0]).collect(),
         depth: pixels.clone().map(|i| i as f32).collect(),
-        fragments: Some(pixels.collect()),
+        fragments: Some(pixels.clone().collect()),
+        layers: Some(pixels.collect()),
     };
     for name in ["a.png", "a.exr"] {
         let bytes = || {

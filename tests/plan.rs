@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, Method, ScreenSplats};
+use pellucid::scene::{DiscShape, Discs, Method, Peel, ScreenSplats};
 
 fn with_opacities(opacities: &[f32]) -> Vec<P> {
     let point = |(i, opacity): (usize, &f32)| P {
@@ -48,7 +48,9 @@ fn a_survey_finds_what_a_frame_meets() {
     with_device(|device| {
         // Radii that give splats of a few pixels and of thousands.
         let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
-        let methods = [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default())];
+        let peel = Method::Peel(Peel::default());
+        let methods =
+            [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default()), peel];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
                 let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
@@ -56,8 +58,9 @@ fn a_survey_finds_what_a_frame_meets() {
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
                 let met = renderer.render(&mut cloud, &frame).expect("rendered").facts;
-                // What is allocated is known only afterwards.
-                let decided = |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, ..facts.clone() };
+                // What is allocated and how much is peeled is known only afterwards.
+                let decided =
+                    |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, layers: 0, ..facts.clone() };
                 assert_eq!(decided(&surveyed), decided(&met), "{}, {memory_budget:?}", method.name());
                 assert!(met.visible > 300 && (met.windows > 1) == memory_budget.is_some(), "{met:?}");
             }
@@ -82,6 +85,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let wanted = |of: bool| if of { [wide, !wide, !wide] } else { [false; 3] };
             assert_eq!(nearest("splat"), wanted(matches!(method, Method::Circles(_))));
             assert_eq!(nearest("points"), wanted(method == Method::Points));
+            assert_eq!(nearest("peel"), wanted(matches!(method, Method::Peel(_))));
             let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
             names.sort_unstable();
             names
@@ -90,7 +94,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         let mut once = all.clone();
         once.dedup();
         assert_eq!(all, once);
-        for method in [Method::Points, Method::Circles(ScreenSplats::default())] {
+        for method in [Method::Points, Method::Circles(ScreenSplats::default()), Method::Peel(Peel::default())] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);
         }

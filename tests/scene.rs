@@ -178,10 +178,22 @@ fn syntax_errors_name_line_and_column() {
 
 #[test]
 fn methods_of_the_contract_that_are_missing_are_named() {
-    let message = refused(&format!("[method]\nname = \"peel\"\n{CLOUD}"));
-    let expected = format!("method \"peel\" is not in this version; it has: {}", METHODS.join(", "));
+    let message = refused(&format!("[method]\nname = \"peel-layers\"\n{CLOUD}"));
+    let expected = format!("method \"peel-layers\" is not in this version; it has: {}", METHODS.join(", "));
     assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
+}
+
+#[test]
+fn layers_to_peel_are_a_whole_number_within_the_limit() {
+    let peel = |layers| with_cloud(&format!("[method]\nname = \"peel\"\nfalloff = \"gaussian\"{layers}")).method;
+    let discs = Discs { falloff: Falloff::Gaussian, ..Discs::default() };
+    assert_eq!(peel(""), Method::Peel(Peel { discs, layers: 0 }));
+    assert_eq!(peel("\nlayers = 65536"), Method::Peel(Peel { discs, layers: 65_536 }));
+    for wrong in ["65537", "-1", "1.5"] {
+        let message = refused(&format!("[method]\nname = \"peel\"\nlayers = {wrong}\n{CLOUD}"));
+        assert!(message.contains("`method.layers` must be an integer from 0 to 65536"), "{message}");
+    }
 }
 
 #[test]

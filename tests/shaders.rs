@@ -2,7 +2,7 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
-use pellucid::methods::{abuffer, linked_list, points, splat};
+use pellucid::methods::{abuffer, linked_list, peel, points, splat};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Projecting};
 use pellucid::passes::{raster, scan, tiles};
@@ -89,6 +89,13 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);
     check::<points::NearestId>(&mut seen, [points::nearest_variant()]);
     check::<points::Resolve>(&mut seen, point_variants());
+    check::<peel::Count>(&mut seen, raster_variants());
+    check::<peel::Nearest>(&mut seen, raster_variants());
+    check::<peel::NearestDepth>(&mut seen, raster_variants());
+    check::<peel::NearestId>(&mut seen, raster_variants());
+    let counted = [0, 1].map(|counted| compose_variants().into_iter().map(move |v| v.with("COUNTED", counted)));
+    check::<peel::Blend>(&mut seen, counted.into_iter().flatten());
+    check::<peel::Next>(&mut seen, [Variant::plain()]);
 
     let forgotten: Vec<String> =
         shader::stems().into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();
@@ -104,7 +111,7 @@ fn every_compute_shader_has_the_common_workgroup() {
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
         } else {
-            let single = ["abuffer/groups", "abuffer/run_groups"].contains(&stem.as_str());
+            let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");
         }

@@ -21,7 +21,7 @@ pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles or abuffer. By default the scene file's, else auto: the nearest
+    /// The method: auto, points, squares, circles, abuffer or peel. By default the scene file's, else auto: the nearest
     /// splat if every point is opaque, abuffer if not.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,

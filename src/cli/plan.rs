@@ -26,7 +26,8 @@ pub struct PlanArgs {
 pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    let mut session = Session::open(&args.device, &resolved, false, Stop::Exact, &progress)?;
+    // With list lengths, as `profile` renders.
+    let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
     let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);

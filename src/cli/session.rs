@@ -70,6 +70,9 @@ impl Session {
                 facts.fragments, facts.max_list, facts.bands
             ));
         }
+        if facts.layers > 0 {
+            talk.detail(format_args!("{} layers peeled", facts.layers));
+        }
         talk.detail(format_args!(
             "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",
             profile.wall.as_secs_f64() * 1e3,

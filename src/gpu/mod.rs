@@ -23,7 +23,7 @@ pub use error::Error;
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass};
-pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted};
+pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Vertices};
 pub use shader::Variant;
 
 pub(crate) use context::Context;

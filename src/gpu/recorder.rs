@@ -32,11 +32,20 @@ pub enum Dispatch<'a> {
     Indirect(Slice<'a, u32>),
 }
 
+/// How many vertices a draw has.
+#[derive(Debug, Clone, Copy)]
+pub enum Vertices<'a> {
+    /// So many.
+    Count(u32),
+    /// Vertices, instances, first vertex and first instance from a buffer (its first four elements).
+    Indirect(Slice<'a, u32>),
+}
+
 /// A draw of plain triangles from pulled vertices, into storage buffers only.
 #[derive(Debug, Clone, Copy)]
-pub struct Draw {
+pub struct Draw<'a> {
     /// Vertices.
-    pub vertices: u32,
+    pub vertices: Vertices<'a>,
     /// Width and height of the area in pixels.
     pub area: [u32; 2],
 }
@@ -144,11 +153,7 @@ impl<'a> Recorder<'a> {
     /// Runs a compute pass.
     pub fn run<P: Pass + 'a>(&mut self, pass: &P, run: &Run<'a>) -> Result<(), Error> {
         let pipeline = Pipeline::compute::<P>(&self.context, &run.variant)?;
-        let groups = match run.dispatch {
-            Dispatch::Invocations(n) => self.fold_groups(P::NAME, n.div_ceil(u64::from(WORKGROUP)))?,
-            Dispatch::Groups(n) => self.fold_groups(P::NAME, n)?,
-            Dispatch::Indirect(_) => [0; 2],
-        };
+        let groups = self.groups(P::NAME, run.dispatch)?;
         let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(run.label.unwrap_or(P::NAME), true)?;
         let (device, commands) = (&self.context.device, self.commands);
@@ -172,7 +177,13 @@ impl<'a> Recorder<'a> {
     }
 
     /// Runs a pass that draws.
-    pub fn draw<P: Pass + 'a>(&mut self, pass: &P, variant: &Variant, push: &[u8], draw: Draw) -> Result<(), Error> {
+    pub fn draw<P: Pass + 'a>(
+        &mut self,
+        pass: &P,
+        variant: &Variant,
+        push: &[u8],
+        draw: Draw<'a>,
+    ) -> Result<(), Error> {
         let pipeline = Pipeline::draw::<P>(&self.context, variant)?;
         let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(P::NAME, true)?;
@@ -186,7 +197,9 @@ impl<'a> Recorder<'a> {
         };
         let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
         let (device, commands) = (&self.context.device, self.commands);
-        // SAFETY: as in `run`; the area is within the framebuffer limits, which the caller checked.
+        // SAFETY: as in `run`; the area is within the framebuffer limits, which the caller checked. Indirect arguments lie
+        // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
+        // shader reads no splat beyond those that a direct draw would read.
         unsafe {
             device.cmd_begin_rendering(commands, &rendering);
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.raw);
@@ -196,7 +209,14 @@ impl<'a> Recorder<'a> {
             if let Some(stages) = pipeline.push_stages {
                 device.cmd_push_constants(commands, pipeline.layout, stages, 0, push);
             }
-            device.cmd_draw(commands, draw.vertices, 1, 0, 0);
+            match draw.vertices {
+                Vertices::Count(count) => device.cmd_draw(commands, count, 1, 0, 0),
+                Vertices::Indirect(arguments) => {
+                    let RawSlice { buffer, offset, bytes } = arguments.raw();
+                    assert!(bytes >= 16, "{}: a draw takes four words", P::NAME);
+                    device.cmd_draw_indirect(commands, buffer, offset, 1, 16);
+                }
+            }
             device.cmd_end_rendering(commands);
         }
         self.end_pass();
@@ -303,6 +323,21 @@ impl<'a> Recorder<'a> {
         }
         .map_err(Error::call("vkGetQueryPoolResults"))?;
         Ok(Some(counters[0].iter().sum()))
+    }
+
+    /// Indirect arguments that stand for a dispatch, and a fourth word. `name` says in errors what is dispatched.
+    pub fn arguments(&self, name: &str, dispatch: Dispatch<'_>) -> Result<[u32; 4], Error> {
+        let [x, y] = self.groups(name, dispatch)?;
+        Ok([x, y, 1, 0])
+    }
+
+    /// Workgroups in x and y; none of an indirect dispatch.
+    fn groups(&self, name: &str, dispatch: Dispatch<'_>) -> Result<[u32; 2], Error> {
+        match dispatch {
+            Dispatch::Invocations(n) => self.fold_groups(name, n.div_ceil(u64::from(WORKGROUP))),
+            Dispatch::Groups(n) => self.fold_groups(name, n),
+            Dispatch::Indirect(_) => Ok([0; 2]),
+        }
     }
 
     /// Splits a number of groups over x and y, since x alone is limited.

@@ -3,6 +3,7 @@
 pub mod abuffer;
 pub mod bands;
 pub mod linked_list;
+pub mod peel;
 pub mod points;
 pub mod renderer;
 pub mod sorted;
@@ -65,6 +66,14 @@ pub enum Error {
         x: u32,
         /// Row.
         y: u32,
+    },
+    /// More layers than peeling goes through.
+    #[error(
+        "a pixel has more than {limit} layers, each of which visits every splat; method \"abuffer\" renders any number, and layers = N stops after N"
+    )]
+    TooManyLayers {
+        /// Layers that were peeled.
+        limit: u32,
     },
     /// The cloud is longer than the device can address.
     #[error("{points} points, but this device binds at most {limit} (four times maxStorageBufferRange)")]

@@ -7,9 +7,10 @@ use rayon::prelude::*;
 
 use super::abuffer::{ABuffer, Lists, Storing};
 use super::bands::{self, Budget, Window};
+use super::peel::Peeler;
 use super::sorted::{self, Sorted, Stop};
 use super::splat::Opaque;
-use super::{Error, Outcome, abuffer, linked_list, splat};
+use super::{Error, Outcome, abuffer, linked_list, peel, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -18,7 +19,9 @@ use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
-use crate::scene::{ColorSpace, DiscShape, Discs, LongLists, MAX_SIDE, Method, Raster, ScreenSplats, Shading};
+use crate::scene::{
+    ColorSpace, DiscShape, Discs, LongLists, MAX_LAYERS, MAX_SIDE, Method, Peel, Raster, ScreenSplats, Shading,
+};
 
 /// What to render of an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +38,7 @@ pub struct Frame {
     pub method: Method,
     /// Device bytes beside cloud and image; `None`: what the device has, less a reserve.
     pub memory_budget: Option<u64>,
-    /// Whether the image carries the length of each pixel's list.
+    /// Whether the image carries the length of each pixel's list, and the layers that were peeled from it.
     pub fragments: bool,
     /// What may be left out where nothing of it would be seen.
     pub stop: Stop,
@@ -68,6 +71,8 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Layers that were peeled, the most of any window.
+    pub layers: u32,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows.
@@ -213,14 +218,17 @@ pub struct Renderer {
     abuffer: ABuffer,
     sorted: Sorted,
     opaque: Opaque,
+    peeler: Peeler,
     tiles: Tiles,
     target: Target,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
     pub progress: ProgressBar,
-    /// Whether opaque splats use 64-bit atomics; follows the device unless a test switches it off.
+    /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
+    /// Layers after which `peel` gives up; [`MAX_LAYERS`] unless a test sets fewer.
+    pub max_layers: u32,
 }
 
 impl Renderer {
@@ -231,11 +239,13 @@ impl Renderer {
             abuffer: ABuffer::new(device)?,
             sorted: Sorted::new(device)?,
             opaque: Opaque::default(),
+            peeler: Peeler::new(device)?,
             tiles: Tiles::new(device)?,
             target: Target::new(),
             spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
+            max_layers: MAX_LAYERS,
         })
     }
 
@@ -384,6 +394,16 @@ impl Renderer {
                     self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
                 }
             }
+            Method::Peel(peel) => {
+                let (counted, wide, limit) = (frame.fragments, self.wide_atomics, self.max_layers);
+                let job = peel::WindowJob { raster, peel, counted, wide, limit, progress: &self.progress };
+                if work.survey {
+                    self.peeler.survey(device, &job, work.timeline, work.facts)?;
+                } else {
+                    self.peeler.render(device, &job, &self.target, work.timeline, work.facts)?;
+                }
+                Outcome::Done
+            }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     self.opaque.render(device, &raster, self.wide_atomics, &self.target, work.timeline)?;
@@ -461,12 +481,12 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
-        let Some(fragments) = &mut image.fragments else { return Ok(()) };
-        let counts = self.abuffer.read_counts(window)?;
-        let width = (window[2] - window[0]) as usize;
-        for (row, counts) in counts.chunks(width).enumerate() {
-            let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
-            fragments[to..to + width].copy_from_slice(counts);
+        if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {
+            let [lengths, peeled] = self.peeler.read_counts(window)?;
+            place_counts(frame, window, &lengths, fragments);
+            place_counts(frame, window, &peeled, layers);
+        } else if let Some(fragments) = &mut image.fragments {
+            place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
         }
         Ok(())
     }
@@ -475,10 +495,20 @@ impl Renderer {
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 const ORDERED_AREA: u64 = 32;
 
+/// Copies one number for each of the window's pixels into those of the image.
+fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]) {
+    let width = (window[2] - window[0]) as usize;
+    for (row, counts) in counts.chunks(width).enumerate() {
+        let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
+        image[to..to + width].copy_from_slice(counts);
+    }
+}
+
 /// The windows of a frame, the first one last.
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
+        Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         Method::Sorted(_) if frame.fragments => abuffer::PIXEL_BYTES,
         Method::Sorted(_) => sorted::PIXEL_BYTES,
         _ => splat::PIXEL_BYTES,
@@ -525,18 +555,20 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
     let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
+    let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
     match spare {
-        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, ..image },
-        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments },
+        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, ..image },
+        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers },
     }
 }
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(discs) | Method::LinkedList(discs) | Method::Sorted(discs) => {
-            (abuffer::footprint(discs.shape), 1.0, f32::MAX)
-        }
+        Method::ABuffer(discs)
+        | Method::LinkedList(discs)
+        | Method::Sorted(discs)
+        | Method::Peel(Peel { discs, .. }) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
@@ -586,7 +618,8 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
             Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))
         }
         "abuffer/clear" => Some(pixels * 4),
-        "abuffer/count" => Some(walks + facts.fragments * 8),
+        "peel/clear" => Some(pixels * peel::pixel_bytes(frame.fragments)),
+        "abuffer/count" | "peel/count" => Some(walks + facts.fragments * 8),
         "abuffer/measure" => Some(pixels * 4),
         "abuffer/store" => {
             Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))

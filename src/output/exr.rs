@@ -9,7 +9,7 @@ use crate::color::decode_srgb;
 use crate::image::Image as Frame;
 use crate::scene::ColorSpace;
 
-/// R, G, B composed and linear, A, Z and the list lengths if there are any.
+/// R, G, B composed and linear, A, Z and the list lengths and layers if there are any.
 pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) -> io::Result<()> {
     let composed = image.composed(background(options));
     let linear = |value: f32| match options.color {
@@ -20,9 +20,11 @@ pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) 
     let alpha = FlatSamples::F32(image.rgba.iter().map(|pixel| pixel[3]).collect());
     let mut channels = smallvec_of([("R", plane(0)), ("G", plane(1)), ("B", plane(2)), ("A", alpha)]);
     channels.push(AnyChannel::new("Z", FlatSamples::F32(image.depth.clone())));
-    if let Some(fragments) = &image.fragments {
-        let lengths = fragments.iter().map(|length| *length as f32).collect();
-        channels.push(AnyChannel::new("fragments.Y", FlatSamples::F32(lengths)));
+    for (name, counts) in [("fragments.Y", &image.fragments), ("layers.Y", &image.layers)] {
+        if let Some(counts) = counts {
+            let values = counts.iter().map(|count| *count as f32).collect();
+            channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
+        }
     }
     let size = (image.width as usize, image.height as usize);
     let encoding =

@@ -3,7 +3,7 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::tiles::{self, SEGMENT, TILE, Tiles};
-use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Variant};
+use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant, Vertices};
 use crate::methods::bands::{Band, Window};
 use crate::{gpu_struct, group};
 
@@ -48,6 +48,20 @@ group! {
     }
 }
 
+/// One dispatch or draw of a stage.
+struct Visit {
+    chunk: usize,
+    push: RasterPush,
+    walker: &'static str,
+    amount: Amount,
+}
+
+/// How much it runs.
+enum Amount {
+    Compute(Dispatch<'static>),
+    Vertices(u32),
+}
+
 /// A projected cloud whose pixels are visited.
 #[derive(Clone, Copy)]
 pub struct Raster<'a> {
@@ -81,40 +95,84 @@ impl<'a> Raster<'a> {
         band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
+        self.record_visits(recorder, band, stage, None)
+    }
+
+    /// Records a stage as [`Self::record`] does, but with the sizes of its dispatches or draws from a buffer: as many
+    /// records of four words as [`Self::arguments`] has.
+    pub fn record_indirect<P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        band: &Band,
+        stage: impl Fn(Chunk<'a>) -> P,
+        arguments: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        self.record_visits(recorder, band, stage, Some(arguments))
+    }
+
+    /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first word is 0.
+    pub fn arguments(&self, recorder: &Recorder<'_>, band: &Band) -> Result<Vec<[u32; 4]>, Error> {
+        let of = |visit: Visit| match visit.amount {
+            Amount::Compute(dispatch) => recorder.arguments(visit.walker, dispatch),
+            Amount::Vertices(count) => Ok([count, 1, 0, 0]),
+        };
+        self.visits(band).map(of).collect()
+    }
+
+    fn record_visits<P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        band: &Band,
+        stage: impl Fn(Chunk<'a>) -> P,
+        arguments: Option<Slice<'a, u32>>,
+    ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        let [first_tile, tiles] = self.tiles_of(band);
-        for (chunk, ((first, count), stats)) in self.cloud.chunks().zip(self.stats).enumerate() {
-            if stats.visible == 0 {
-                continue;
-            }
-            let pass = stage(self.chunk(chunk, first, count));
-            let segments = stats.large.div_ceil(SEGMENT);
-            let push = RasterPush {
-                count: count as u32,
-                first: first as u32,
-                band_start: band.pixels[0],
-                band_end: band.pixels[1],
-                first_fragment: band.first_fragment,
-                first_tile,
-                tiles,
-                segments,
-            };
-            match self.walker {
-                Walker::Compute => {
-                    let small = Run::new(Dispatch::Invocations(count)).push(&push);
-                    recorder.run(&pass, &small.variant(variant(self.footprint, "walk_small")))?;
-                    if stats.large > 0 {
-                        let large = Run::new(Dispatch::Groups(u64::from(tiles) * u64::from(segments))).push(&push);
-                        recorder.run(&pass, &large.variant(variant(self.footprint, "walk_tiles")))?;
-                    }
+        for (number, visit) in self.visits(band).enumerate() {
+            let arguments = arguments.map(|all| all.skip(4 * number as u64).first(4));
+            let pass = stage(self.chunk(visit.chunk, u64::from(visit.push.first), u64::from(visit.push.count)));
+            let variant = variant(self.footprint, visit.walker);
+            match visit.amount {
+                Amount::Compute(dispatch) => {
+                    let dispatch = arguments.map_or(dispatch, Dispatch::Indirect);
+                    recorder.run(&pass, &Run::new(dispatch).push(&visit.push).variant(variant))?;
                 }
-                Walker::Hardware => {
-                    let draw = Draw { vertices: 6 * count as u32, area: [x1 - x0, y1 - y0] };
-                    recorder.draw(&pass, &variant(self.footprint, "walk_fragment"), bytemuck::bytes_of(&push), draw)?;
+                Amount::Vertices(count) => {
+                    let vertices = arguments.map_or(Vertices::Count(count), Vertices::Indirect);
+                    let draw = Draw { vertices, area: [x1 - x0, y1 - y0] };
+                    recorder.draw(&pass, &variant, bytemuck::bytes_of(&visit.push), draw)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// The dispatches or draws that visit all splats: chunks without visible ones have none.
+    fn visits(&self, band: &Band) -> impl Iterator<Item = Visit> {
+        let [first_tile, tiles] = self.tiles_of(band);
+        let chunks = self.cloud.chunks().zip(self.stats).enumerate().filter(|(_, (_, stats))| stats.visible > 0);
+        chunks
+            .flat_map(move |(chunk, ((first, count), stats))| {
+                let segments = stats.large.div_ceil(SEGMENT);
+                let push = RasterPush {
+                    count: count as u32,
+                    first: first as u32,
+                    band_start: band.pixels[0],
+                    band_end: band.pixels[1],
+                    first_fragment: band.first_fragment,
+                    first_tile,
+                    tiles,
+                    segments,
+                };
+                let visit = |walker, amount| Visit { chunk, push, walker, amount };
+                let small = || visit("walk_small", Amount::Compute(Dispatch::Invocations(count)));
+                let groups = u64::from(tiles) * u64::from(segments);
+                let large = || visit("walk_tiles", Amount::Compute(Dispatch::Groups(groups)));
+                match self.walker {
+                    Walker::Compute => [Some(small()), (stats.large > 0).then(large)],
+                    Walker::Hardware => [Some(visit("walk_fragment", Amount::Vertices(6 * count as u32))), None],
+                }
+            })
+            .flatten()
     }
 
     /// First tile and number of tiles of the rows of tiles that meet a band.

@@ -5,6 +5,7 @@
 
 pub mod abuffer;
 pub mod coverage;
+pub mod peel;
 pub mod scan;
 pub mod shading;
 pub mod splat;

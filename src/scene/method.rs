@@ -2,7 +2,7 @@
 
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
-use super::settings::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats};
+use super::settings::{DiscShape, Discs, Falloff, LongLists, MAX_LAYERS, Method, Peel, Raster, ScreenSplats};
 use super::table::{Range, Table};
 
 /// Reads the table; keys of other methods become warnings.
@@ -24,6 +24,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "abuffer" => Method::ABuffer(discs(table)?),
         "linked-list" => Method::LinkedList(discs(table)?),
         "sorted" => Method::Sorted(discs(table)?),
+        "peel" => Method::Peel(peel(table)?),
         _ => Method::Auto,
     })
 }
@@ -63,4 +64,8 @@ fn discs(table: &Table<'_>) -> Result<Discs, Error> {
         raster: table.choice("raster", &rasters)?.unwrap_or_default(),
         long_lists: table.choice("long_lists", &long_lists)?.unwrap_or_default(),
     })
+}
+
+fn peel(table: &Table<'_>) -> Result<Peel, Error> {
+    Ok(Peel { discs: discs(table)?, layers: table.integer("layers", 0, MAX_LAYERS)?.unwrap_or_default() })
 }

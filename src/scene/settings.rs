@@ -9,6 +9,9 @@ use super::view::View;
 /// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
 pub const MAX_SIDE: u32 = 16_384;
 
+/// Layers that depth peeling goes through at most, since each of them visits every splat.
+pub const MAX_LAYERS: u32 = 65_536;
+
 /// K of Eq. 20 and 21 if a cloud doesn't say.
 pub const DEFAULT_NEIGHBORS: usize = 24;
 
@@ -207,6 +210,15 @@ pub struct Discs {
     pub long_lists: LongLists,
 }
 
+/// Settings of depth peeling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Peel {
+    /// What is peeled.
+    pub discs: Discs,
+    /// `layers`: how many are blended, the nearest ones, at most [`MAX_LAYERS`]; 0: all.
+    pub layers: u32,
+}
+
 /// Settings of opaque screen-aligned splats (`squares`, `circles`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenSplats {
@@ -240,6 +252,8 @@ pub enum Method {
     LinkedList(Discs),
     /// Splats sorted once by depth, blended tile by tile; exact for flat discs.
     Sorted(Discs),
+    /// The same as the A-buffer by depth peeling.
+    Peel(Peel),
 }
 
 impl Method {
@@ -253,14 +267,17 @@ impl Method {
             Self::ABuffer(_) => "abuffer",
             Self::LinkedList(_) => "linked-list",
             Self::Sorted(_) => "sorted",
+            Self::Peel(_) => "peel",
         }
     }
 
-    /// The settings of a method that blends discs.
+    /// The settings of the disc family; `None` for other methods.
     pub fn discs(&self) -> Option<&Discs> {
         match self {
-            Self::ABuffer(discs) | Self::LinkedList(discs) | Self::Sorted(discs) => Some(discs),
-            _ => None,
+            Self::ABuffer(discs) | Self::LinkedList(discs) | Self::Sorted(discs) | Self::Peel(Peel { discs, .. }) => {
+                Some(discs)
+            }
+            Self::Auto | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
         }
     }
 

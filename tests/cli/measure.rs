@@ -207,13 +207,27 @@ fn the_plan_is_what_runs() {
         let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
         assert_planned(&folder, &[&["row.ply", "--size", "7x9", "--opacity", "0.5"], &hardware[..]].concat());
     }
+    // Layers: all of them and one, short and long lists, large splats and small ones.
+    let peel = ["--method", "peel", "--size", "40x30", "-q"];
+    for more in [&["--set", "method.layers=0"][..], &["--set", "method.layers=1"]] {
+        for input in [tori.as_str(), "row.ply"] {
+            let peeled = assert_planned(&folder, &[&[input, "--opacity", "0.5"], &peel[..], more].concat());
+            assert!(has(&peeled, "peel/blend") && has(&peeled, "peel/count"), "{peeled:?}");
+            assert!(
+                !has(&peeled, "splat/resolve") && !peeled.iter().any(|pass| pass.starts_with("abuffer")),
+                "{peeled:?}"
+            );
+        }
+    }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
     fs::write(inside(&folder, "away.toml"), away).unwrap();
     for opacity in ["0.5", "1"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--opacity", opacity]);
     }
-    assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "points"]);
+    for method in ["points", "peel"] {
+        assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
+    }
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn every_method_gives_its_picture() {
     let folder = folder();
     let tori = builtin(&folder, "tori", &["points=2000"]);
     let mut pictures = BTreeMap::new();
-    for method in ["points", "circles", "squares", "abuffer", "auto"] {
+    for method in ["points", "circles", "squares", "abuffer", "peel", "auto"] {
         let output = format!("{method}.exr");
         // Quiet: keys of abuffer are a warning for the others.
         let mut args = vec!["render", &tori, "-q", "--size", "64x64", "--method", method, "-o", &output];
@@ -100,9 +100,45 @@ fn every_method_gives_its_picture() {
     assert!(counts[0] < counts[1] && counts[1] < counts[2], "a disc holds its point, a square its disc: {counts:?}");
     // Opaque discs: the nearest decides, so that the methods agree, and `auto` may take the cheaper one.
     for (channel, values) in &pictures["abuffer"] {
-        let other = &pictures["auto"][channel];
-        assert!(values.iter().zip(other).all(|(a, b)| a == b), "{channel}");
+        for other in ["auto", "peel"] {
+            assert!(values.iter().zip(&pictures[other][channel]).all(|(a, b)| a == b), "{channel} of {other}");
+        }
     }
+}
+
+#[test]
+fn peeled_layers_are_a_channel() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let render = |layers: &str, more: &[&str]| {
+        let args = [
+            "render",
+            &tori,
+            "--size",
+            "64x48",
+            "--method",
+            "peel",
+            "--opacity",
+            "0.5",
+            "-o",
+            "a.exr",
+            "--set",
+            layers,
+        ];
+        done(&folder, &[&args[..], more].concat());
+        exr(&inside(&folder, "a.exr")).0
+    };
+    let all = render("method.layers=0", &["--aov"]);
+    assert_eq!(all["layers.Y"], all["fragments.Y"], "nothing is opaque");
+    let two = render("method.layers=2", &["--aov"]);
+    assert_eq!(two["fragments.Y"], all["fragments.Y"]);
+    assert!(two["layers.Y"].iter().zip(&all["layers.Y"]).all(|(some, all)| *some == all.min(2.0)));
+    // A profile counts, but writes no channel.
+    let plain = render("method.layers=0", &["--profile", "p.json"]);
+    assert!(!plain.contains_key("layers.Y") && !plain.contains_key("fragments.Y"), "{:?}", plain.keys());
 }
 
 #[test]

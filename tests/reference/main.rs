@@ -63,6 +63,7 @@ mod coverage;
 mod margins;
 mod opaque;
 mod oriented_discs;
+mod peeling;
 mod shaded;
 
 #[test]

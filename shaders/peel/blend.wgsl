@@ -1,0 +1,58 @@
+// peel/blend: puts the layer's fragment behind what was peeled from each pixel, and makes the pixel ready for the next
+// layer. One invocation per pixel. The arithmetic and its order are abuffer's: both call `behind` for fragment after fragment.
+// Reference: reference::peel::render.
+#import compose
+#import dispatch
+#import peel_work
+
+// As splat/nearest leaves it, or nearest-depth and nearest-id.
+struct Nearest {
+    id: u32,
+    key: u32,
+}
+
+struct Push {
+    count: u32,
+}
+
+@group(0) @binding(13) var<storage, read_write> nearest: array<Nearest>;
+@group(0) @binding(14) var<storage, read_write> last: array<vec2<u32>>;
+@group(0) @binding(15) var<storage, read_write> work: PeelWork;
+// Layers of each pixel; a single word that stays untouched unless COUNTED.
+@group(0) @binding(16) var<storage, read_write> layers: array<u32>;
+@group(0) @binding(17) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(18) var<storage, read_write> depths: array<f32>;
+var<immediate> push: Push;
+override COUNTED: u32 = 0u;
+
+const INFINITY_BITS = 0x7f800000u;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = invocation_index(workgroup, groups, local);
+    if p >= push.count {
+        return;
+    }
+    let found = nearest[p];
+    if found.key == NOTHING {
+        return;
+    }
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(p % width, p / width);
+    let depth = depths[p];
+    let front = Composed(image[p], select(depth_key(depth), NOTHING, bitcast<u32>(depth) == INFINITY_BITS));
+    let sum = behind(front, found.key, fragment_color(found.id, pixel));
+    image[p] = sum.rgba;
+    depths[p] = composed_depth(sum.key);
+    nearest[p] = Nearest(NOTHING, NOTHING);
+    // Behind A = 1 nothing changes a bit: the pixel is done, as if its last fragment were the farthest.
+    last[p] = select(vec2<u32>(found.key, found.id), vec2<u32>(NOTHING), sum.rgba.a == 1.0);
+    if COUNTED == 1u {
+        layers[p] += 1u;
+    }
+    atomicStore(&work.found, 1u);
+}
