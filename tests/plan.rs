@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, Method, ScreenSplats};
+use pellucid::scene::{DiscShape, Discs, LongLists, Method, ScreenSplats};
 
 fn with_opacities(opacities: &[f32]) -> Vec<P> {
     let point = |(i, opacity): (usize, &f32)| P {
@@ -48,7 +48,12 @@ fn a_survey_finds_what_a_frame_meets() {
     with_device(|device| {
         // Radii that give splats of a few pixels and of thousands.
         let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
-        let methods = [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default())];
+        let methods = [
+            Method::Points,
+            Method::Circles(ScreenSplats::default()),
+            Method::ABuffer(Discs::default()),
+            Method::LinkedList(Discs::default()),
+        ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
                 let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
@@ -77,7 +82,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let steps = plan(device, &frame, &facts, wide, "a reason");
             assert!(steps.iter().all(|step| !step.reason.is_empty()), "{steps:?}");
             let on = |name: &str| steps.iter().any(|step| step.name == name && step.on);
-            if !matches!(method, Method::ABuffer(_)) {
+            if method.lists().is_none() {
                 assert_eq!(
                     [on("splat/nearest"), on("splat/nearest-depth"), on("splat/nearest-id")],
                     [wide, !wide, !wide]
@@ -91,6 +96,8 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         let mut once = all.clone();
         once.dedup();
         assert_eq!(all, once);
+        let in_place = Discs { long_lists: LongLists::InPlace, ..Discs::default() };
+        assert_eq!(names_of(Method::LinkedList(in_place), true), all);
         assert_eq!(names_of(Method::Points, true), all);
         assert_eq!(names_of(Method::Points, false), all);
     });
