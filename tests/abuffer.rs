@@ -7,7 +7,6 @@ use glam::{DVec3, Vec3};
 use pellucid::camera::Camera;
 use pellucid::gpu::Device;
 use pellucid::methods::{Error, Frame, Renderer, abuffer};
-use pellucid::points::Points;
 use pellucid::reference;
 use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, LongLists, Method, Raster, Shading, ShadingModel};
 use rand::seq::SliceRandom;

@@ -148,6 +148,13 @@ fn whichever_method_ran_before_the_budget_holds() {
             // Image and depth, on the device and on the host.
             let allowed = budget + cloud.bytes() + u64::from(size[0] * size[1]) * 40;
             assert!(facts.bands > 5 && facts.peak_device_bytes <= allowed, "{method:?}: {facts:?}, {allowed}");
+            let kept = device.live_allocations();
+            let has = |name: &str| kept.iter().any(|(buffer, _)| buffer == name);
+            assert_eq!(
+                (has("spare fragments"), has("list links")),
+                (method != in_place, method == linked()),
+                "{kept:?}"
+            );
         }
     });
 }

@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, Method, Peel, ScreenSplats};
+use pellucid::scene::{DiscShape, Discs, LongLists, Method, Peel, ScreenSplats};
 
 fn with_opacities(opacities: &[f32]) -> Vec<P> {
     let point = |(i, opacity): (usize, &f32)| P {
@@ -48,9 +48,13 @@ fn a_survey_finds_what_a_frame_meets() {
     with_device(|device| {
         // Radii that give splats of a few pixels and of thousands.
         let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
-        let peel = Method::Peel(Peel::default());
-        let methods =
-            [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default()), peel];
+        let methods = [
+            Method::Points,
+            Method::Circles(ScreenSplats::default()),
+            Method::ABuffer(Discs::default()),
+            Method::LinkedList(Discs::default()),
+            Method::Peel(Peel::default()),
+        ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
                 let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
@@ -94,7 +98,13 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         let mut once = all.clone();
         once.dedup();
         assert_eq!(all, once);
-        for method in [Method::Points, Method::Circles(ScreenSplats::default()), Method::Peel(Peel::default())] {
+        let in_place = Discs { long_lists: LongLists::InPlace, ..Discs::default() };
+        for method in [
+            Method::Points,
+            Method::Circles(ScreenSplats::default()),
+            Method::LinkedList(in_place),
+            Method::Peel(Peel::default()),
+        ] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);
         }

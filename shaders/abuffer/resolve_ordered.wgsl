@@ -1,8 +1,10 @@
 // abuffer/resolve-ordered: blends lists whose splats were stored in the order of blending, front to back until nothing behind
-// can be seen. One invocation per pixel of the band. A run takes TAKEN splats of a list; the next one goes on from the image.
+// can be seen. One invocation per pixel of the band. Lists of more than RUN_LENGTH are composed run by run, as those are that
+// must be sorted, so that both give the same bytes. A dispatch takes TAKEN splats; the next one goes on from the image.
 // Reference: reference::abuffer::composite.
 #import splat
 #import stop
+#import long_list
 #import dispatch
 
 struct Push {
@@ -62,25 +64,39 @@ fn main(
     }
     let width = view.window.z - view.window.x;
     let pixel = view.window.xy + vec2<u32>(p % width, p / width);
-    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    var total = Composed(vec4<f32>(0.0), NOTHING);
     if push.segment > 0u {
         let seen = depths[p] <= 3.4e38;
-        sum = Composed(image[p], select(NOTHING, 0u, seen));
+        total = Composed(image[p], select(NOTHING, 0u, seen));
     }
-    let before = sum.key;
-    var i = first - push.first_fragment;
-    let last = end - push.first_fragment;
+    let before = total.key;
+    // What comes after a run is a run, and may be opaque.
+    let long = offsets[p + 1u] - offsets[p] > RUN_LENGTH;
+    let most_opacity = select(push.most_opacity, 1.0, long);
+    let start = first - push.first_fragment;
+    let n = end - first;
+    var run = Composed(vec4<f32>(0.0), NOTHING);
+    var i = 0u;
     // There is a first one, so the condition may stand at the end: CPU drivers run every loop once more otherwise.
     loop {
-        let rank = ranks[i];
-        sum = behind(sum, rank, color_of(rank, pixel));
+        let rank = ranks[start + i];
+        run = behind(run, rank, color_of(rank, pixel));
         i += 1u;
-        if i >= last || (i % LOOK == 0u && done(sum, push.most_opacity, push.most_color)) {
+        let ends = i == n || i % RUN_LENGTH == 0u;
+        let joined = Composed(total.rgba + (1.0 - total.rgba.a) * run.rgba, select(total.key, run.key, total.key == NOTHING));
+        // Within the first run nothing lies in front, and the run is the sum.
+        let alone = push.segment == 0u && i < RUN_LENGTH;
+        let stops = (ends || (alone && i % LOOK == 0u)) && done(joined, most_opacity, push.most_color);
+        if ends || stops {
+            total = joined;
+            run = Composed(vec4<f32>(0.0), NOTHING);
+        }
+        if i >= n || stops {
             break;
         }
     }
-    image[p] = sum.rgba;
-    if before == NOTHING && sum.key != NOTHING {
-        depths[p] = key_depth(records[sum.key].x + push.nearest);
+    image[p] = total.rgba;
+    if before == NOTHING && total.key != NOTHING {
+        depths[p] = key_depth(records[total.key].x + push.nearest);
     }
 }

@@ -5,6 +5,9 @@
 //! writes the lists to where `abuffer/store` would have put them, and sorting and blending go on from there: the order of
 //! fragments is total, so that the image has the same bytes. A fragment takes 20 bytes: node and link, 12, and its place in
 //! the fragment buffer, 8; long lists are merged into the memory of the nodes.
+//!
+//! Measured on lavapipe: nodes of 16 bytes, read and written at once, are stored no faster and gathered 0 to 40% faster, for
+//! four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the store no faster.
 
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::Band;

@@ -186,6 +186,12 @@ fn the_plan_is_what_runs() {
     for size in ["1x1", "8x8", "13x5"] {
         assert_planned(&folder, &[&tori, "--size", size]);
     }
+    let linked = assert_planned(&folder, &[&tori, "--size", "40x30", "--method", "linked-list"]);
+    assert!(has(&linked, "linked-list/gather") && !has(&linked, "abuffer/store"), "{linked:?}");
+    for method in ["abuffer", "linked-list"] {
+        let in_place = assert_planned(&folder, &[&stack, "--method", method, "--set", "method.long_lists=in-place"]);
+        assert!(has(&in_place, "abuffer/merge-in-place") && !has(&in_place, "abuffer/merge"), "{in_place:?}");
+    }
     let opaque = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "points"]);
     assert!(
         has(&opaque, "points/resolve")
