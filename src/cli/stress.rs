@@ -119,7 +119,7 @@ fn check_folder(folder: &Path) -> Result<()> {
     Err(output::Error::Write { path: folder.to_owned(), source }.into())
 }
 
-/// A line for each slope, what was skipped, and where the rest is.
+/// The end of each series, how much was skipped, and where the rest is.
 fn summary(sweep: &Sweep, folder: &Path) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header([
@@ -133,26 +133,26 @@ fn summary(sweep: &Sweep, folder: &Path) -> String {
         "peak MiB",
         "largest error",
     ]);
-    for slope in sweep.slopes() {
-        let series = sweep.series(slope.workload, slope.side, slope.method);
-        let Some(deepest) = series.last() else { continue };
+    let slopes = sweep.slopes();
+    for cell in sweep.deepest() {
+        let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method));
         table.add_row([
-            slope.workload.name().to_owned(),
-            format!("{0} × {0}", slope.side),
-            slope.method.to_owned(),
-            deepest.layers.to_string(),
-            format!("{:.2}", deepest.gpu_ms.median),
-            format!("{:.2}", deepest.mfragments_per_s()),
-            format!("{:.2}", slope.law.exponent),
-            format!("{:.1}", deepest.peak_device_bytes as f64 / f64::from(1 << 20)),
-            format!("{:.1e}", deepest.error.max),
+            cell.workload.name().to_owned(),
+            format!("{0} × {0}", cell.side),
+            cell.method.to_owned(),
+            cell.layers.to_string(),
+            format!("{:.2}", cell.gpu_ms.median),
+            format!("{:.2}", cell.mfragments_per_s()),
+            slope.map_or("-".to_owned(), |slope| format!("{:.2}", slope.law.exponent)),
+            format!("{:.1}", cell.peak_device_bytes as f64 / f64::from(1 << 20)),
+            format!("{:.1e}", cell.error.max),
         ]);
     }
     for column in table.column_iter_mut().skip(3) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!(
-        "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log) up to it.\n\
+        "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log), - with fewer than three cells.\n\
          {} cells measured, {} skipped; why, and all figures: {}\n",
         table.trim_fmt(),
         sweep.cells.len(),

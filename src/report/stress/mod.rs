@@ -233,17 +233,24 @@ impl Sweep {
         self.cells.iter().filter(belongs).collect()
     }
 
+    /// The last cell of each series.
+    pub fn deepest(&self) -> Vec<&Cell> {
+        let is_last = |cell: &&Cell| {
+            let series = self.series(cell.workload, cell.side, cell.method);
+            series.last().is_some_and(|last| last.layers == cell.layers)
+        };
+        self.cells.iter().filter(is_last).collect()
+    }
+
     /// How time grows in each series that is long enough to tell.
     ///
     /// Only the deeper half of a series is fitted: before it a frame costs the same whatever is in it.
     pub fn slopes(&self) -> Vec<Slope> {
         let mut slopes = Vec::new();
-        for first in &self.cells {
-            let Cell { workload, side, method, .. } = *first;
+        for &Cell { workload, side, method, .. } in self.deepest() {
             let series = self.series(workload, side, method);
             let deep = &series[series.len() - series.len().div_ceil(2).max(3).min(series.len())..];
-            let known = slopes.iter().any(|s: &Slope| (s.workload, s.side, s.method) == (workload, side, method));
-            if known || deep.len() < 3 {
+            if deep.len() < 3 {
                 continue;
             }
             let points: Vec<_> = deep.iter().map(|cell| (f64::from(cell.layers), cell.gpu_ms.median)).collect();
@@ -253,5 +260,51 @@ impl Sweep {
             }
         }
         slopes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(method: &'static str, layers: u32, ms: f64) -> Cell {
+        Cell {
+            workload: Workload::Stack,
+            side: 8,
+            layers,
+            pixels: 64,
+            points: layers.into(),
+            fragments: 64 * u64::from(layers),
+            counted: None,
+            method,
+            gpu_ms: Spread::of(vec![ms]),
+            wall_ms: Spread::of(vec![ms]),
+            peak_device_bytes: 0,
+            fragment_bytes: 0,
+            bands: 1,
+            error: Deviation { max: 0.0, rmse: 0.0, pixels: 64 },
+            passes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_deeper_half_of_each_method() {
+        let mut cells: Vec<Cell> = [1, 2, 4, 8].map(|layers| cell("flat", layers, 5.0)).into();
+        // A fixed cost up to 4 layers, then quadratic: of seven cells the last four are fitted.
+        let deep = [16.0, 16.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+        cells.extend(deep.iter().enumerate().map(|(i, ms)| cell("deep", 1 << i, *ms)));
+        cells.extend([1, 2].map(|layers| cell("short", layers, 5.0)));
+        let sweep = Sweep { cells, skipped: Vec::new() };
+        let slopes = sweep.slopes();
+        let found: Vec<_> = slopes.iter().map(|s| (s.method, s.layers, s.law.exponent)).collect();
+        assert!(matches!(found[..], [("flat", [2, 8], _), ("deep", [8, 64], _)]), "{found:?}");
+        assert!(found[0].2.abs() < 1e-12 && (found[1].2 - 2.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(sweep.deepest().iter().map(|cell| cell.layers).collect::<Vec<_>>(), [8, 64, 2]);
+    }
+
+    #[test]
+    fn spreads_by_hand() {
+        assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Spread { min: 1.0, median: 2.0, max: 3.0 });
+        assert_eq!(Spread::of(Vec::new()), Spread { min: 0.0, median: 0.0, max: 0.0 });
     }
 }

@@ -83,30 +83,25 @@ fn summary(report: &Report<'_>) -> Markup {
         Column::number("B/fragment"),
         Column::number("largest error"),
     ];
-    let mut rows = Vec::new();
-    for (workload, side) in places(report) {
-        for method in &report.settings.methods {
-            let series = report.sweep.series(workload, side, method.name());
-            rows.extend(series.last().map(|cell| {
-                let [slope, over, explained] = slope_texts(&slopes, cell);
-                vec![
-                    workload.name().to_owned(),
-                    size(side),
-                    cell.method.to_owned(),
-                    cell.layers.to_string(),
-                    grouped(cell.fragments),
-                    digits(cell.gpu_ms.median),
-                    digits(cell.mfragments_per_s()),
-                    slope,
-                    over,
-                    explained,
-                    digits(cell.peak_device_bytes as f64 / MIB),
-                    digits(cell.bytes_per_fragment()),
-                    format!("{:.1e}", cell.error.max),
-                ]
-            }));
-        }
-    }
+    let row = |cell: &&Cell| {
+        let [slope, over, explained] = slope_texts(&slopes, cell);
+        vec![
+            cell.workload.name().to_owned(),
+            size(cell.side),
+            cell.method.to_owned(),
+            cell.layers.to_string(),
+            grouped(cell.fragments),
+            digits(cell.gpu_ms.median),
+            digits(cell.mfragments_per_s()),
+            slope,
+            over,
+            explained,
+            digits(cell.peak_device_bytes as f64 / MIB),
+            digits(cell.bytes_per_fragment()),
+            format!("{:.1e}", cell.error.max),
+        ]
+    };
+    let rows: Vec<_> = report.sweep.deepest().iter().map(row).collect();
     table(&columns, &rows)
 }
 
