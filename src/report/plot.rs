@@ -155,6 +155,20 @@ impl Figure {
         {
             draw_dashed(root, line.map(|(x, y)| chart.backend_coord(&(x, y))))?;
         }
+        let (columns, lines) = chart.plotting_area().get_pixel_range();
+        let noted: Vec<&Series> = panel.series.iter().filter(|series| !series.note.is_empty()).collect();
+        if let Some(longest) = noted.iter().map(|series| series.note.chars().count() as i32).max() {
+            // A box of its own, so that its markers are not taken for data, which are drawn over it.
+            let corner = (columns.start + 5, lines.start + 3);
+            let end = (corner.0 + 30 + 7 * longest, corner.1 + 5 + 17 * noted.len() as i32);
+            root.draw(&Rectangle::new([corner, end], WHITE.filled()))?;
+            root.draw(&Rectangle::new([corner, end], GUIDE.stroke_width(1)))?;
+        }
+        for (line, series) in noted.iter().enumerate() {
+            let (x, y) = (columns.start + 15, lines.start + 14 + 17 * line as i32);
+            draw_marker(root, (x, y), series.name)?;
+            root.draw(&Text::new(series.note.clone(), (x + 10, y), text_style(13)))?;
+        }
         for series in &panel.series {
             let color = color(series.name);
             let line: Vec<_> = series.points.iter().map(|p| at(p.x, p.y)).collect();
@@ -163,13 +177,6 @@ impl Figure {
                 root.draw(&PathElement::new(p.range.map(|y| at(p.x, y)), color.stroke_width(1)))?;
                 draw_marker(root, at(p.x, p.y), series.name)?;
             }
-        }
-        let (columns, lines) = chart.plotting_area().get_pixel_range();
-        let noted = panel.series.iter().filter(|series| !series.note.is_empty());
-        for (line, series) in noted.enumerate() {
-            let (x, y) = (columns.start + 12, lines.start + 12 + 17 * line as i32);
-            draw_marker(root, (x, y), series.name)?;
-            root.draw(&Text::new(series.note.clone(), (x + 10, y), text_style(13)))?;
         }
         if panel.series.iter().all(|series| series.points.is_empty()) {
             let place = (columns.start + 8, lines.start + 12);
