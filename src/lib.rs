@@ -9,7 +9,7 @@
 //! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
 //!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].
 //! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times, of
-//!    which [`profile`] makes tables, JSON and traces.
+//!    which [`profile`] makes tables, JSON and traces, and [`report`] whole pages.
 //!
 //! Beside this road [`reference`](mod@reference) computes the same images in float64, without a device: what the tests trust.
 //! ARCHITECTURE.md in the repository tells the same at more length.
@@ -82,6 +82,7 @@ pub mod points;
 pub mod prepare;
 pub mod profile;
 pub mod reference;
+pub mod report;
 pub mod scene;
 
 pub use error::{Error, Result};

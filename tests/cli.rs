@@ -5,6 +5,7 @@ mod cli {
     mod failures;
     mod measure;
     mod render;
+    mod stress;
 }
 
 use std::fs;

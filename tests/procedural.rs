@@ -183,6 +183,19 @@ fn stack_has_exactly_its_layers_in_every_pixel() {
 }
 
 #[test]
+fn mosaic_has_exactly_its_layers_in_every_pixel() {
+    for (layers, size) in [(1.0, 1.0), (5.0, 16.0), (9.0, 37.0), (20.0, 63.0), (10.0, 65.0)] {
+        let scene = make("mosaic", &[("layers", layers), ("size", size)], 7);
+        assert!(fragments(&scene).iter().all(|&c| f64::from(c) == layers), "{layers} layers, {size} pixels");
+        // No disc lies wholly outside: one more in each direction at most.
+        let most = layers * (size / 3.0 + 1.0f64).ceil().powi(2);
+        assert!(total(&scene) as f64 <= most, "{} discs", total(&scene));
+    }
+    let error = build("mosaic", &set(&[("layers", 4096.0), ("size", 4096.0)]), 7).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+}
+
+#[test]
 fn stack_depths_differ_in_float32_and_lie_between_near_and_far() {
     let scene = make("stack", &[("layers", 100_000.0)], 8);
     let table = toml(&scene);

@@ -10,6 +10,7 @@ mod profile;
 mod render;
 mod scene;
 mod session;
+mod stress;
 mod talk;
 
 use std::path::PathBuf;
@@ -41,6 +42,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Render a few frames and print what each pass costs.
     Profile(profile::ProfileArgs),
+    /// Measure what layers of transparency cost every method: time, memory, error.
+    Stress(stress::StressArgs),
     /// Print which passes a frame would have, and why.
     Plan(plan::PlanArgs),
     /// Print what point-cloud files hold.
@@ -92,6 +95,7 @@ pub fn run() -> Result<ExitCode> {
     match cli.command {
         Command::Render(args) => render::run(args, talk),
         Command::Profile(args) => profile::run(args, talk),
+        Command::Stress(args) => stress::run(args, talk),
         Command::Plan(args) => plan::run(args, talk),
         Command::Info(args) => info::run(args, talk),
         Command::Scene(args) => scene::run(args, talk),

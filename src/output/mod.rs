@@ -90,6 +90,12 @@ pub enum Error {
         /// Its height.
         b_height: u32,
     },
+    /// A part of a report could not be made.
+    #[error("the report: {reason}")]
+    Report {
+        /// Which part, and why.
+        reason: String,
+    },
     /// Standard output can't be written to.
     #[error("standard output: {0}")]
     Stdout(std::io::Error),

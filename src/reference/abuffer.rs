@@ -46,15 +46,29 @@ pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
 
 /// Fragments of each pixel, near to far; equal depths by the point's index, so that order of arrival can't show.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
-    let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    let all: Vec<usize> = (0..size[0] as usize * size[1] as usize).collect();
+    lists_at(camera, size, points, discs, &all)
+}
+
+/// As [`lists`], of these pixels alone: row · width + column, ascending.
+pub fn lists_at(
+    camera: &Camera,
+    size: [u32; 2],
+    points: &Points,
+    discs: &Discs,
+    wanted: &[usize],
+) -> Vec<Vec<Fragment>> {
+    let mut pixels = vec![Vec::new(); wanted.len()];
     for index in 0..points.len() {
         let opacity = f64::from(points.opacities[index]);
         for pixel in footprint(camera, size, &splat(points, index, discs.shape)) {
+            let Ok(at) = wanted.binary_search(&(pixel.y as usize * size[0] as usize + pixel.x as usize)) else {
+                continue;
+            };
             let alpha = match discs.falloff {
                 Falloff::Flat => opacity,
                 Falloff::Gaussian => opacity * (-2.0 * pixel.rho * pixel.rho).exp(),
             };
-            let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
             pixels[at].push(Fragment { z: pixel.z, index: index as u32, alpha });
         }
     }

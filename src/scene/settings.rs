@@ -257,6 +257,11 @@ pub enum Method {
 }
 
 impl Method {
+    /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
+    pub fn transparent() -> Vec<Self> {
+        vec![Self::ABuffer(Discs::default())]
+    }
+
     /// The name a scene file gives it.
     pub fn name(&self) -> &'static str {
         match self {

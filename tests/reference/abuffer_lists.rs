@@ -36,6 +36,17 @@ fn every_fragment_is_on_its_pixel() {
 }
 
 #[test]
+fn some_pixels_are_those_of_the_whole() {
+    let mut points = stack(&[5.0, 3.0], 0.5);
+    points.radii[1] = 2.0;
+    let all = lists(&orthographic(), SIZE, &points, &Discs::default());
+    let wanted = [0, 3 * 9 + 4, 4 * 9 + 4, 8 * 9 + 8];
+    let some = lists_at(&orthographic(), SIZE, &points, &Discs::default(), &wanted);
+    assert_eq!(some, wanted.map(|pixel| all[pixel].clone()));
+    assert_eq!(some.iter().map(Vec::len).collect::<Vec<_>>(), [0, 1, 2, 0]);
+}
+
+#[test]
 fn gaussian_falloff() {
     let mut points = stack(&[5.0], 0.8);
     points.radii[0] = 2.0;

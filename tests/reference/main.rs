@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use pellucid::camera::{Camera, Projection};
 use pellucid::points::Points;
-use pellucid::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists};
+use pellucid::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
 use pellucid::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
 use pellucid::reference::{Picture, abuffer, scan, shading, splat};
 use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, ScreenSplats, Shading, ShadingModel};

@@ -6,6 +6,7 @@
 
 mod builder;
 mod garden;
+mod mosaic;
 mod plane;
 mod random;
 mod spheres;
@@ -56,8 +57,15 @@ impl Parameter {
 }
 
 /// All built-in scenes; the first is the one rendered without input.
-pub const BUILTINS: &[Builtin] =
-    &[garden::BUILTIN, tori::BUILTIN, volume::BUILTIN, stack::BUILTIN, plane::BUILTIN, spheres::BUILTIN];
+pub const BUILTINS: &[Builtin] = &[
+    garden::BUILTIN,
+    tori::BUILTIN,
+    volume::BUILTIN,
+    stack::BUILTIN,
+    mosaic::BUILTIN,
+    plane::BUILTIN,
+    spheres::BUILTIN,
+];
 
 /// A generated scene: its clouds and the scene file that shows them.
 #[derive(Debug, Clone, PartialEq)]

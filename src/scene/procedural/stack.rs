@@ -18,26 +18,25 @@ pub(super) const BUILTIN: Builtin = Builtin {
 };
 
 /// Depths lie in [1, 2), where float32 has 2²³ values: each layer has its own.
-const MAX_LAYERS: f64 = (1u32 << 23) as f64;
+pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
 
 /// The eye's height; the image is 2 world units high and wide.
-const EYE_Z: f64 = 2.0;
+pub(super) const EYE_Z: f64 = 2.0;
 
 /// Reaches past the image's corners, which lie √2 from its centre.
 const RADIUS: f64 = 1.5;
 
 /// Neighbors differ strongly, so that a wrong order shows.
-const COLORS: [Rgb; 6] = [[230, 60, 50], [60, 180, 75], [60, 100, 230], [245, 200, 40], [170, 60, 200], [50, 200, 210]];
+pub(super) const COLORS: [Rgb; 6] =
+    [[230, 60, 50], [60, 180, 75], [60, 100, 230], [245, 200, 40], [170, 60, 200], [50, 200, 210]];
 
 fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
     let layers = values.count("layers");
-    // A power of two, so that depth and height are exact in float32.
-    let spacing = 1.0 / layers.next_power_of_two() as f64;
     let mut order: Vec<usize> = (0..layers).collect();
     shuffle(&mut order, &mut Random::new(seed));
     let mut builder = CloudBuilder::with_capacity(layers)?;
     for layer in order {
-        builder.point(DVec3::new(0.0, 0.0, EYE_Z - 1.0 - layer as f64 * spacing), COLORS[layer % COLORS.len()]);
+        builder.point(DVec3::new(0.0, 0.0, height(layer, layers)), COLORS[layer % COLORS.len()]);
     }
     let (size, opacity) = (values.count("size"), values.real("opacity"));
     let scene_toml = format!(
@@ -65,8 +64,15 @@ name = "abuffer"
     Ok(Generated { clouds: vec![("stack.ply".to_owned(), builder.finish())], scene_toml })
 }
 
+/// The height of a layer below the eye, the first one on top.
+pub(super) fn height(layer: usize, layers: usize) -> f64 {
+    // A power of two, so that depth and height are exact in float32.
+    let spacing = 1.0 / layers.next_power_of_two() as f64;
+    EYE_Z - 1.0 - layer as f64 * spacing
+}
+
 /// Fisher–Yates.
-fn shuffle(order: &mut [usize], random: &mut Random) {
+pub(super) fn shuffle<T>(order: &mut [T], random: &mut Random) {
     for last in (1..order.len()).rev() {
         order.swap(last, random.index(last + 1));
     }
