@@ -2,10 +2,11 @@
 
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
-use crate::methods::{Facts, Frame};
+use crate::methods::{Facts, Frame, Renderer, cost};
+use crate::passes::project::DeviceCloud;
 use crate::passes::tiles;
 use crate::points::Points;
-use crate::scene::{Discs, LongLists, Method, ScreenSplats, ShadingModel};
+use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel};
 
 /// One pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -18,20 +19,41 @@ pub struct Step {
     pub reason: String,
 }
 
-/// The method in force for some points: `auto` replaced by the cheapest exact one.
+/// The method in force for some points: `auto` replaced by one that is exact for them.
 ///
-/// Opaque splats need no transparency: the nearest decides. Everything else needs an order of fragments.
+/// Opaque splats need no transparency: the nearest decides. Flat splats need only an order of splats, and where that is
+/// not asked of another method [`choose`] says which of two is cheaper. Splats that may cross need an order of fragments.
 pub fn resolve(method: Method, points: &Points) -> (Method, String) {
-    if method != Method::Auto {
-        return (method, format!("{} was asked for", method.name()));
+    let Method::Auto(discs) = method else { return (method, format!("{} was asked for", method.name())) };
+    let transparent = points.opacities.iter().filter(|a| **a < 1.0).count();
+    let oriented = discs.shape == DiscShape::Oriented && points.normals.is_some();
+    if oriented {
+        (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
+    } else if transparent == 0 && discs.falloff == Falloff::Flat {
+        // Without the clamp of opaque splats, so that the image is the one that `abuffer` would give.
+        let splats = ScreenSplats { max_pixel_radius: f32::MAX, ..Default::default() };
+        (Method::Circles(splats), "every point is opaque: the nearest splat decides".to_owned())
+    } else {
+        let why = match discs.falloff {
+            Falloff::Flat => format!("{transparent} of {} points are transparent", points.len()),
+            Falloff::Gaussian => "a Gaussian falloff makes every splat transparent".to_owned(),
+        };
+        let method = if discs.raster == Raster::Hardware { Method::ABuffer(discs) } else { Method::Sorted(discs) };
+        (method, format!("{why}, and all are flat"))
     }
-    match points.opacities.iter().filter(|a| **a < 1.0).count() {
-        0 => {
-            // Without the clamp of opaque splats, so that the image is the one that `abuffer` would give.
-            let splats = ScreenSplats { max_pixel_radius: f32::MAX, ..Default::default() };
-            (Method::Circles(splats), "every point is opaque: the nearest splat decides".to_owned())
-        }
-        n => (Method::ABuffer(Discs::default()), format!("{n} of {} points are transparent", points.len())),
+}
+
+/// The method in force on a device: as [`resolve`], but for flat splats the cheaper of `sorted` and `abuffer`, by a model of
+/// what frames cost here (see [`crate::methods::cost`]).
+pub fn choose(
+    renderer: &mut Renderer,
+    cloud: &mut DeviceCloud,
+    points: &Points,
+    frame: &Frame,
+) -> Result<(Method, String), crate::methods::Error> {
+    match (frame.method, resolve(frame.method, points)) {
+        (Method::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
+        (_, resolved) => Ok(resolved),
     }
 }
 
@@ -46,7 +68,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Phong => "Phong shading where there are normals",
     };
     plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
-    let direct = matches!(frame.method, Method::Points | Method::Auto);
+    let direct = matches!(frame.method, Method::Points | Method::Auto(_));
     let project = if direct {
         "a point is one pixel: no splats".to_owned()
     } else {
@@ -60,7 +82,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     match frame.method {
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(frame, &discs, facts, seen, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
-        Method::Points | Method::Auto => {
+        Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
         _ => plan.splats(device, frame, facts, wide_atomics, seen, why),

@@ -39,7 +39,7 @@ fn overridden(text: &str, pairs: &[&str]) -> Result<Scene, Error> {
 fn defaults_are_those_of_the_contract() {
     let scene = read(CLOUD).unwrap();
     assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: ColorSpace::Linear });
-    assert_eq!(scene.method, Method::Auto);
+    assert_eq!(scene.method, Method::default());
     assert_eq!(scene.shading, Shading::default());
     let cloud = &scene.clouds[0];
     assert_eq!(cloud.path, PathBuf::from("dir/a.ply"), "relative to the scene file");

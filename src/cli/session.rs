@@ -35,19 +35,20 @@ impl Session {
         stage(progress, "uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
-        let (method, why) = plan::resolve(resolved.scene.method, &resolved.points);
-        let frame = Frame {
+        let mut frame = Frame {
             camera: resolved.camera,
             size: resolved.scene.image.size,
             shading: resolved.scene.shading,
             color: resolved.scene.image.color,
-            method,
+            method: resolved.scene.method,
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
             stop,
         };
-        let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload(&resolved.points)?;
+        let mut renderer = Renderer::new(&device)?;
+        let mut cloud = renderer.upload(&resolved.points)?;
+        let (method, why) = plan::choose(&mut renderer, &mut cloud, &resolved.points, &frame)?;
+        frame.method = method;
         stage(progress, "rendering");
         Ok(Self { device, renderer, cloud, frame, why })
     }

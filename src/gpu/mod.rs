@@ -4,7 +4,7 @@
 //! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
 
 mod buffer;
-mod cache;
+pub(crate) mod cache;
 mod context;
 mod device;
 mod error;

@@ -2,6 +2,7 @@
 
 pub mod abuffer;
 pub mod bands;
+pub mod cost;
 pub mod linked_list;
 pub mod peel;
 pub mod points;

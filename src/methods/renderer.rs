@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::abuffer::{ABuffer, Lists, Storing};
 use super::bands::{self, Budget, Window};
+use super::cost::Load;
 use super::peel::Peeler;
 use super::sorted::{self, Sorted, Stop};
 use super::splat::Opaque;
@@ -329,10 +330,24 @@ impl Renderer {
         Ok(facts)
     }
 
+    /// What the cost of a frame of discs depends on, from projecting alone.
+    pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Load, Error> {
+        let [width, height] = frame.size;
+        let stats = self.project(cloud, frame, [0, 0, width, height], &mut Timeline::default())?;
+        let splats = stats.iter().map(|s| u64::from(s.visible)).sum();
+        Ok(Load { splats, area: Stats::area(&stats), pixels: u64::from(width) * u64::from(height) })
+    }
+
+    /// Whether the budget and a binding allow to sort all of a cloud's splats.
+    pub fn can_sort(&self, cloud: &DeviceCloud, frame: &Frame) -> bool {
+        let needed = Sorted::most_bytes(&self.device, cloud);
+        cloud.len() * 16 <= self.device.limits().binding_bytes && needed <= self.budget(cloud, frame).left(0)
+    }
+
     /// Renders a window, or only counts it.
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
-        if matches!(frame.method, Method::Points | Method::Auto) && !work.survey {
+        if matches!(frame.method, Method::Points | Method::Auto(_)) && !work.survey {
             return self.points(cloud, frame, work);
         }
         let stats = self.project(cloud, frame, window, work.timeline)?;
@@ -404,7 +419,7 @@ impl Renderer {
                 }
                 Outcome::Done
             }
-            Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
+            Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     self.opaque.render(device, &raster, self.wide_atomics, &self.target, work.timeline)?;
                     self.progress.inc(bands::pixels(window));
@@ -493,7 +508,7 @@ impl Renderer {
 }
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
-const ORDERED_AREA: u64 = 32;
+pub(super) const ORDERED_AREA: u64 = 32;
 
 /// Copies one number for each of the window's pixels into those of the image.
 fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]) {
@@ -571,7 +586,7 @@ fn projecting(frame: &Frame) -> Projecting {
         | Method::Peel(Peel { discs, .. }) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
-        Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
+        Method::Points | Method::Auto(_) => (Footprint::Point, 1.0, f32::MAX),
     };
     Projecting { footprint, radius_factor, max_radius_px, shading: frame.shading, color: frame.color }
 }

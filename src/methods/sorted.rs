@@ -9,7 +9,7 @@ use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
-use crate::passes::project::{Bounds, Footprint, Splat, Stats, View};
+use crate::passes::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, View};
 use crate::passes::radix::{Radix, Runs};
 use crate::passes::raster::Raster;
 use crate::passes::scan::Scan;
@@ -508,10 +508,13 @@ impl Sorted {
 
     /// Device bytes that sorting a window's splats takes, tiles not counted.
     pub fn least_bytes(device: &Device, job: &WindowJob<'_>) -> u64 {
-        let points = job.raster.cloud.len();
-        let drawn: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        let slopes = if job.raster.cloud.has_normals() { 16 } else { 0 };
-        points * 16 + Radix::bytes(device, points) + drawn * (16 + 16 + 8 + slopes)
+        let drawn = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+        bytes_for(device, job.raster.cloud, drawn)
+    }
+
+    /// The same where every point is drawn.
+    pub fn most_bytes(device: &Device, cloud: &DeviceCloud) -> u64 {
+        bytes_for(device, cloud, cloud.len())
     }
 
     /// Device bytes of the buffers that hold a binned window.
@@ -611,6 +614,11 @@ impl Sorted {
         recorder.copy("sorted/summary", longest, self.summary.slice(2, 1))?;
         Ok(())
     }
+}
+
+fn bytes_for(device: &Device, cloud: &DeviceCloud, drawn: u64) -> u64 {
+    let slopes = if cloud.has_normals() { 16 } else { 0 };
+    cloud.len() * 16 + Radix::bytes(device, cloud.len()) + drawn * (16 + 16 + 8 + slopes)
 }
 
 /// The value of `STOP` in WGSL, and the bound on colors that goes with it.

@@ -13,7 +13,7 @@ const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells
 
 /// Every method of the contract with groups of keys of its own; `name` is everyone's.
 pub(crate) const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
-    ("auto", &[]),
+    ("auto", &[DISCS]),
     ("points", &[]),
     ("squares", &[SPLATS]),
     ("circles", &[SPLATS]),

@@ -25,7 +25,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "linked-list" => Method::LinkedList(discs(table)?),
         "sorted" => Method::Sorted(discs(table)?),
         "peel" => Method::Peel(peel(table)?),
-        _ => Method::Auto,
+        _ => Method::Auto(discs(table)?),
     })
 }
 

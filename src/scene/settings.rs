@@ -235,11 +235,10 @@ impl Default for ScreenSplats {
 }
 
 /// `[method]`: the methods of this version.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The cheapest exact one for the scene.
-    #[default]
-    Auto,
+    /// The cheapest exact one for the scene, for these discs.
+    Auto(Discs),
     /// 1-pixel opaque points.
     Points,
     /// Opaque screen-aligned squares.
@@ -256,16 +255,27 @@ pub enum Method {
     Peel(Peel),
 }
 
+impl Default for Method {
+    fn default() -> Self {
+        Self::Auto(Discs::default())
+    }
+}
+
 impl Method {
     /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
     pub fn transparent() -> Vec<Self> {
-        vec![Self::ABuffer(Discs::default())]
+        vec![
+            Self::ABuffer(Discs::default()),
+            Self::LinkedList(Discs::default()),
+            Self::Sorted(Discs::default()),
+            Self::Peel(Peel::default()),
+        ]
     }
 
     /// The name a scene file gives it.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Auto => "auto",
+            Self::Auto(_) => "auto",
             Self::Points => "points",
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
@@ -282,7 +292,7 @@ impl Method {
             Self::ABuffer(discs) | Self::LinkedList(discs) | Self::Sorted(discs) | Self::Peel(Peel { discs, .. }) => {
                 Some(discs)
             }
-            Self::Auto | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
+            Self::Auto(_) | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
         }
     }
 

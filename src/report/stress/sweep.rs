@@ -11,7 +11,7 @@ use crate::Result;
 use crate::camera::Camera;
 use crate::gpu::{self, Device};
 use crate::image::Image;
-use crate::methods::{self, Frame, FrameProfile, Rendered, Renderer};
+use crate::methods::{self, Frame, FrameProfile, Rendered, Renderer, Stop};
 use crate::points::Points;
 use crate::reference::abuffer::{Composite, composite, lists_at};
 use crate::reference::shading::shade;
@@ -77,6 +77,7 @@ impl Place {
             shading: Default::default(),
             color: Default::default(),
             method,
+            stop: Stop::Exact,
             memory_budget: settings.memory_budget,
             fragments: false,
         };
