@@ -2,7 +2,9 @@
 
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
-use crate::methods::{Facts, Frame};
+use crate::methods::renderer::depth_range;
+use crate::methods::{Facts, Frame, sorted};
+use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
 use crate::scene::{Discs, Method, ScreenSplats, ShadingModel};
@@ -48,16 +50,27 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     plan.add("splat/project", facts.points > 0, format!("{} points; {shading}", facts.points));
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
-    let transparent = matches!(frame.method, Method::ABuffer(_));
-    if transparent {
-        plan.abuffer(frame, facts, seen, why);
-        for name in ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"] {
-            plan.add(name, false, format!("no opaque method: {why}"));
+    let off = |plan: &mut Plan, names: &[&'static str], reason: &str| {
+        for name in names {
+            plan.add(name, false, format!("{reason}: {why}"));
         }
-    } else {
-        plan.opaque(device, frame, facts, wide_atomics, seen, why);
-        for name in abuffer_passes() {
-            plan.add(name, false, format!("no transparency: {why}"));
+    };
+    match frame.method {
+        Method::ABuffer(_) => {
+            plan.abuffer(frame, facts, seen, why);
+            off(&mut plan, &SORTED, "fragments are sorted, not splats");
+            off(&mut plan, &OPAQUE, "no opaque method");
+        }
+        Method::Sorted(_) => {
+            plan.sorted(device, frame, facts, seen, why);
+            off(&mut plan, &OPAQUE, "no opaque method");
+        }
+        Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
+            plan.opaque(device, frame, facts, wide_atomics, seen, why);
+            off(&mut plan, &COUNT, "no transparency");
+            off(&mut plan, &["image/clear"], "no transparency");
+            off(&mut plan, &blending_passes(), "no transparency");
+            off(&mut plan, &SORTED, "no transparency");
         }
     }
     plan.add(
@@ -68,15 +81,23 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.steps
 }
 
-/// The passes that a frame with lists begins with.
-const LISTS: [&str; 7] = [
-    "abuffer/clear",
-    "abuffer/count",
-    "abuffer/measure",
-    "abuffer/cursors",
-    "abuffer/summary",
-    "image/clear",
-    "abuffer/store",
+/// The passes that find the lengths of lists.
+const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
+/// The passes of opaque methods.
+const OPAQUE: [&str; 4] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id", "splat/resolve"];
+/// The passes of splats that are sorted.
+const SORTED: [&str; 11] = [
+    "sorted/keys",
+    "radix/clear",
+    "radix/count",
+    "radix/scatter",
+    "sorted/gather",
+    "sorted/clear",
+    "sorted/tile-count",
+    "sorted/measure",
+    "sorted/summary",
+    "sorted/tile-store",
+    "sorted/blend",
 ];
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
@@ -90,10 +111,12 @@ const LONG: [&str; 6] = [
     "abuffer/combine",
 ];
 
-/// The passes of the A-buffer.
-fn abuffer_passes() -> impl Iterator<Item = &'static str> {
-    LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG)
+/// The passes of the A-buffer once lengths are known.
+fn blending_passes() -> Vec<&'static str> {
+    ["abuffer/store"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG).collect()
 }
+
+const NOTHING: &str = "no splat touches the image";
 
 /// Elements that a prefix sum takes in one run, without a level of sums above.
 const SCAN_RUN: u64 = 64;
@@ -113,17 +136,8 @@ impl Plan {
     }
 
     fn abuffer(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
-        let nothing = "no splat touches the image";
-        let pick = |reason: String| if seen { reason } else { nothing.to_owned() };
-        self.add("abuffer/clear", true, "counters start at zero");
-        self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
-        self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
-        // One element more than pixels: the last prefix sum is the total.
-        let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
-        let tiled = self.tiles(frame, facts);
-        self.scan(counts.max(tiled), "fragment counts");
-        self.add("abuffer/cursors", true, "the next free slot of each list is its first");
-        self.add("abuffer/summary", true, "the fragments' total decides the bands");
+        let pick = |reason: String| if seen { reason } else { NOTHING.to_owned() };
+        self.count(frame, facts, seen, why, 0, "fragment counts");
         self.add("image/clear", true, "pixels without fragments stay empty");
         let any = facts.fragments > 0;
         self.add("abuffer/store", any, pick(format!("{} fragments in {} band(s)", facts.fragments, facts.bands)));
@@ -133,10 +147,73 @@ impl Plan {
         self.kernels(facts.max_list);
     }
 
-    /// The lists of large splats by tile; returns the longest prefix sum that they need.
-    fn tiles(&mut self, frame: &Frame, facts: &Facts) -> u64 {
-        let on = facts.large > 0 && facts.raster == "compute";
-        let reason = if facts.raster == "compute" {
+    /// The lengths of lists, with prefix sums `of` them and of so many `others`.
+    fn count(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str, others: u64, of: &str) {
+        let counted = if seen { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
+        self.add("abuffer/clear", true, "counters start at zero");
+        self.add("abuffer/count", seen, counted);
+        self.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
+        // One element more than pixels: the last prefix sum is the total.
+        let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+        let tiled = self.tiles(frame, facts, true);
+        self.scan(counts.max(tiled).max(others), of);
+        self.add("abuffer/cursors", true, "the next free slot of each list is its first");
+        self.add("abuffer/summary", true, "the host reads the fragments' total");
+    }
+
+    /// The sort of splats, and what counts lists beside it where their lengths are asked for.
+    fn sorted(&mut self, device: &Device, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
+        let bits = sorted::key_bits(depth_range(frame));
+        let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
+        let sums = if seen { counters.max(facts.tile_cells) } else { 0 };
+        if frame.fragments {
+            self.count(
+                frame,
+                facts,
+                seen,
+                "lengths of lists are asked for",
+                sums,
+                "counters of lists, digits and tiles",
+            );
+        } else {
+            for name in COUNT {
+                self.add(name, false, "lengths of lists are not asked for, and the method needs none");
+            }
+            self.tiles(frame, facts, false);
+            self.scan(sums, "counters of digits and tiles");
+        }
+        for name in blending_passes() {
+            self.add(name, false, format!("splats are sorted, not fragments: {why}"));
+        }
+        let pick = |reason: String| if seen { reason } else { NOTHING.to_owned() };
+        let sort = format!("{why}: {} splats by depth", facts.visible);
+        let by_digit = format!("depths have {bits} bits: {digits} digit(s) of {digit}");
+        let reasons = [
+            sort,
+            "counters start at zero".to_owned(),
+            by_digit.clone(),
+            by_digit,
+            "blending reads splats in order of depth".to_owned(),
+            "counters start at zero".to_owned(),
+            format!("{} counters of tiles and runs of splats", facts.tile_cells),
+            "the longest list of a tile decides how often tiles are blended".to_owned(),
+            "the total of the lists decides whether the window fits".to_owned(),
+            "each tile gets its splats in order".to_owned(),
+            format!("{} window(s) with splats", facts.bands),
+        ];
+        for (name, reason) in SORTED.into_iter().zip(reasons) {
+            self.add(name, seen, pick(reason));
+        }
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+    }
+
+    /// The lists of large splats by tile, if pixels are `visited`; returns the longest prefix sum that they need.
+    fn tiles(&mut self, frame: &Frame, facts: &Facts, visited: bool) -> u64 {
+        let on = visited && facts.large > 0 && facts.raster == "compute";
+        let reason = if !visited {
+            "no stage visits pixels splat by splat".to_owned()
+        } else if facts.raster == "compute" {
             format!("{} splats are large enough for tiles", facts.large)
         } else {
             "the rasteriser visits the pixels".to_owned()
@@ -185,11 +262,11 @@ impl Plan {
     }
 
     fn opaque(&mut self, device: &Device, frame: &Frame, facts: &Facts, wide: bool, seen: bool, why: &str) {
-        let tiled = self.tiles(frame, facts);
+        let tiled = self.tiles(frame, facts, true);
         self.scan(tiled, "tiles of large splats");
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
         let reason = |used: bool| match (seen, used) {
-            (false, _) => "no splat touches the image".to_owned(),
+            (false, _) => NOTHING.to_owned(),
             (true, true) => format!("{why}; {has} 64-bit atomics"),
             (true, false) => format!("{has} 64-bit atomics"),
         };

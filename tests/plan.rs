@@ -48,16 +48,17 @@ fn a_survey_finds_what_a_frame_meets() {
     with_device(|device| {
         // Radii that give splats of a few pixels and of thousands.
         let points = scene(&soup(11, 400, 0.001..0.5, 0.1..0.9, false));
-        let methods = [Method::Points, Method::Circles(ScreenSplats::default()), Method::ABuffer(Discs::default())];
-        for method in methods {
+        let (splats, discs) = (ScreenSplats::default(), Discs::default());
+        for method in [Method::Points, Method::Circles(splats), Method::ABuffer(discs), Method::Sorted(discs)] {
             for memory_budget in [None, Some(200_000)] {
                 let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
                 let mut renderer = Renderer::new(device).expect("a renderer");
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
                 let met = renderer.render(&mut cloud, &frame).expect("rendered").facts;
-                // What is allocated is known only afterwards.
-                let decided = |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, ..facts.clone() };
+                // What is allocated, and how many tiles splats meet, is known only afterwards.
+                let decided =
+                    |facts: &Facts| Facts { fragment_bytes: 0, peak_device_bytes: 0, tile_entries: 0, ..facts.clone() };
                 assert_eq!(decided(&surveyed), decided(&met), "{}, {memory_budget:?}", method.name());
                 assert!(met.visible > 300 && (met.windows > 1) == memory_budget.is_some(), "{met:?}");
             }
@@ -77,7 +78,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let steps = plan(device, &frame, &facts, wide, "a reason");
             assert!(steps.iter().all(|step| !step.reason.is_empty()), "{steps:?}");
             let on = |name: &str| steps.iter().any(|step| step.name == name && step.on);
-            if !matches!(method, Method::ABuffer(_)) {
+            if method.discs().is_none() {
                 assert_eq!(
                     [on("splat/nearest"), on("splat/nearest-depth"), on("splat/nearest-id")],
                     [wide, !wide, !wide]
@@ -91,6 +92,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
         let mut once = all.clone();
         once.dedup();
         assert_eq!(all, once);
+        assert_eq!(names_of(Method::Sorted(Discs::default()), true), all);
         assert_eq!(names_of(Method::Points, true), all);
         assert_eq!(names_of(Method::Points, false), all);
     });

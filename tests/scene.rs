@@ -173,7 +173,7 @@ fn syntax_errors_name_line_and_column() {
 #[test]
 fn methods_of_the_contract_that_are_missing_are_named() {
     let message = refused(&format!("[method]\nname = \"peel\"\n{CLOUD}"));
-    let expected = "method \"peel\" is not in this version; it has: auto, points, squares, circles, abuffer";
+    let expected = "method \"peel\" is not in this version; it has: auto, points, squares, circles, abuffer, sorted";
     assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
 }
@@ -188,6 +188,13 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
         "{warning}"
     );
     assert_eq!(with_cloud("[method]\nname = \"points\"\nsize = 2").warnings.len(), 1);
+    // A key of the method's own, but a value that it can't follow.
+    let scene = with_cloud("[method]\nname = \"sorted\"\nraster = \"hardware\"");
+    let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
+    assert!(warning.contains("method \"sorted\" always works in compute shaders: `raster` has no effect"), "{warning}");
+    for rest in ["name = \"sorted\"\nraster = \"auto\"", "name = \"abuffer\"\nraster = \"hardware\""] {
+        assert_eq!(with_cloud(&format!("[method]\n{rest}")).warnings, [""; 0]);
+    }
 }
 
 #[test]

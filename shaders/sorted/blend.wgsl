@@ -37,9 +37,8 @@ var<immediate> push: Push;
 override TAKEN: u32 = 1u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
-// What may stop a block: 0 nothing (every fragment is counted), 1 only what changes no bit, 2 what changes no 8-bit sRGB
-// value by more than a quarter step, 3 the same for values blended as they are.
-const STOP_NEVER = 0u;
+// What may be left out: 1 what changes no bit, 2 what changes no 8-bit sRGB value by more than a quarter step, 3 the same
+// for values blended as they are.
 const STOP_EXACT = 1u;
 const STOP_SRGB = 2u;
 override STOP: u32 = 1u;
@@ -118,7 +117,7 @@ fn close(live: u32, block: u32) -> u32 {
 }
 
 fn tile_start(tile: u32) -> u32 {
-    return select(0u, ends[tile * push.runs - 1u], tile > 0u);
+    return select(0u, ends[max(tile * push.runs, 1u) - 1u], tile > 0u);
 }
 
 // Composes the splats of one step that touch a block.
@@ -209,7 +208,7 @@ fn main(
 #each block         let hits{block} = subgroupBallot(present && touches(splat, corner + block_corner({block}u))).x;
 #each block         blend({block}u, select(0u, hits{block}, is_live(live, {block}u)), splat, tilt, color, rank, corner, lane);
         steps += 1u;
-        if STOP != STOP_NEVER && steps % LOOK == 0u {
+        if steps % LOOK == 0u {
 #each block             live = close(live, {block}u);
         }
     }

@@ -55,7 +55,7 @@ pub enum Error {
         y: u32,
     },
     /// The cloud is longer than the device can address.
-    #[error("{points} points, but this device binds at most {limit} (four times maxStorageBufferRange)")]
+    #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]
     TooManyPoints {
         /// Points of the scene.
         points: u64,
@@ -78,7 +78,9 @@ pub enum Error {
         budget: u64,
     },
     /// The device has no shuffles.
-    #[error("method sorted needs subgroups of a known size up to 32 with ballots and shuffles, which {device} lacks; use abuffer")]
+    #[error(
+        "method sorted needs subgroups of a known size up to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+    )]
     NoSubgroups {
         /// The device.
         device: String,

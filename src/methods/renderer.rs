@@ -64,13 +64,15 @@ pub struct Facts {
     pub large: u64,
     /// Pairs of a splat and a tile that it meets, if splats were sorted.
     pub tile_entries: u64,
+    /// Counters of the tiles' splats by run in the window with most of them, if splats are sorted.
+    pub tile_cells: u64,
     /// Fragments of all lists.
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
-    /// Bands over all windows.
+    /// Bands over all windows; windows with anything in them, if splats are sorted.
     pub bands: u64,
     /// Windows of the image.
     pub windows: u64,
@@ -286,7 +288,7 @@ impl Renderer {
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
         let walker = self.walker(discs.raster, window)?;
         self.tiles.reserve(&self.device, &stats, window)?;
-        let footprint = projecting(frame).footprint;
+        let footprint = projecting(frame, cloud).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
         self.abuffer.lists(&self.device, &abuffer::WindowJob { raster, discs, budget, progress: &self.progress })
@@ -311,16 +313,18 @@ impl Renderer {
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        let listed = work.survey || frame.fragments || !matches!(frame.method, Method::Sorted(_));
-        let asked = frame.method.discs().map_or(Raster::Auto, |discs| discs.raster);
-        let walker = if listed { self.walker(asked, window)? } else { Walker::Compute };
+        // Sorted splats need no lists: those are counted only where their lengths are asked for.
+        let sorted = matches!(frame.method, Method::Sorted(_));
+        let listed = frame.fragments || !sorted;
+        let asked = frame.method.discs().filter(|_| !sorted).map_or(Raster::Auto, |discs| discs.raster);
+        let walker = self.walker(asked, window)?;
         let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
             return Ok(Outcome::Overflow);
         };
         self.tiles.reserve(&self.device, if tile_bytes > 0 { &stats } else { &[] }, window)?;
-        let footprint = projecting(frame).footprint;
+        let footprint = projecting(frame, cloud).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let device = &self.device;
         let outcome = match frame.method {
@@ -333,31 +337,35 @@ impl Renderer {
                 }
             }
             Method::Sorted(discs) => {
-                let abuffer = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
-                // Only lists have lengths: they are counted where these are asked for.
-                let listed = if work.survey || frame.fragments {
-                    self.abuffer.survey(device, &abuffer, work.timeline, work.facts)?
-                } else {
-                    Outcome::Done
+                let lists = abuffer::WindowJob { raster, discs, budget, progress: &self.progress };
+                let job = sorted::WindowJob {
+                    raster,
+                    discs,
+                    color: frame.color,
+                    depth_range: depth_range(frame),
+                    most_color: cloud.most_color(&projecting(frame, cloud)),
+                    stop: frame.stop,
+                    budget,
+                    counted_bytes: if listed { bands::pixels(window) * abuffer::PIXEL_BYTES } else { 0 },
                 };
-                match listed {
-                    Outcome::Done if !work.survey => {
-                        let job = sorted::WindowJob {
-                            raster,
-                            discs,
-                            color: frame.color,
-                            depth_range: [frame.camera.near as f32, frame.camera.far as f32],
-                            most_color: cloud.most_color(&projecting(frame)),
-                            stop: frame.stop,
-                            budget,
-                        };
-                        let outcome =
-                            self.sorted.render(device, &job, &self.target, work.timeline, work.facts)?;
-                        self.progress.inc(bands::pixels(window));
-                        outcome
-                    }
-                    outcome => outcome,
+                // A window may turn out to be too large after its lists were counted; its halves are counted again.
+                let mut facts = work.facts.clone();
+                let mut outcome = Outcome::Done;
+                if listed {
+                    outcome = self.abuffer.tally(device, &lists, work.timeline, &mut facts)?;
                 }
+                if outcome == Outcome::Done {
+                    outcome = if work.survey {
+                        Sorted::survey(device, &job, &mut facts)?
+                    } else {
+                        self.sorted.render(device, &job, &self.target, work.timeline, &mut facts)?
+                    };
+                }
+                if outcome == Outcome::Done {
+                    *work.facts = facts;
+                    self.progress.inc(bands::pixels(window));
+                }
+                outcome
             }
             Method::Auto | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -380,7 +388,7 @@ impl Renderer {
         window: Window,
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
-        let how = projecting(frame);
+        let how = projecting(frame, cloud);
         cloud.set_view(&frame.camera, frame.size, window, &how);
         let mut recorder = self.device.recorder()?;
         cloud.record_project(&mut recorder, &how)?;
@@ -479,14 +487,21 @@ fn blank(frame: &Frame) -> Image {
     }
 }
 
+/// Near and far, as the device compares depths with them.
+pub fn depth_range(frame: &Frame) -> [f32; 2] {
+    [frame.camera.near as f32, frame.camera.far as f32]
+}
+
 /// How a method's splats are made.
-fn projecting(frame: &Frame) -> Projecting {
+fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
         Method::ABuffer(discs) | Method::Sorted(discs) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto => (Footprint::Point, 1.0, f32::MAX),
     };
+    // Without normals there are no tilts either, and every disc is flat.
+    let footprint = if footprint == Footprint::Oriented && !cloud.has_normals() { Footprint::Disc } else { footprint };
     Projecting { footprint, radius_factor, max_radius_px, shading: frame.shading, color: frame.color }
 }
 
@@ -500,6 +515,7 @@ fn aggregate(
     lengths: &[u32],
 ) -> Vec<PassProfile> {
     let mut passes: Vec<PassProfile> = Vec::new();
+    let runs = |name| timeline.iter().filter(|(time, _)| time.name == name).count() as u64;
     for (time, _) in timeline {
         match passes.iter_mut().find(|p| p.name == time.name) {
             Some(pass) => {
@@ -510,20 +526,21 @@ fn aggregate(
                 name: time.name,
                 gpu: time.gpu,
                 invocations: time.invocations,
-                bytes: least_bytes(time.name, facts, frame, cloud).or_else(|| abuffer::least_bytes(time.name, lengths)),
+                bytes: least_bytes(time.name, runs(time.name), facts, frame, cloud)
+                    .or_else(|| abuffer::least_bytes(time.name, lengths)),
             }),
         }
     }
     passes
 }
 
-/// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
-fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
+/// Bytes that a pass must at least read and write in its `runs`, from the counts of the frame; cached re-reads are not counted.
+fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
     let discs = frame.method.discs();
     let transparent = discs.is_some();
-    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented);
+    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented) && cloud.has_normals();
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
@@ -544,7 +561,7 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "splat/clear" if !transparent => Some(pixels * 8),
         "splat/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ => None,
+        _ => sorted::least_bytes(name, runs, facts, splat),
     }
 }
 

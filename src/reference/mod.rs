@@ -7,6 +7,7 @@ pub mod abuffer;
 pub mod coverage;
 pub mod scan;
 pub mod shading;
+pub mod sorted;
 pub mod splat;
 
 use glam::DVec3;

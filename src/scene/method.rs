@@ -22,7 +22,16 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
-        "sorted" => Method::Sorted(discs(table)?),
+        "sorted" => {
+            let discs = discs(table)?;
+            if let (Raster::Hardware, Some(node)) = (discs.raster, table.get("raster")) {
+                let place = &node.place;
+                warnings.push(format!(
+                    "{place}: method \"sorted\" always works in compute shaders: `raster` has no effect"
+                ));
+            }
+            Method::Sorted(discs)
+        }
         _ => Method::Auto,
     })
 }
