@@ -19,7 +19,7 @@
 //! ```
 //! use indicatif::ProgressBar;
 //! use pellucid::gpu::{Device, DeviceOptions};
-//! use pellucid::methods::{Frame, Renderer};
+//! use pellucid::methods::{Frame, Renderer, Stop};
 //! use pellucid::plan;
 //! use pellucid::scene::{self, Scene, procedural};
 //!
@@ -49,6 +49,7 @@
 //!     method,
 //!     memory_budget: None,
 //!     fragments: true,
+//!     stop: Stop::Exact,
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!

@@ -2,8 +2,10 @@
 
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
-use crate::methods::{Facts, Frame, Renderer, cost};
+use crate::methods::renderer::depth_range;
+use crate::methods::{Facts, Frame, Renderer, cost, sorted};
 use crate::passes::project::DeviceCloud;
+use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
 use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel};
@@ -58,7 +60,7 @@ pub fn choose(
 }
 
 /// The passes of a frame whose facts were surveyed (see [`crate::methods::Renderer::survey`]), in the order of their first run.
-/// `why` is the reason for the method, from [`resolve`].
+/// `why` is the reason for the method, from [`choose`].
 pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, why: &str) -> Vec<Step> {
     let mut plan = Plan { steps: Vec::new() };
     let seen = facts.visible > 0;
@@ -80,19 +82,29 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     }
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     match frame.method {
-        Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(frame, &discs, facts, seen, why),
+        Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
+        Method::Sorted(_) => plan.sorted(device, frame, facts, seen, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
-        _ => plan.splats(device, frame, facts, wide_atomics, seen, why),
+        Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
-    let transparent = frame.method.discs().is_some();
-    let without = |what| if transparent { format!("{what}: {why}") } else { format!("no transparency: {why}") };
-    plan.rest(list_passes(), &without("no lists"));
-    plan.rest(PEEL.into_iter(), &without("no peeling"));
-    plan.rest(SPLATS.into_iter().chain(["splat/resolve"]), &format!("no opaque splats: {why}"));
-    plan.rest(POINTS.into_iter().chain(["points/resolve"]), &format!("no 1-pixel points: {why}"));
+    let without = |what: &str| match frame.method.discs() {
+        Some(_) => format!("{what}: {why}"),
+        None => format!("no transparency: {why}"),
+    };
+    plan.rest(&SORTED, &without("splats are not sorted"));
+    plan.rest(&COUNT, &without("no lists"));
+    plan.rest(&list_passes(), &without("no lists"));
+    plan.rest(&PEEL, &without("no peeling"));
+    plan.rest(&["image/clear"], &without("every pixel is written"));
+    plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
+    plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
+    plan.rest(&SPLATS, &format!("no opaque splats: {why}"));
+    plan.rest(&["splat/resolve"], &format!("no opaque splats: {why}"));
+    plan.rest(&POINTS, &format!("no 1-pixel points: {why}"));
+    plan.rest(&["points/resolve"], &format!("no 1-pixel points: {why}"));
     plan.add(
         "image/read-back",
         true,
@@ -104,19 +116,31 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 /// Why a pass over splats is off.
 const NOTHING: &str = "no splat touches the image";
 
-/// The passes that a frame with lists begins with.
-const LISTS: [&str; 10] = [
-    "abuffer/clear",
-    "abuffer/count",
-    "abuffer/measure",
-    "abuffer/cursors",
-    "abuffer/summary",
-    "image/clear",
-    "abuffer/store",
-    "linked-list/clear",
-    "linked-list/store",
-    "linked-list/gather",
+/// The passes that find the lengths of lists.
+const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
+/// The passes that sort splats and put them into tiles.
+const ORDER: [&str; 10] = [
+    "sorted/keys",
+    "radix/clear",
+    "radix/count",
+    "radix/scatter",
+    "sorted/gather",
+    "sorted/clear",
+    "sorted/tile-count",
+    "sorted/measure",
+    "sorted/summary",
+    "sorted/tile-store",
 ];
+/// The same, and what blends them.
+const SORTED: [&str; 11] = {
+    let mut all = ["sorted/blend"; 11];
+    let mut i = 0;
+    while i < ORDER.len() {
+        all[i] = ORDER[i];
+        i += 1;
+    }
+    all
+};
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
@@ -130,7 +154,6 @@ const LONG: [(&str, Option<LongLists>); 8] = [
     ("abuffer/blend-runs", None),
     ("abuffer/combine", None),
 ];
-
 /// The passes that find the nearest splats, by 64-bit atomics and without.
 const SPLATS: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
 /// The same for 1-pixel points.
@@ -149,9 +172,11 @@ const PEEL: [&str; 8] = [
     "peel/summary",
 ];
 
-/// The passes of the methods with lists.
-fn list_passes() -> impl Iterator<Item = &'static str> {
-    LISTS.into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name)).chain(LONG.map(|(name, _)| name))
+/// The passes of lists once their lengths are known.
+fn list_passes() -> Vec<&'static str> {
+    let stores = ["abuffer/store", "linked-list/clear", "linked-list/store", "linked-list/gather"];
+    let kernels = ["abuffer/resolve-ordered"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
+    stores.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 
 /// Elements that a prefix sum takes in one run, without a level of sums above.
@@ -171,30 +196,27 @@ impl Plan {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
-    /// The passes of other methods: those that are not listed yet are off.
-    fn rest(&mut self, names: impl Iterator<Item = &'static str>, reason: &str) {
+    /// Passes that are not listed yet are off.
+    fn rest(&mut self, names: &[&'static str], reason: &str) {
         for name in names {
-            if self.steps.iter().all(|step| step.name != name) {
+            if self.steps.iter().all(|step| step.name != *name) {
                 self.add(name, false, reason);
             }
         }
     }
 
-    fn lists(&mut self, frame: &Frame, discs: &Discs, facts: &Facts, seen: bool, why: &str) {
+    fn lists(&mut self, device: &Device, frame: &Frame, discs: &Discs, facts: &Facts, seen: bool, why: &str) {
         let pick = |reason: String| if seen { reason } else { NOTHING.to_owned() };
-        self.add("abuffer/clear", true, "counters start at zero");
-        self.add("abuffer/count", seen, pick(format!("{why}; by {}", facts.raster)));
-        self.add("abuffer/measure", true, format!("the longest list decides the sort: {}", facts.max_list));
-        // One element more than pixels: the last prefix sum is the total.
-        let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
-        let tiled = self.tiles(frame, facts);
-        self.scan(counts.max(tiled), "fragment counts");
-        let linked = matches!(frame.method, Method::LinkedList(_));
-        let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
-        self.add("abuffer/cursors", !linked, slots);
-        self.add("abuffer/summary", true, "the fragments' total decides the bands");
+        // Windows whose splats are sorted need no tiles of large splats, and no sort of fragments.
+        let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
+        let mut counters = 0;
+        if ordered {
+            counters = self.order(device, frame, facts, "splats are large and flat: sorted, they make ordered lists");
+        }
+        self.count(frame, facts, seen, why, unordered, counters);
         self.add("image/clear", true, "pixels without fragments stay empty");
         let any = facts.fragments > 0;
+        let linked = matches!(frame.method, Method::LinkedList(_));
         let stored = format!("{} fragments in {} band(s)", facts.fragments, facts.bands);
         for (name, for_links) in [
             ("abuffer/store", false),
@@ -205,10 +227,72 @@ impl Plan {
             let reason = if for_links == linked { pick(stored.clone()) } else { why.to_owned() };
             self.add(name, any && for_links == linked, reason);
         }
-        for name in BY_LENGTH {
-            self.add(name, any, pick("lists of each length get their own kernel".to_owned()));
+        if ordered {
+            self.add("abuffer/resolve-ordered", any, pick("the lists are in the order of blending".to_owned()));
         }
-        self.kernels(facts.max_list, discs.long_lists);
+        if unordered {
+            for name in BY_LENGTH {
+                self.add(name, any, pick("lists of each length get their own kernel".to_owned()));
+            }
+            self.kernels(facts.max_list, discs.long_lists);
+        }
+        self.rest(&list_passes(), "no list has to be sorted, or none is in order");
+    }
+
+    /// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.
+    fn count(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str, visited: bool, others: u64) {
+        let counted = if seen { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
+        self.add("abuffer/clear", true, "counters start at zero");
+        self.add("abuffer/count", seen, counted);
+        self.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
+        // One element more than pixels: the last prefix sum is the total.
+        let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+        let tiled = if visited { self.tiles(frame, facts) } else { 0 };
+        self.scan(counts.max(tiled).max(others), "counters of fragments, tiles and digits");
+        let linked = matches!(frame.method, Method::LinkedList(_));
+        let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+        self.add("abuffer/cursors", !linked, slots);
+        self.add("abuffer/summary", true, "the fragments' total decides the bands");
+    }
+
+    /// The sort of splats and their tiles; returns how many counters are summed.
+    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
+        let bits = sorted::key_bits(depth_range(frame));
+        let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
+        let by_digit = format!("depths have {bits} bits: {digits} digit(s) of {digit}");
+        let zero = || "counters start at zero".to_owned();
+        let reasons = [
+            format!("{why}: {} splats by depth", facts.visible),
+            zero(),
+            by_digit.clone(),
+            by_digit,
+            "splats are read in order of depth".to_owned(),
+            zero(),
+            format!("{} counters of tiles and runs of splats", facts.tile_cells),
+            "the longest list of a tile decides how often tiles are run".to_owned(),
+            "the total of the lists decides whether the window fits".to_owned(),
+            "each tile gets its splats in order".to_owned(),
+        ];
+        for (name, reason) in ORDER.into_iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+        counters.max(facts.tile_cells)
+    }
+
+    /// The sort of splats, and what counts lists beside it where their lengths are asked for.
+    fn sorted(&mut self, device: &Device, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
+        let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
+        if frame.fragments {
+            self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
+        } else {
+            self.scan(counters, "counters of digits and tiles");
+        }
+        self.add("sorted/blend", seen, if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() });
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.rest(&SORTED, NOTHING);
+        self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
+        self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
     }
 
     /// The lists of large splats by tile; returns the longest prefix sum that they need.

@@ -206,6 +206,13 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
         "{warning}"
     );
     assert_eq!(with_cloud("[method]\nname = \"points\"\nsize = 2").warnings.len(), 1);
+    // A key of the method's own, but a value that it can't follow.
+    let scene = with_cloud("[method]\nname = \"sorted\"\nraster = \"hardware\"");
+    let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
+    assert!(warning.contains("method \"sorted\" always works in compute shaders: `raster` has no effect"), "{warning}");
+    for rest in ["name = \"sorted\"\nraster = \"auto\"", "name = \"abuffer\"\nraster = \"hardware\""] {
+        assert_eq!(with_cloud(&format!("[method]\n{rest}")).warnings, [""; 0]);
+    }
 }
 
 #[test]

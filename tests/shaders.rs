@@ -2,13 +2,15 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
-use pellucid::methods::{abuffer, linked_list, peel, points, splat};
+use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Projecting};
-use pellucid::passes::{raster, scan, tiles};
+use pellucid::passes::{radix, raster, scan, tiles};
 use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel};
 use pellucid::{gpu_struct, pass};
 
+/// Sizes of subgroups that a device may have.
+const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
 const FOOTPRINTS: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::Square, Footprint::Point];
 
 fn check<P: Pass>(seen: &mut Vec<&'static str>, variants: impl IntoIterator<Item = Variant>) {
@@ -49,6 +51,18 @@ fn compose_variants() -> Vec<Variant> {
 fn resolve_variants(wanted: fn(u32) -> bool) -> Vec<Variant> {
     let capacities = abuffer::CLASSES.map(|(capacity, _)| capacity).into_iter().filter(|c| wanted(*c));
     capacities.flat_map(|c| compose_variants().into_iter().map(move |v| abuffer::resolve_variant(v, c))).collect()
+}
+
+/// The variants of `sorted/blend`, whatever may stop it.
+fn blend_variants() -> Vec<Variant> {
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    let falloffs = [Falloff::Flat, Falloff::Gaussian];
+    let shapes = shapes.iter().flat_map(|s| falloffs.map(|f| compose::shape_variant(*s, f)));
+    let stops = shapes.flat_map(|shape| (1..=3).map(move |stop| (shape.clone(), stop)));
+    let later = stops.flat_map(|(shape, stop)| [false, true].map(|later| (shape.clone(), stop, later)));
+    later
+        .flat_map(|(shape, stop, later)| SUBGROUPS.map(|size| sorted::blend_variant(shape.clone(), stop, later, size)))
+        .collect()
 }
 
 #[test]
@@ -96,6 +110,19 @@ fn every_shader_matches_its_pass_in_every_variant() {
     let counted = [0, 1].map(|counted| compose_variants().into_iter().map(move |v| v.with("COUNTED", counted)));
     check::<peel::Blend>(&mut seen, counted.into_iter().flatten());
     check::<peel::Next>(&mut seen, [Variant::plain()]);
+    check::<radix::Count>(&mut seen, [Variant::plain()]);
+    check::<radix::Scatter>(&mut seen, SUBGROUPS.map(radix::scatter_variant));
+    check::<sorted::Keys>(&mut seen, [Variant::plain()]);
+    check::<sorted::Gather>(&mut seen, compose_variants());
+    check::<sorted::TileCount>(&mut seen, [sorted::tile_variant()]);
+    check::<sorted::Measure>(&mut seen, [Variant::plain()]);
+    check::<sorted::TileStore>(&mut seen, SUBGROUPS.map(|size| sorted::tile_variant().subgroup(size)));
+    check::<sorted::Blend>(&mut seen, blend_variants());
+    check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(sorted::gather_variant));
+    check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(sorted::gather_variant));
+    let falloffs = [Falloff::Flat, Falloff::Gaussian];
+    let ordered = falloffs.iter().flat_map(|f| (1..4).map(|stop| abuffer::ordered_variant(*f, stop)));
+    check::<abuffer::ResolveOrdered>(&mut seen, ordered);
 
     let forgotten: Vec<String> =
         shader::stems().into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();
@@ -105,14 +132,28 @@ fn every_shader_matches_its_pass_in_every_variant() {
 #[test]
 fn every_compute_shader_has_the_common_workgroup() {
     for stem in shader::stems() {
-        let variant =
-            abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small");
+        let variant = match stem.as_str() {
+            "sorted/blend" => blend_variants().remove(0),
+            "sorted/tile_count" | "sorted/tile_store" => sorted::tile_variant().subgroup(SUBGROUPS[0]),
+            "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
+            "abuffer/count_tiles" | "abuffer/store_tiles" => sorted::gather_variant(SUBGROUPS[0]),
+            _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
+        };
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
         } else {
             let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
+            let by_subgroup = [
+                "radix/scatter",
+                "sorted/blend",
+                "sorted/tile_store",
+                "abuffer/count_tiles",
+                "abuffer/store_tiles",
+            ]
+            .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
+            let wanted = if by_subgroup { SUBGROUPS[0] } else { wanted };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");
         }
     }

@@ -65,7 +65,7 @@ fn main(
         return;
     }
     let tile = push.first_tile + group;
-    let before = select(0u, ends[tile * push.runs - 1u], tile > 0u);
+    let before = select(0u, ends[max(tile * push.runs, 1u) - 1u], tile > 0u);
     let start = before + push.segment * TAKEN;
     let end = min(start + TAKEN, ends[(tile + 1u) * push.runs - 1u]);
     if push.segment > 0u && start >= end {

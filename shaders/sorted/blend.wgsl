@@ -37,12 +37,16 @@ var<immediate> push: Push;
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow. The next run goes on
 // from the image.
 override TAKEN: u32 = 1u;
+// 1: the image holds what lies in front.
+override LATER: u32 = 0u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 // Steps between two looks at what may stop.
 const LOOK = 4u;
 #each held var<private> sum{held}: Composed;
-#each held var<private> before{held}: u32;
+#each held var<private> front{held}: Composed;
+// Of what may come behind: another run may be opaque.
+var<private> most_opacity: f32;
 
 // One splat over one of this invocation's pixels.
 fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, pixel: vec2<u32>) -> Composed {
@@ -56,6 +60,14 @@ fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, p
     return behind(front, select(rank, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED), c);
 }
 
+// What this run composed, behind what lies in front of it.
+fn joined(front: Composed, sum: Composed) -> Composed {
+    if LATER == 0u {
+        return sum;
+    }
+    return Composed(front.rgba + (1.0 - front.rgba.a) * sum.rgba, front.key);
+}
+
 fn is_live(live: u32, block: u32) -> bool {
     return (live & (1u << block)) != 0u;
 }
@@ -63,12 +75,12 @@ fn is_live(live: u32, block: u32) -> bool {
 // Strikes a block whose pixels are all done from the live ones.
 fn close(live: u32, block: u32) -> u32 {
     var open = false;
-#each held     if {held}u / HELD == block { open = open || !done(sum{held}, push.most_opacity, push.most_color); }
+#each held     if {held}u / HELD == block { open = open || !done(joined(front{held}, sum{held}), most_opacity, push.most_color); }
     return select(live & ~(1u << block), live, subgroupBallot(open).x != 0u);
 }
 
 fn tile_start(tile: u32) -> u32 {
-    return select(0u, ends[tile * push.runs - 1u], tile > 0u);
+    return select(0u, ends[max(tile * push.runs, 1u) - 1u], tile > 0u);
 }
 
 // Composes the splats of one step that touch a block.
@@ -102,27 +114,28 @@ fn blend(block: u32, hits: u32, splat: Splat, tilt: Tilt, color: vec4<f32>, rank
     }
 }
 
-// What the runs before left of a pixel.
-fn resume(pixel: vec2<u32>) -> Composed {
-    if push.segment == 0u || any(pixel >= view.window.zw) {
+// What the runs before left of a pixel. A depth stands for its key: nothing behind asks for the rank again.
+fn left_by_others(pixel: vec2<u32>) -> Composed {
+    if LATER == 0u || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);
     }
     let p = window_index(pixel, view.window);
-    // A depth stands for its key: nothing behind asks for the rank again.
-    return Composed(image[p], select(depth_key(depths[p]), NOTHING, depths[p] > 3.4e38));
+    return Composed(image[p], select(0u, NOTHING, depths[p] > 3.4e38));
 }
 
-fn finish(sum: Composed, before: u32, pixel: vec2<u32>) {
+fn finish(sum: Composed, front: Composed, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
     let p = window_index(pixel, view.window);
-    image[p] = sum.rgba;
-    var key = sum.key;
-    if SHAPE != SHAPE_ORIENTED && key != before {
-        key = records[key].x + push.nearest;
+    image[p] = joined(front, sum).rgba;
+    if LATER == 0u || (front.key == NOTHING && sum.key != NOTHING) {
+        var key = sum.key;
+        if SHAPE != SHAPE_ORIENTED && key != NOTHING {
+            key = records[key].x + push.nearest;
+        }
+        depths[p] = composed_depth(key);
     }
-    depths[p] = composed_depth(key);
 }
 
 @compute @workgroup_size(SUBGROUP)
@@ -138,11 +151,12 @@ fn main(
     let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE;
     let start = tile_start(tile) + push.segment * TAKEN;
     let end = min(start + TAKEN, ends[(tile + 1u) * push.runs - 1u]);
-    if push.segment > 0u && start >= end {
+    if LATER != 0u && start >= end {
         return;
     }
-#each held     sum{held} = resume(corner + place(lane, {held}u));
-#each held     before{held} = sum{held}.key;
+    most_opacity = select(push.most_opacity, 1.0, LATER != 0u || end < ends[(tile + 1u) * push.runs - 1u]);
+#each held     sum{held} = Composed(vec4<f32>(0.0), NOTHING);
+#each held     front{held} = left_by_others(corner + place(lane, {held}u));
     var live = (1u << (BLOCKS * BLOCKS)) - 1u;
     var steps = 0u;
     for (var next = start; next < end && live != 0u; next += SUBGROUP) {
@@ -159,9 +173,9 @@ fn main(
 #each block         let hits{block} = subgroupBallot(present && touches(splat, corner + block_corner({block}u))).x;
 #each block         blend({block}u, select(0u, hits{block}, is_live(live, {block}u)), splat, tilt, color, rank, corner, lane);
         steps += 1u;
-        if STOP != STOP_NEVER && steps % LOOK == 0u {
+        if steps % LOOK == 0u {
 #each block             live = close(live, {block}u);
         }
     }
-#each held     finish(sum{held}, before{held}, corner + place(lane, {held}u));
+#each held     finish(sum{held}, front{held}, corner + place(lane, {held}u));
 }

@@ -23,8 +23,8 @@ pub struct ProfileArgs {
     /// Frames to measure.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-    /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would change by
-    /// more than a quarter of a step.
+    /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
+    /// more than a quarter of a step. Only method sorted stops at all.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.

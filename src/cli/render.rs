@@ -22,7 +22,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     measure: MeasureArgs,
     /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
-    /// .png, in the current folder.
+    /// .png, in the current folder. For a .png method sorted blends until no 8-bit value would move by more than a
+    /// quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, and with peel the layers

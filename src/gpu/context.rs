@@ -176,8 +176,7 @@ fn create_device(
     let mut features12 = vk::PhysicalDeviceVulkan12Features::default()
         .host_query_reset(true)
         .shader_buffer_int64_atomics(info.int64_atomics);
-    let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default()
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default()
         .synchronization2(true)
         .dynamic_rendering(true)
         .maintenance4(true)

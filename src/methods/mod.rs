@@ -77,7 +77,7 @@ pub enum Error {
         limit: u32,
     },
     /// The cloud is longer than the device can address.
-    #[error("{points} points, but this device binds at most {limit} (four times maxStorageBufferRange)")]
+    #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]
     TooManyPoints {
         /// Points of the scene.
         points: u64,
@@ -100,7 +100,9 @@ pub enum Error {
         budget: u64,
     },
     /// The device has no shuffles.
-    #[error("method sorted needs subgroups of a known size up to 32 with ballots and shuffles, which {device} lacks; use abuffer")]
+    #[error(
+        "method sorted needs subgroups of a known size up to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+    )]
     NoSubgroups {
         /// The device.
         device: String,

@@ -66,8 +66,12 @@ pub struct Facts {
     pub visible: u64,
     /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
+    /// Windows whose lists were filled in order of depth, from sorted splats.
+    pub ordered: u64,
     /// Pairs of a splat and a tile that it meets, if splats were sorted.
     pub tile_entries: u64,
+    /// Counters of the tiles' splats by run in the window with most of them, if splats are sorted.
+    pub tile_cells: u64,
     /// Fragments of all lists.
     pub fragments: u64,
     /// Longest list.
@@ -76,7 +80,7 @@ pub struct Facts {
     pub layers: u32,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
-    /// Bands over all windows.
+    /// Bands over all windows; windows with anything in them, if splats are sorted.
     pub bands: u64,
     /// Windows of the image.
     pub windows: u64,
@@ -306,7 +310,7 @@ impl Renderer {
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
         let walker = self.walker(discs.raster, window)?;
         self.tiles.reserve(&self.device, &stats, window)?;
-        let footprint = projecting(frame).footprint;
+        let footprint = projecting(frame, cloud).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let budget = self.budget(cloud, frame);
         let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
@@ -351,62 +355,73 @@ impl Renderer {
             return self.points(cloud, frame, work);
         }
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        let listed = work.survey || frame.fragments || !matches!(frame.method, Method::Sorted(_));
-        let asked = frame.method.discs().map_or(Raster::Auto, |discs| discs.raster);
-        let walker = if listed { self.walker(asked, window)? } else { Walker::Compute };
+        // Sorted splats need no lists: those are counted only where their lengths are asked for.
+        let sorted = matches!(frame.method, Method::Sorted(_));
+        let listed = frame.fragments || !sorted;
+        let asked = frame.method.discs().filter(|_| !sorted).map_or(Raster::Auto, |discs| discs.raster);
+        let walker = self.walker(asked, window)?;
         let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
             return Ok(Outcome::Overflow);
         };
         self.tiles.reserve(&self.device, if tile_bytes > 0 { &stats } else { &[] }, window)?;
-        let footprint = projecting(frame).footprint;
+        let footprint = projecting(frame, cloud).footprint;
         let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
         let device = &self.device;
         let outcome = match frame.method {
             Method::ABuffer(discs) | Method::LinkedList(discs) | Method::Sorted(discs) => {
-                let how = projecting(frame);
-                let ordering = sorted::WindowJob {
+                let splats = sorted::WindowJob {
                     raster,
                     discs,
                     color: frame.color,
-                    depth_range: [frame.camera.near as f32, frame.camera.far as f32],
-                    most_color: cloud.most_color(&how),
+                    depth_range: depth_range(frame),
+                    most_color: cloud.most_color(&projecting(frame, cloud)),
                     stop: frame.stop,
                     budget,
+                    counted_bytes: if listed { bands::pixels(window) * abuffer::PIXEL_BYTES } else { 0 },
                 };
-                let stop = sorted::stop(frame.stop, frame.color, ordering.most_color);
+                let stop = sorted::stop(frame.stop, frame.color, splats.most_color);
                 let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
-                let mut job = abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
-                if let Method::Sorted(_) = frame.method {
-                    // Only lists have lengths: they are counted where these are asked for.
-                    let listed = if work.survey || frame.fragments {
-                        self.abuffer.survey(device, &job, work.timeline, work.facts)?
+                let mut lists =
+                    abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
+                if !sorted {
+                    let mut ordered = 0;
+                    if self.in_order(&splats, &frame.method)
+                        && let Some(binned) = self.sorted.bin(device, &splats, work.timeline, work.facts)?
+                    {
+                        lists.storing = Storing::Ordered(self.sorted.tiles(binned));
+                        lists.budget.tiles += self.sorted.bytes();
+                        ordered = 1;
+                    }
+                    let outcome = if work.survey {
+                        self.abuffer.survey(device, &lists, work.timeline, work.facts)?
                     } else {
-                        Outcome::Done
+                        self.abuffer.render(device, &lists, &self.target, work.timeline, work.facts)?
                     };
-                    match listed {
-                        Outcome::Done if !work.survey => {
-                            let outcome =
-                                self.sorted.render(device, &ordering, &self.target, work.timeline, work.facts)?;
-                            self.progress.inc(bands::pixels(window));
-                            outcome
-                        }
-                        outcome => outcome,
+                    if outcome == Outcome::Done {
+                        work.facts.ordered += ordered;
                     }
-                } else if work.survey {
-                    self.abuffer.survey(device, &job, work.timeline, work.facts)?
+                    outcome
                 } else {
-                    if self.in_order(&ordering, &frame.method) {
-                        if let Some(binned) = self.sorted.bin(device, &ordering, work.timeline)? {
-                            let mut recorder = device.recorder()?;
-                            self.sorted.record_tile_store(&mut recorder, &ordering, &binned)?;
-                            work.timeline.add(recorder.submit("sorted/tile-store")?);
-                            job.storing = Storing::Ordered(self.sorted.tiles(binned));
-                            job.budget.tiles += self.sorted.bytes();
-                        }
+                    // A window may turn out to be too large after its lists were counted; its halves are counted again.
+                    let mut facts = work.facts.clone();
+                    let mut outcome = Outcome::Done;
+                    if listed {
+                        outcome = self.abuffer.tally(device, &lists, work.timeline, &mut facts)?;
                     }
-                    self.abuffer.render(device, &job, &self.target, work.timeline, work.facts)?
+                    if outcome == Outcome::Done {
+                        outcome = if work.survey {
+                            Sorted::survey(device, &splats, &mut facts)?
+                        } else {
+                            self.sorted.render(device, &splats, &self.target, work.timeline, &mut facts)?
+                        };
+                    }
+                    if outcome == Outcome::Done {
+                        *work.facts = facts;
+                        self.progress.inc(bands::pixels(window));
+                    }
+                    outcome
                 }
             }
             Method::Peel(peel) => {
@@ -448,7 +463,7 @@ impl Renderer {
 
     /// Renders a window of 1-pixel points, which need no splats.
     fn points(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        let (window, how) = (work.window, projecting(frame));
+        let (window, how) = (work.window, projecting(frame, cloud));
         cloud.set_view(&frame.camera, frame.size, window, &how);
         let (device, wide) = (&self.device, self.wide_atomics);
         let stats = self.opaque.render_points(device, cloud, (window, &how), wide, &self.target, work.timeline)?;
@@ -464,7 +479,7 @@ impl Renderer {
         window: Window,
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
-        let how = projecting(frame);
+        let how = projecting(frame, cloud);
         cloud.set_view(&frame.camera, frame.size, window, &how);
         let mut recorder = self.device.recorder()?;
         cloud.record_project(&mut recorder, &how)?;
@@ -577,8 +592,13 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     }
 }
 
+/// Near and far, as the device compares depths with them.
+pub fn depth_range(frame: &Frame) -> [f32; 2] {
+    [frame.camera.near as f32, frame.camera.far as f32]
+}
+
 /// How a method's splats are made.
-fn projecting(frame: &Frame) -> Projecting {
+fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
     let (footprint, radius_factor, max_radius_px) = match frame.method {
         Method::ABuffer(discs)
         | Method::LinkedList(discs)
@@ -588,6 +608,8 @@ fn projecting(frame: &Frame) -> Projecting {
         Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
         Method::Points | Method::Auto(_) => (Footprint::Point, 1.0, f32::MAX),
     };
+    // Without normals there are no tilts either, and every disc is flat.
+    let footprint = if footprint == Footprint::Oriented && !cloud.has_normals() { Footprint::Disc } else { footprint };
     Projecting { footprint, radius_factor, max_radius_px, shading: frame.shading, color: frame.color }
 }
 
@@ -601,6 +623,7 @@ fn aggregate(
     lengths: &[u32],
 ) -> Vec<PassProfile> {
     let mut passes: Vec<PassProfile> = Vec::new();
+    let runs = |name| timeline.iter().filter(|(time, _)| time.name == name).count() as u64;
     for (time, _) in timeline {
         match passes.iter_mut().find(|p| p.name == time.name) {
             Some(pass) => {
@@ -611,20 +634,21 @@ fn aggregate(
                 name: time.name,
                 gpu: time.gpu,
                 invocations: time.invocations,
-                bytes: least_bytes(time.name, facts, frame, cloud).or_else(|| abuffer::least_bytes(time.name, lengths)),
+                bytes: least_bytes(time.name, runs(time.name), facts, frame, cloud)
+                    .or_else(|| abuffer::least_bytes(time.name, lengths)),
             }),
         }
     }
     passes
 }
 
-/// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted.
-fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
+/// Bytes that a pass must at least read and write in its `runs`, from the counts of the frame; cached re-reads are not counted.
+fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let normal = if cloud.has_normals() { 16 } else { 0 };
     let discs = frame.method.discs();
     let transparent = discs.is_some();
-    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented);
+    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented) && cloud.has_normals();
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
@@ -653,7 +677,7 @@ fn least_bytes(name: &str, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) ->
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ => None,
+        _ => sorted::least_bytes(name, runs, facts, splat),
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! The order is that of the A-buffer, depth and then content: the sort is stable and points come in canonical order.
 
-use super::abuffer::CountPush;
+use super::abuffer::{CountPush, record_nothing};
 use super::bands::{self, Band, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
@@ -163,10 +163,15 @@ const BLOCK_SIDE: u32 = 8;
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
 const MOST_ITERATIONS: u64 = 50_000;
-/// Splats of a tile that one run of `sorted/blend` takes, at five iterations each.
-const SEGMENT: u32 = 8192;
+/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
+/// the smallest opacities don't round away in a sum of millions.
+const SEGMENT: u32 = 2048;
+/// Bytes of a record of the sort: key and index.
+const RECORD_BYTES: u64 = 8;
 /// Shortest run of splats that a subgroup walks.
 const SHORTEST_RUN: u64 = 256;
+/// Shorter than any run that fills up, whatever the splats' extent.
+const LEAST_RUN: u64 = 128;
 
 /// What may be left out at the back of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -198,6 +203,8 @@ pub struct WindowJob<'a> {
     pub stop: Stop,
     /// The memory that may be used.
     pub budget: Budget,
+    /// Bytes of it that are in use for the lengths of lists.
+    pub counted_bytes: u64,
 }
 
 /// Buffers, kept from frame to frame.
@@ -225,6 +232,9 @@ struct Binning {
     columns: u32,
     rows: u32,
     block: [u32; 2],
+    /// Most columns and rows of tiles that a splat meets.
+    met_tiles: [u32; 2],
+    subgroup: u32,
 }
 
 /// A window whose splats are sorted, and the tiles' numbers of them known.
@@ -239,7 +249,6 @@ pub struct Binned {
     entries: u32,
     /// Splats of the tile with most of them.
     longest: u32,
-    subgroup: u32,
 }
 
 impl Binned {
@@ -291,7 +300,7 @@ impl<'a> OrderedTiles<'a> {
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
             };
-            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push).variant(gather_variant(binned.subgroup));
+            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push).variant(gather_variant(binning.subgroup));
             recorder.run(&pass, &run)?;
         }
         Ok(())
@@ -299,18 +308,29 @@ impl<'a> OrderedTiles<'a> {
 }
 
 impl Binning {
+    /// Of what a window shows; `None` if that is nothing.
+    fn of(device: &Device, job: &WindowJob<'_>) -> Result<Option<Self>, Error> {
+        let info = device.info();
+        let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
+        let Raster { stats, window, .. } = job.raster;
+        let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
+        let binning = || Self::new(info.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
+        Ok((drawn > 0).then(binning))
+    }
+
     /// `drawn` splats, each over at most `extent` columns and rows of pixels.
-    fn new(device: &Device, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
-        let [columns, rows] = [(window[2] - window[0]).div_ceil(TILE_SIDE), (window[3] - window[1]).div_ceil(TILE_SIDE)];
-        let [lane_columns, lane_rows] = pattern(subgroup);
-        let steps = |[x, y]: [u32; 2]| u64::from(x.div_ceil(lane_columns)) * u64::from(y.div_ceil(lane_rows));
+    fn new(concurrent: u64, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
+        let [columns, rows] =
+            [(window[2] - window[0]).div_ceil(TILE_SIDE), (window[3] - window[1]).div_ceil(TILE_SIDE)];
         // A span of n pixels meets at most this many tiles.
         let span = extent.map(|n| n.saturating_sub(1) / TILE_SIDE + 2);
-        let met = [span[0].min(columns), span[1].min(rows)];
-        let block = if steps(met) > steps([WALK_BLOCK; 2]) { [WALK_BLOCK; 2] } else { [columns, rows] };
-        let most = steps([met[0].min(block[0]), met[1].min(block[1])]);
+        let met_tiles = [span[0].min(columns), span[1].min(rows)];
+        let walk = [WALK_BLOCK; 2];
+        let block = if steps(met_tiles, subgroup) > steps(walk, subgroup) { walk } else { [columns, rows] };
+        let most = steps([met_tiles[0].min(block[0]), met_tiles[1].min(block[1])], subgroup);
         let longest = MOST_ITERATIONS / (most + 2);
-        Self { drawn, runs: Runs::new(device, drawn, SHORTEST_RUN.min(longest), longest), columns, rows, block }
+        let runs = Runs::new(concurrent, drawn, SHORTEST_RUN.min(longest), longest);
+        Self { drawn, runs, columns, rows, block, met_tiles, subgroup }
     }
 
     fn tiles(&self) -> u64 {
@@ -340,6 +360,45 @@ impl Binning {
         let blocks = self.columns.div_ceil(self.block[0]) * self.rows.div_ceil(self.block[1]);
         u64::from(self.runs.runs) * u64::from(blocks)
     }
+
+    /// Bytes left for the tiles' entries; `None` if the window must be cut.
+    fn left(&self, device: &Device, job: &WindowJob<'_>) -> Result<Option<u64>, Error> {
+        let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
+        if points * RECORD_BYTES > binding {
+            return Err(Error::TooManyPoints { points, limit: binding / RECORD_BYTES });
+        }
+        let (sort, each) = (sort_bytes(device, points), splat_bytes(job.raster.cloud));
+        let splats = |drawn: u64| drawn * each;
+        let table = |cells: u64| cells * 8 + Scan::bytes(cells);
+        // However small the window, there is a tile with all of its splats.
+        let least = |drawn: u64| sort + splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
+        let available = job.budget.left(job.counted_bytes);
+        if least(self.drawn) > available {
+            // A larger budget makes larger windows, with up to all splats in each.
+            let needed = least(points);
+            return Err(Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed) });
+        }
+        let cells = self.cells();
+        let used = sort + splats(self.drawn) + table(cells);
+        // `sorted/tile-count` visits the tiles of a splat one by one.
+        let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
+        let fits = cells * 4 <= binding && self.drawn * 16 <= binding && met <= MOST_ITERATIONS;
+        if !fits && bands::pixels(job.raster.window) == 1 {
+            return Err(Error::TooManyPoints { points: self.drawn, limit: binding / 16 });
+        }
+        Ok((fits && used <= available).then(|| (available - used).min(binding)))
+    }
+
+    fn note(&self, facts: &mut Facts) {
+        facts.bands += 1;
+        facts.tile_cells = facts.tile_cells.max(self.cells());
+    }
+}
+
+/// Steps in which a subgroup walks so many columns and rows of tiles.
+fn steps(tiles: [u32; 2], subgroup: u32) -> u64 {
+    let [columns, rows] = pattern(subgroup);
+    u64::from(tiles[0].div_ceil(columns)) * u64::from(tiles[1].div_ceil(rows))
 }
 
 /// Columns and rows of the pattern of tiles that the invocations of a subgroup own; as in shaders/shared/tile_push.wgsl.
@@ -382,56 +441,57 @@ impl Sorted {
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<Outcome, Error> {
-        let window = job.raster.window;
-        let pixels = bands::pixels(window);
-        if job.raster.stats.iter().all(|s| s.visible == 0) {
+        let pixels = bands::pixels(job.raster.window);
+        let Some(binning) = Binning::of(device, job)? else {
             let mut recorder = device.recorder()?;
-            super::abuffer::record_nothing(&mut recorder, target, window)?;
+            record_nothing(&mut recorder, target, job.raster.window)?;
             target.record_read_back(&mut recorder, pixels)?;
             timeline.add(recorder.submit("image/clear")?);
             return Ok(Outcome::Done);
-        }
-        let Some(binned) = self.bin(device, job, timeline)? else { return Ok(Outcome::Overflow) };
+        };
+        let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(Outcome::Overflow) };
+        binning.note(facts);
         facts.tile_entries += u64::from(binned.entries);
-        facts.bands += 1;
         let mut recorder = device.recorder()?;
-        self.record_tile_store(&mut recorder, job, &binned)?;
+        self.record_tile_store(&mut recorder, job, &binning)?;
         self.record_blend(&mut recorder, job, &binned, target)?;
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("sorted/blend")?);
         Ok(Outcome::Done)
     }
 
-    /// Sorts a window's splats and counts those of each tile; `None` if the window must be cut. There must be a splat to draw.
+    /// Sorts and bins a window's splats for a stage that goes through its tiles ([`Self::tiles`]); `None` if nothing is
+    /// drawn, or the tiles take too much memory.
     pub fn bin(
         &mut self,
         device: &Device,
         job: &WindowJob<'_>,
         timeline: &mut Timeline,
+        facts: &mut Facts,
     ) -> Result<Option<Binned>, Error> {
-        let subgroup = device.info().subgroup.ok_or_else(|| Error::NoSubgroups { device: device.info().name.clone() })?;
-        let (cloud, window, stats) = (job.raster.cloud, job.raster.window, job.raster.stats);
-        let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
-        let binning = Binning::new(device, window, drawn, Stats::extent(stats), subgroup);
-        let Some(left) = self.check(device, job, &binning)? else { return Ok(None) };
-        self.reserve(device, job, &binning)?;
-
+        let Some(binning) = Binning::of(device, job)? else { return Ok(None) };
+        let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(None) };
+        facts.tile_cells = facts.tile_cells.max(binning.cells());
+        facts.tile_entries += u64::from(binned.entries);
         let mut recorder = device.recorder()?;
-        let bits = [job.depth_range[0], job.depth_range[1]].map(depth_key);
-        let (nearest, none) = (bits[0], bits[1] - bits[0] + 1);
-        let records = self.records.each_ref().map(|r| r.get().slice(0, cloud.len()));
-        for (first, count) in cloud.chunks() {
-            let push = KeysPush { count: count as u32, first: first as u32, nearest, none };
-            let keys = Keys {
-                splats: cloud.splats.slice(first, count),
-                bounds: cloud.bounds.slice(first, count),
-                records: records[0],
-            };
-            recorder.run(&keys, &Run::new(Dispatch::Invocations(count)).push(&push))?;
-        }
-        let key_bits = u32::BITS - none.leading_zeros();
-        let last = self.radix.record(&mut recorder, device, records, key_bits, subgroup)?;
-        self.record_gather(&mut recorder, device, job, drawn, records[last])?;
+        self.record_tile_store(&mut recorder, job, &binning)?;
+        timeline.add(recorder.submit("sorted/tile-store")?);
+        Ok(Some(binned))
+    }
+
+    /// Sorts a window's splats and counts those of each tile; `None` if the window must be cut.
+    fn sort_and_count(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        binning: Binning,
+        timeline: &mut Timeline,
+    ) -> Result<Option<Binned>, Error> {
+        let Some(left) = binning.left(device, job)? else { return Ok(None) };
+        self.reserve(device, job, &binning)?;
+        let mut recorder = device.recorder()?;
+        let last = self.record_sort(&mut recorder, device, job, binning.subgroup)?;
+        self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
         self.record_tile_count(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("sorted/sort and count")?);
         let words = self.summary.mapped_slice();
@@ -440,58 +500,7 @@ impl Sorted {
             return Ok(None);
         }
         self.entries.reserve_within(device, u64::from(entries).max(1), left / 4)?;
-        Ok(Some(Binned { binning, records: last, nearest, entries, longest, subgroup }))
-    }
-
-    /// Records the lists of a binned window's tiles.
-    pub fn record_tile_store<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        binned: &Binned,
-    ) -> Result<(), Error> {
-        let (rectangles, cursors) = (self.rectangles.get().all(), self.cursors.get().slice(0, binned.binning.cells()));
-        let store = TileStore { view: job.raster.cloud.view(), rectangles, cursors, entries: self.entries.get().all() };
-        let run = Run::new(Dispatch::Groups(binned.binning.groups())).push(&binned.binning.push());
-        Ok(recorder.run(&store, &run.variant(tile_variant().subgroup(binned.subgroup)))?)
-    }
-
-    fn record_blend<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
-        binned: &Binned,
-        target: &'a Target,
-    ) -> Result<(), Error> {
-        let binning = &binned.binning;
-        let blend = Blend {
-            view: job.raster.cloud.view(),
-            ends: self.cursors.get().slice(0, binning.cells()),
-            entries: self.entries.get().all(),
-            records: self.records[binned.records].get().all(),
-            footprints: self.footprints.get().all(),
-            colors: self.colors.get().all(),
-            slopes: self.slopes.get().all(),
-            image: target.image(),
-            depths: target.depths(),
-        };
-        let (stop, most_color) = stop(job.stop, job.color, job.most_color);
-        let shape = compose::shape_variant(job.raster.footprint, job.discs.falloff);
-        let variant = blend_variant(shape, stop, binned.subgroup);
-        for segment in 0..binned.segments() {
-            let push = BlendPush {
-                columns: binning.columns,
-                tiles: binning.tiles() as u32,
-                runs: binning.runs.runs,
-                nearest: binned.nearest,
-                segment,
-                most_opacity: job.raster.cloud.most_opacity(),
-                most_color,
-            };
-            let run = Run::new(Dispatch::Groups(binning.tiles())).push(&push).variant(variant.clone());
-            recorder.run(&blend, &run)?;
-        }
-        Ok(())
+        Ok(Some(Binned { binning, records: last, nearest: keys(job.depth_range)[0], entries, longest }))
     }
 
     /// A binned window's tiles, for stages that go through them.
@@ -508,13 +517,13 @@ impl Sorted {
 
     /// Device bytes that sorting a window's splats takes, tiles not counted.
     pub fn least_bytes(device: &Device, job: &WindowJob<'_>) -> u64 {
-        let drawn = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        bytes_for(device, job.raster.cloud, drawn)
+        let (cloud, drawn) = (job.raster.cloud, job.raster.stats.iter().map(|s| u64::from(s.visible)).sum::<u64>());
+        sort_bytes(device, cloud.len()) + drawn * splat_bytes(cloud)
     }
 
     /// The same where every point is drawn.
     pub fn most_bytes(device: &Device, cloud: &DeviceCloud) -> u64 {
-        bytes_for(device, cloud, cloud.len())
+        sort_bytes(device, cloud.len()) + cloud.len() * splat_bytes(cloud)
     }
 
     /// Device bytes of the buffers that hold a binned window.
@@ -526,21 +535,14 @@ impl Sorted {
         records + splats + tiles + scan + self.radix.kept_bytes()
     }
 
-    /// Bytes left for the tiles' entries; `None` if the window must be cut.
-    fn check(&self, device: &Device, job: &WindowJob<'_>, binning: &Binning) -> Result<Option<u64>, Error> {
-        let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
-        if points * 8 > binding {
-            return Err(Error::TooManyPoints { points, limit: binding / 8 });
+    /// Decides how a window is binned; sorts nothing.
+    pub fn survey(device: &Device, job: &WindowJob<'_>, facts: &mut Facts) -> Result<Outcome, Error> {
+        let Some(binning) = Binning::of(device, job)? else { return Ok(Outcome::Done) };
+        if binning.left(device, job)?.is_none() {
+            return Ok(Outcome::Overflow);
         }
-        let needed = Self::least_bytes(device, job);
-        let available = job.budget.left(0);
-        if needed > available {
-            return Err(Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed) });
-        }
-        let cells = binning.cells();
-        let table = cells * 8 + Scan::bytes(cells);
-        let fits = cells * 4 <= binding && binning.drawn * 16 <= binding;
-        Ok((fits && table <= available - needed).then(|| (available - needed - table).min(binding)))
+        binning.note(facts);
+        Ok(Outcome::Done)
     }
 
     fn reserve(&mut self, device: &Device, job: &WindowJob<'_>, binning: &Binning) -> Result<(), Error> {
@@ -562,6 +564,26 @@ impl Sorted {
             self.scan = Some(Scan::new(device, cells)?);
         }
         Ok(())
+    }
+
+    /// Records keys and sort; returns which of the records are the sorted ones.
+    fn record_sort<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        device: &Device,
+        job: &WindowJob<'a>,
+        subgroup: u32,
+    ) -> Result<usize, Error> {
+        let cloud = job.raster.cloud;
+        let records = self.records.each_ref().map(|r| r.get().slice(0, cloud.len()));
+        let [nearest, none] = keys(job.depth_range);
+        for (first, count) in cloud.chunks() {
+            let push = KeysPush { count: count as u32, first: first as u32, nearest, none };
+            let (splats, bounds) = (cloud.splats.slice(first, count), cloud.bounds.slice(first, count));
+            let run = Run::new(Dispatch::Invocations(count)).push(&push);
+            recorder.run(&Keys { splats, bounds, records: records[0] }, &run)?;
+        }
+        Ok(self.radix.record(recorder, device, records, key_bits(job.depth_range), subgroup)?)
     }
 
     fn record_gather<'a>(
@@ -614,30 +636,118 @@ impl Sorted {
         recorder.copy("sorted/summary", longest, self.summary.slice(2, 1))?;
         Ok(())
     }
+
+    fn record_tile_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binning: &Binning,
+    ) -> Result<(), Error> {
+        let store = TileStore {
+            view: job.raster.cloud.view(),
+            rectangles: self.rectangles.get().all(),
+            cursors: self.cursors.get().slice(0, binning.cells()),
+            entries: self.entries.get().all(),
+        };
+        let run = Run::new(Dispatch::Groups(binning.groups())).push(&binning.push());
+        Ok(recorder.run(&store, &run.variant(tile_variant().subgroup(binning.subgroup)))?)
+    }
+
+    /// Records the blending of all tiles.
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: &Binned,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let (cloud, binning) = (job.raster.cloud, &binned.binning);
+        let blend = Blend {
+            view: cloud.view(),
+            ends: self.cursors.get().slice(0, binning.cells()),
+            entries: self.entries.get().all(),
+            records: self.records[binned.records].get().all(),
+            footprints: self.footprints.get().all(),
+            colors: self.colors.get().all(),
+            slopes: self.slopes.get().all(),
+            image: target.image(),
+            depths: target.depths(),
+        };
+        let (stop, most_color) = stop(job.stop, job.color, job.most_color);
+        let shape = compose::shape_variant(job.raster.footprint, job.discs.falloff);
+        for segment in 0..binned.segments() {
+            let push = BlendPush {
+                columns: binning.columns,
+                tiles: binning.tiles() as u32,
+                runs: binning.runs.runs,
+                nearest: binned.nearest,
+                segment,
+                most_opacity: cloud.most_opacity(),
+                most_color,
+            };
+            let variant = blend_variant(shape.clone(), stop, segment > 0, binning.subgroup);
+            let run = Run::new(Dispatch::Groups(binning.tiles())).push(&push).variant(variant);
+            recorder.run(&blend, &run)?;
+        }
+        Ok(())
+    }
 }
 
-fn bytes_for(device: &Device, cloud: &DeviceCloud, drawn: u64) -> u64 {
-    let slopes = if cloud.has_normals() { 16 } else { 0 };
-    cloud.len() * 16 + Radix::bytes(device, cloud.len()) + drawn * (16 + 16 + 8 + slopes)
+/// Device bytes of the records of so many points, and of sorting them.
+fn sort_bytes(device: &Device, points: u64) -> u64 {
+    2 * RECORD_BYTES * points + Radix::bytes(device, points)
 }
 
-/// The value of `STOP` in WGSL, and the bound on colors that goes with it.
-pub fn stop(stop: Stop, color: ColorSpace, most_color: f32) -> (u32, f32) {
-    match (stop, color) {
-        (Stop::Exact, _) => (1, most_color),
-        (Stop::EightBit { transparent }, space) => {
+/// Device bytes of a drawn splat in order.
+fn splat_bytes(cloud: &DeviceCloud) -> u64 {
+    16 + 16 + 8 + if cloud.has_normals() { 16 } else { 0 }
+}
+
+/// The value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
+pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
+    match stop {
+        Stop::Exact => (1, most),
+        Stop::EightBit { transparent } => {
             // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9 here.
-            let most = most_color.max(1.0);
+            let most = most.max(1.0);
             let most = if transparent { (most + 1.0) * 1.2 } else { most };
             (if space == ColorSpace::Linear { 2 } else { 3 }, most)
         }
     }
 }
 
+/// The key of the nearest depth, and the key, less that, of what is not drawn.
+fn keys(depth_range: [f32; 2]) -> [u32; 2] {
+    let [near, far] = depth_range.map(depth_key);
+    [near, far - near + 1]
+}
+
+/// Bits of the keys of splats between two depths.
+pub fn key_bits(depth_range: [f32; 2]) -> u32 {
+    u32::BITS - keys(depth_range)[1].leading_zeros()
+}
+
 /// The key of a depth, as `depth_key` in WGSL.
 fn depth_key(depth: f32) -> u32 {
     let bits = depth.to_bits();
     if bits >> 31 != 0 { !bits } else { bits | 1 << 31 }
+}
+
+/// Bytes that a pass must at least read and write; `runs` of it over the frame, `splat` bytes of a splat that is blended.
+/// How much of the tiles `sorted/blend` reads depends on where it stops.
+pub fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> {
+    let sorted = facts.points * RECORD_BYTES;
+    match name {
+        // Columns and depth of each, and the record.
+        "sorted/keys" => Some((facts.points * (4 + 4) + sorted) * facts.bands),
+        "radix/count" => Some(sorted * runs),
+        "radix/scatter" => Some(2 * sorted * runs),
+        // A record, then splat, color and rectangle: read, and written but for the depth.
+        "sorted/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
+        "sorted/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
+        "sorted/tile-store" => Some(facts.visible * 8 + facts.tile_entries * (8 + 4)),
+        _ => None,
+    }
 }
 
 /// The variant of the passes that meet splats with tiles.
@@ -650,12 +760,12 @@ pub fn gather_variant(subgroup: u32) -> Variant {
     blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
 }
 
-/// A variant of `sorted/blend`, from that of shape and falloff.
-pub fn blend_variant(shape: Variant, stop: u32, subgroup: u32) -> Variant {
-    blocks(shape, subgroup).with("STOP", stop)
+/// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
+pub fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
+    blocks(shape, subgroup).with("STOP", stop).with("LATER", u32::from(later))
 }
 
-/// What shaders/shared/blocks.wgsl needs.
+/// What shaders/shared/blocks.wgsl needs, and how many of a tile's splats a run takes.
 fn blocks(variant: Variant, subgroup: u32) -> Variant {
     let blocks = (TILE_SIDE / BLOCK_SIDE).pow(2);
     variant
@@ -664,4 +774,98 @@ fn blocks(variant: Variant, subgroup: u32) -> Variant {
         .subgroup(subgroup)
         .each("block", blocks)
         .each("held", blocks * BLOCK_SIDE * BLOCK_SIDE / subgroup)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Most iterations of an invocation of `sorted/tile-store`, by the loops as they stand in the shader.
+    fn iterations(binning: &Binning) -> u64 {
+        let [columns, rows] = binning.block.map(u64::from);
+        // In the worst case each splat meets as many of a block's tiles as any splat meets at all.
+        let [lane_columns, lane_rows] = pattern(binning.subgroup).map(u64::from);
+        let most = binning.met_tiles.map(u64::from);
+        let walked = most[0].min(columns).div_ceil(lane_columns) * most[1].min(rows).div_ceil(lane_rows);
+        let length = u64::from(binning.runs.length);
+        length * (walked + 1) + length.div_ceil(u64::from(binning.subgroup))
+    }
+
+    #[test]
+    fn no_invocation_loops_longer_than_drivers_allow() {
+        let sides = [1, 15, 16, 17, 31, 512, 513, 1920, 4096, 16_384];
+        let mut longest = 0;
+        for subgroup in [4, 8, 16, 32] {
+            for (width, height) in sides.iter().flat_map(|w| sides.map(|h| (*w, h))) {
+                for (x, y) in sides.iter().flat_map(|x| sides.map(|y| (*x.min(&width), y.min(height)))) {
+                    for drawn in [1, 255, 100_000, 30_000_000] {
+                        for concurrent in [32, 4096] {
+                            let window = [3, 5, 3 + width, 5 + height];
+                            let binning = Binning::new(concurrent, window, drawn, [x, y], subgroup);
+                            let Runs { runs, length } = binning.runs;
+                            assert!(u64::from(runs) * u64::from(length) >= drawn, "every splat: {binning:?}");
+                            assert!(drawn > u64::from(runs - 1) * u64::from(length), "no empty run: {binning:?}");
+                            assert!(u64::from(runs) <= drawn / LEAST_RUN + 1, "as memory is counted: {binning:?}");
+                            longest = longest.max(iterations(&binning));
+                        }
+                    }
+                }
+            }
+        }
+        assert!((MOST_ITERATIONS / 2..60_000).contains(&longest), "{longest}");
+        // Blending: up to four blocks of every splat, and the steps.
+        for subgroup in [4, 8, 16, 32] {
+            assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
+        }
+    }
+
+    #[test]
+    fn a_splat_never_meets_more_tiles_than_binning_expects() {
+        for extent in 1..=70u32 {
+            let met = Binning::new(32, [0, 0, 1600, 1600], 1, [extent; 2], 8).met_tiles[0];
+            let tiles = |first: u32| (first + extent - 1) / TILE_SIDE - first / TILE_SIDE + 1;
+            assert!((0..TILE_SIDE).all(|first| tiles(first) <= met), "{extent}");
+            assert!((0..TILE_SIDE).any(|first| tiles(first) + 1 >= met), "{extent}: at most one too many");
+        }
+    }
+
+    #[test]
+    fn patterns_of_tiles_fill_a_subgroup() {
+        assert_eq!([4, 8, 16, 32].map(pattern), [[2, 2], [4, 2], [4, 4], [8, 4]]);
+    }
+
+    #[test]
+    fn stopping_knows_what_may_still_come() {
+        use ColorSpace::{Encoded, Linear};
+        assert_eq!(stop(Stop::Exact, Linear, 0.25), (1, 0.25));
+        assert_eq!(stop(Stop::Exact, Encoded, 1.0), (1, 1.0));
+        // The background may be white.
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Linear, 0.25), (2, 1.0));
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Encoded, 3.0), (3, 3.0));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Linear, 0.25), (2, 2.4));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Encoded, 1.5), (3, 3.0));
+    }
+
+    #[test]
+    fn keys_keep_the_order_of_depths_and_what_is_not_drawn_comes_last() {
+        let depths = [f32::NEG_INFINITY, -2.0, -0.0, 0.0, 1e-40, 1.0, 1.000_000_1, 3e38, f32::INFINITY];
+        assert!(depths.windows(2).all(|pair| depth_key(pair[0]) < depth_key(pair[1])));
+        assert_eq!(keys([1.0, 1.0])[1], 1);
+        // From 1 to 2 there are 2^23 steps.
+        assert_eq!((keys([1.0, 2.0])[1], key_bits([1.0, 2.0])), ((1 << 23) + 1, 24));
+        assert_eq!(key_bits([f32::NEG_INFINITY, f32::INFINITY]), 32);
+    }
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { points: 10, visible: 5, tile_entries: 20, bands: 2, ..Facts::default() };
+        assert_eq!(least_bytes("sorted/keys", 4, &facts, 20), Some(2 * 10 * 16));
+        assert_eq!(least_bytes("radix/count", 4, &facts, 20), Some(4 * 80));
+        assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
+        // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
+        assert_eq!(least_bytes("sorted/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
+        assert_eq!(least_bytes("sorted/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
+        assert_eq!(least_bytes("sorted/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
+        assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);
+    }
 }

@@ -51,10 +51,30 @@ pub struct Runs {
 
 impl Runs {
     /// As many runs as keep the device busy, but none shorter than pays, and none longer than an invocation may loop.
-    pub fn new(device: &Device, records: u64, shortest: u64, longest: u64) -> Self {
-        let wanted = device.info().concurrent_runs;
-        let length = records.div_ceil(wanted).clamp(shortest, longest);
+    pub fn new(concurrent: u64, records: u64, shortest: u64, longest: u64) -> Self {
+        let length = records.div_ceil(concurrent).clamp(shortest, longest);
         Self { runs: records.div_ceil(length).max(1) as u32, length: length as u32 }
+    }
+}
+
+/// How keys are cut into digits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Digits {
+    /// Number of digits, each of which is sorted by once.
+    pub digits: u32,
+    /// Bits of each.
+    pub bits: u32,
+    /// Counters, one for each run and value of a digit.
+    pub counters: u64,
+}
+
+impl Digits {
+    /// As few digits for keys of `bits` bits as can be without more counters than records.
+    pub fn new(device: &Device, records: u64, bits: u32) -> Self {
+        let cut = runs(device, records);
+        let digits = bits.div_ceil(widest(cut, records)).max(1);
+        let bits = bits.div_ceil(digits);
+        Self { digits, bits, counters: u64::from(cut.runs) << bits }
     }
 }
 
@@ -114,15 +134,12 @@ impl Radix {
     ) -> Result<usize, Error> {
         let [mut records, mut moved] = buffers;
         let Some(scan) = &self.scan else { return Ok(0) };
-        let cut = runs(device, records.len());
-        let Runs { runs, length } = cut;
-        let digits = bits.div_ceil(widest(cut, records.len())).max(1);
-        let digit_bits = bits.div_ceil(digits);
+        let Runs { runs, length } = runs(device, records.len());
+        let Digits { digits, bits: digit_bits, counters } = Digits::new(device, records.len(), bits);
         for digit in 0..digits {
             let mask = (1 << digit_bits) - 1;
             let push =
                 RadixPush { count: records.len() as u32, runs, run_length: length, shift: digit * digit_bits, mask };
-            let counters = u64::from(runs) << digit_bits;
             let (counts, cursors) = (self.counts.get().slice(0, counters), self.cursors.get().slice(0, counters));
             recorder.fill("radix/clear", counts, 0)?;
             recorder.run(&Count { records, counts }, &Run::new(Dispatch::Groups(u64::from(runs))).push(&push))?;
@@ -136,7 +153,7 @@ impl Radix {
 }
 
 fn runs(device: &Device, records: u64) -> Runs {
-    Runs::new(device, records, 1024, 1 << 17)
+    Runs::new(device.info().concurrent_runs, records, 1024, 1 << 17)
 }
 
 /// The widest digit whose counters do not outweigh the records.

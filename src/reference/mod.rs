@@ -8,6 +8,7 @@ pub mod coverage;
 pub mod peel;
 pub mod scan;
 pub mod shading;
+pub mod sorted;
 pub mod splat;
 
 use glam::DVec3;

@@ -23,7 +23,16 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
         "linked-list" => Method::LinkedList(discs(table)?),
-        "sorted" => Method::Sorted(discs(table)?),
+        "sorted" => {
+            let discs = discs(table)?;
+            if let (Raster::Hardware, Some(node)) = (discs.raster, table.get("raster")) {
+                let place = &node.place;
+                warnings.push(format!(
+                    "{place}: method \"sorted\" always works in compute shaders: `raster` has no effect"
+                ));
+            }
+            Method::Sorted(discs)
+        }
         "peel" => Method::Peel(peel(table)?),
         _ => Method::Auto(discs(table)?),
     })

@@ -225,6 +225,17 @@ fn the_plan_is_what_runs() {
             );
         }
     }
+    let sorted = assert_planned(&folder, &[&tori, "--size", "40x30", "--method", "sorted"]);
+    assert!(
+        has(&sorted, "radix/scatter") && has(&sorted, "sorted/blend") && !has(&sorted, "abuffer/count"),
+        "{sorted:?}"
+    );
+    // Sums of one run and of more, several windows, large splats that need no lists of tiles, and a deep stack.
+    for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&stack, "--size", "8x8"]] {
+        for opacity in ["0.5", "1"] {
+            assert_planned(&folder, &[&args[..], &["--opacity", opacity, "--method", "sorted"]].concat());
+        }
+    }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
     fs::write(inside(&folder, "away.toml"), away).unwrap();
@@ -234,6 +245,38 @@ fn the_plan_is_what_runs() {
     for method in ["points", "peel"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
+    let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);
+    assert!(!away.iter().any(|pass| pass.starts_with("radix/") || pass.starts_with("sorted/")), "{away:?}");
+    assert!(has(&away, "image/clear"), "{away:?}");
+}
+
+#[test]
+fn sorted_splats_are_profiled_for_the_output_they_are_for() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let stack = builtin(&folder, "stack", &["layers=300", "size=8"]);
+    let sorted = ["--method", "sorted", "--size", "40x30"];
+    for format in ["png", "exr"] {
+        let args = ["profile", &stack, "--json", "--frames", "2", "--for", format];
+        let profile = parsed(&done(&folder, &[&args[..], &sorted].concat()));
+        // The lists are counted once, beside the frames that are measured.
+        assert_profile(&profile, 2, 1200);
+        assert_eq!(profile["scene"]["max_list"], 300);
+        let passes = profile["frames"][0]["passes"].as_array().unwrap();
+        assert!(passes.iter().all(|pass| !pass["name"].as_str().unwrap().starts_with("abuffer/")), "{passes:?}");
+        let scatter = passes.iter().find(|pass| pass["name"] == "radix/scatter").unwrap();
+        assert!(scatter["bytes"].as_u64().unwrap() > 0);
+    }
+    let (code, _, stderr) = run(&folder, &["profile", &stack, "--for", "jpeg"]);
+    assert!(code == 2 && stderr.contains("png"), "{stderr}");
+    // With the channel of list lengths, the frame itself counts them.
+    done(&folder, &[&["render", &stack, "--aov", "--profile", "p.json", "-o", "a.exr"], &sorted[..]].concat());
+    let profile = read(&folder, "p.json");
+    assert_profile(&profile, 1, 1200);
+    let passes = profile["frames"][0]["passes"].as_array().unwrap();
+    assert!(passes.iter().any(|pass| pass["name"] == "abuffer/count"), "{passes:?}");
 }
 
 #[test]

@@ -9,8 +9,8 @@ use pellucid::camera::{Camera, Projection};
 use pellucid::points::Points;
 use pellucid::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
 use pellucid::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
-use pellucid::reference::{Picture, abuffer, scan, shading, splat};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, ScreenSplats, Shading, ShadingModel};
+use pellucid::reference::{Picture, abuffer, scan, shading, sorted, splat};
+use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Raster, ScreenSplats, Shading, ShadingModel};
 
 /// Rounding of a few dozen float64 operations on values of order 10.
 const ROUNDING: f64 = 1e-12;
@@ -65,6 +65,7 @@ mod opaque;
 mod oriented_discs;
 mod peeling;
 mod shaded;
+mod sorted_splats;
 
 #[test]
 fn prefix_sums() {

@@ -195,6 +195,22 @@ impl ABuffer {
         Ok(Outcome::Done)
     }
 
+    /// Counts the lists of a window for a method that renders without them.
+    pub fn tally(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        counted.note(&[], facts);
+        Ok(Outcome::Done)
+    }
+
     /// Fragment counts of every pixel of the window, in its order; what the last count left, read from the prefix sums.
     pub fn read_counts(&self, window: Window) -> Result<Vec<u32>, Error> {
         let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
