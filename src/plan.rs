@@ -287,7 +287,11 @@ impl Plan {
         } else {
             self.scan(counters, "counters of digits and tiles");
         }
-        self.add("sorted/blend", seen, if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() });
+        self.add(
+            "sorted/blend",
+            seen,
+            if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() },
+        );
         let empty = facts.windows.saturating_sub(facts.bands);
         self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
         self.rest(&SORTED, NOTHING);

@@ -19,7 +19,9 @@ const RASTERS: [Raster; 2] = [Raster::Compute, Raster::Hardware];
 /// All combinations of shape, falloff and raster.
 fn all_discs() -> impl Iterator<Item = Discs> {
     SHAPES.into_iter().flat_map(|shape| {
-        FALLOFFS.into_iter().flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster }))
+        FALLOFFS
+            .into_iter()
+            .flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster, ..Discs::default() }))
     })
 }
 
@@ -325,7 +327,7 @@ fn chunks_and_parts_change_no_byte() {
         |count| scene(&[soup(24, count, 0.0..0.005, 0.1..0.9, true), soup(25, 20, 0.2..0.6, 0.1..0.3, true)].concat());
     for (raster, count) in [(Raster::Compute, 300_000), (Raster::Hardware, 140_000)] {
         let points = points(count);
-        let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster };
+        let discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Gaussian, raster, ..Discs::default() };
         let mut frame = frame(perspective(), [80, 60], peel(discs, 3));
         frame.fragments = false;
         let mut images = Vec::new();

@@ -144,14 +144,9 @@ fn every_compute_shader_has_the_common_workgroup() {
             assert_eq!(format!("{stage:?}"), "Vertex");
         } else {
             let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
-            let by_subgroup = [
-                "radix/scatter",
-                "sorted/blend",
-                "sorted/tile_store",
-                "abuffer/count_tiles",
-                "abuffer/store_tiles",
-            ]
-            .contains(&stem.as_str());
+            let by_subgroup =
+                ["radix/scatter", "sorted/blend", "sorted/tile_store", "abuffer/count_tiles", "abuffer/store_tiles"]
+                    .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
             let wanted = if by_subgroup { SUBGROUPS[0] } else { wanted };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");

@@ -52,7 +52,7 @@ fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Poin
 /// The frame by `abuffer`.
 fn by_abuffer(frame: &Frame) -> Frame {
     let discs = frame.method.discs().expect("a method of discs");
-    Frame { method: Method::ABuffer(discs), ..*frame }
+    Frame { method: Method::ABuffer(*discs), ..*frame }
 }
 
 fn rendered(device: &Device, points: &Points, frame: &Frame) -> Rendered {
@@ -536,6 +536,7 @@ fn the_comparison_of_steps_notices_what_a_quarter_of_a_step_is() {
         rgba: vec![[value, value, value, 1.0]],
         depth: vec![1.0],
         fragments: None,
+        layers: None,
     };
     let dark = 1.0 / 255.0 / 12.92;
     let apart =

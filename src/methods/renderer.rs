@@ -383,8 +383,7 @@ impl Renderer {
                 };
                 let stop = sorted::stop(frame.stop, frame.color, splats.most_color);
                 let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
-                let mut lists =
-                    abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
+                let mut lists = abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
                 if !sorted {
                     let mut ordered = 0;
                     if self.in_order(&splats, &frame.method)

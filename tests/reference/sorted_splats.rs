@@ -1,5 +1,7 @@
 //! Discs in the order of their centres.
 
+use pellucid::scene::LongLists;
+
 use super::*;
 
 /// Two discs of radius 4 over the middle, by depth, tilt in degrees and opacity.
@@ -13,7 +15,8 @@ fn two(depths: [f64; 2], tilts: [f64; 2], opacity: f32) -> Points {
     }
 }
 
-const ORIENTED: Discs = Discs { shape: DiscShape::Oriented, falloff: Falloff::Flat, raster: Raster::Auto };
+const ORIENTED: Discs =
+    Discs { shape: DiscShape::Oriented, falloff: Falloff::Flat, raster: Raster::Auto, long_lists: LongLists::Merge };
 const COLORS: [DVec3; 2] = [DVec3::X, DVec3::Y];
 
 #[test]

@@ -284,6 +284,7 @@ mod tests {
             rgba: vec![[1.0; 4], [0.0; 4], [0.0; 4], rgba],
             depth: vec![1.0; 4],
             fragments: None,
+            layers: None,
         };
         assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
         // One channel of six is off by 0.5; A counts for the largest difference alone.
