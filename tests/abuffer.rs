@@ -323,7 +323,8 @@ fn bands_and_windows_change_no_byte() {
         let whole = renderer.render(&mut cloud, &frame).expect("renders");
         assert_eq!((whole.facts.bands, whole.facts.windows), (1, 1));
         assert_eq!(whole.facts.fragments, 200 * 128 * 96 + 2000);
-        for (budget, bands, windows) in [(8u64 << 20, 6, 1), (1 << 20, 50, 1), (512 << 10, 100, 2)] {
+        // The larger budgets hold the sorted splats that make ordered lists of half the size; the last one does not.
+        for (budget, bands, windows) in [(8u64 << 20, 3, 1), (1 << 20, 25, 1), (512 << 10, 100, 2)] {
             frame.memory_budget = Some(budget);
             let cut = renderer.render(&mut cloud, &frame).expect("renders");
             assert!(cut.facts.bands >= bands && cut.facts.windows >= windows, "{:?}", cut.facts);

@@ -52,8 +52,8 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let mut profile = session.profile();
-    profile.add(&first);
-    profile.frames.clear();
+    let counted_facts = (first.facts.fragments, first.facts.max_list);
+    let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
     if let Method::Sorted(_) = session.frame.method {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
@@ -68,6 +68,8 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     }
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();
+    (profile.facts.fragments, profile.facts.max_list) = counted_facts;
+    profile.list_histogram = histogram;
     args.measure.write(&profile)?;
     if args.json {
         print_json(&profile.to_json())?;

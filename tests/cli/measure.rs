@@ -181,7 +181,9 @@ fn the_plan_is_what_runs() {
     let short = assert_planned(&folder, &[&tori, "--size", "40x30"]);
     assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "splat/resolve"));
     let long = assert_planned(&folder, &[&stack]);
-    assert!(has(&long, "abuffer/merge") && has(&long, "abuffer/combine"), "lists of 300: {long:?}");
+    assert!(has(&long, "abuffer/resolve-ordered") && !has(&long, "abuffer/merge"), "large flat discs: {long:?}");
+    let linked = assert_planned(&folder, &[&stack, "--method", "linked-list"]);
+    assert!(has(&linked, "abuffer/merge") && has(&linked, "abuffer/combine"), "lists of 300: {linked:?}");
     // Prefix sums of a single run, of exactly one run, and of a little more.
     for size in ["1x1", "8x8", "13x5"] {
         assert_planned(&folder, &[&tori, "--size", size]);
