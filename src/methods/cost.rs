@@ -41,6 +41,9 @@ const TERMS: usize = 4;
 /// Milliseconds per frame, million splats, million pixels of rectangles, million pixels of the image.
 type Costs = [f64; TERMS];
 
+/// What a frame's cost depends on, and the milliseconds that it took.
+type Sample = ([f64; TERMS], f64);
+
 /// The fitted costs of the methods that are exact for flat discs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
@@ -75,7 +78,7 @@ impl Model {
     fn fit(device: &Device, falloff: Falloff) -> Result<Self, Error> {
         let discs = Discs { falloff, ..Discs::default() };
         let methods = [Method::ABuffer(discs), Method::Sorted(discs)];
-        let mut samples: [[Vec<([f64; TERMS], f64)>; 2]; 2] = Default::default();
+        let mut samples: [[Vec<Sample>; 2]; 2] = Default::default();
         let mut renderer = Renderer::new(device)?;
         for (splats, radius, side) in SAMPLES {
             let points = cloud(splats, side);
@@ -190,7 +193,7 @@ fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
 
 /// Non-negative costs with the least squares of relative errors, by coordinate descent: each step is the exact minimum along
 /// one axis, cut at zero, so that the error never grows.
-fn least_squares(samples: &[([f64; TERMS], f64)]) -> Costs {
+fn least_squares(samples: &[Sample]) -> Costs {
     let rows: Vec<[f64; TERMS]> = samples.iter().map(|(terms, ms)| terms.map(|t| t / ms)).collect();
     let mut costs = [0.0; TERMS];
     for _ in 0..10_000 {

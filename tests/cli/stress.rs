@@ -14,6 +14,8 @@ const COLUMNS: &str = "scene,side,pixels,layers,fragments,method,points,gpu_ms_m
 
 /// A quick sweep goes through so many scenes: two kinds, two sizes, six numbers of layers.
 const QUICK: usize = 2 * 2 * 6;
+/// Methods that a sweep compares.
+const METHODS: usize = 4;
 
 fn read(folder: &TempDir, name: &str) -> String {
     fs::read_to_string(inside(folder, name)).unwrap()
@@ -79,9 +81,9 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
 
     cells(&printed).iter().for_each(assert_cell);
     // 64² pixels by 1, 4, 16, 64 layers and 256² by 1, 4.
-    assert_eq!(cells(&printed).len(), 2 * (4 + 2));
+    assert_eq!(cells(&printed).len(), METHODS * 2 * (4 + 2));
     let skipped = printed["skipped"].as_array().unwrap();
-    assert_eq!(cells(&printed).len() + skipped.len(), QUICK, "every cell is measured or listed as skipped");
+    assert_eq!(cells(&printed).len() + skipped.len(), METHODS * QUICK, "every cell is measured or listed as skipped");
     for cell in skipped {
         let fragments = number(cell, "side").powi(2) * number(cell, "layers");
         assert!(fragments > 300_000.0, "{cell}");
@@ -89,7 +91,9 @@ fn a_sweep_leaves_tables_figures_and_a_page() {
     }
     // Series of four cells have a slope, those of two have none.
     let slopes = printed["slopes"].as_array().unwrap();
-    assert!(slopes.len() == 2 && slopes.iter().all(|slope| slope["side"] == 64 && slope["exponent"].is_f64()));
+    assert!(
+        slopes.len() == METHODS * 2 && slopes.iter().all(|slope| slope["side"] == 64 && slope["exponent"].is_f64())
+    );
 
     assert_csv(&read(&folder, "new/sweep/stress.csv"), &printed);
     let page = read(&folder, "new/sweep/report.html");

@@ -68,6 +68,7 @@ pub struct ABuffer {
 
 /// How fragments get to their pixels' ranges of the buffer.
 #[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "there is one for each window, passed on by reference")]
 pub enum Storing<'a> {
     /// Each into a slot that its pixel hands out.
     Slots,
