@@ -504,3 +504,57 @@ fn one_splat_may_fill_a_large_image() {
         assert!(image.rgba.iter().all(|c| *c == [0.25; 4]));
     });
 }
+
+#[test]
+fn ordered_lists_are_those_that_are_sorted() {
+    with_device(|device| {
+        let mut r = random(77);
+        let discs = |n: usize, radius: std::ops::Range<f32>| soup(78, n, radius, 0.0..0.6, false);
+        let mut ties = discs(900, 0.2..0.4);
+        for p in &mut ties {
+            p.position = (p.position * 4.0).round() / 4.0;
+        }
+        let size = [150, 101];
+        for points in [discs(1500, 0.1..0.5), discs(40, 0.5..3.0), ties] {
+            let mut shuffled = points.clone();
+            shuffled.shuffle(&mut r);
+            let (points, shuffled) = (scene(&points), scene(&shuffled));
+            for falloff in FALLOFFS {
+                let discs = Discs { falloff, ..Discs::default() };
+                for camera in [perspective(), orthographic()] {
+                    let mut images = Vec::new();
+                    for (points, method, memory_budget) in [
+                        (&points, Method::LinkedList(discs), None),
+                        (&points, Method::ABuffer(discs), None),
+                        (&shuffled, Method::ABuffer(discs), None),
+                        (&points, Method::ABuffer(discs), Some(8 << 20)),
+                    ] {
+                        let frame = Frame { memory_budget, ..frame(camera, size, method) };
+                        let mut renderer = Renderer::new(device).expect("a renderer");
+                        let mut cloud = renderer.upload(points).expect("fits");
+                        let found = renderer.render(&mut cloud, &frame).expect("renders");
+                        let ordered = matches!(method, Method::ABuffer(_));
+                        assert_eq!(found.facts.ordered > 0, ordered, "{:?}", found.facts);
+                        images.push((bits(&found.image), found.image.fragments));
+                    }
+                    assert!(images.windows(2).all(|pair| pair[0] == pair[1]), "{falloff:?}");
+                }
+            }
+        }
+        // More than one dispatch takes: of a tile (2048 splats), and of a list (32 768).
+        let size = [6, 6];
+        let deep: Vec<P> = (0..70_000)
+            .map(|i| P {
+                position: at_pixel(3.0, 3.0, 1.0 + f64::from(i)),
+                color: Vec3::new((i % 3) as f32 / 2.0, 0.5, (i % 7) as f32 / 6.0),
+                opacity: 2e-5,
+                radius: 9.0,
+                normal: Vec3::ZERO,
+            })
+            .collect();
+        let deep = scene(&deep);
+        let [ordered, sorted] = [Method::ABuffer(Discs::default()), Method::LinkedList(Discs::default())]
+            .map(|method| bits(&render(device, &deep, &frame(pixel_camera(size), size, method))));
+        assert!(ordered == sorted);
+    });
+}

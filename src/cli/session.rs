@@ -47,6 +47,8 @@ impl Session {
         };
         let mut renderer = Renderer::new(&device)?;
         let mut cloud = renderer.upload(&resolved.points)?;
+        // On a device that was not met before, `auto` measures it first.
+        stage(progress, "choosing the method");
         let (method, why) = plan::choose(&mut renderer, &mut cloud, &resolved.points, &frame)?;
         frame.method = method;
         stage(progress, "rendering");

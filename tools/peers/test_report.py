@@ -75,11 +75,11 @@ class Tables(unittest.TestCase):
 
     def test_targets_stand_over_the_ratios(self):
         rows = ratios_table(LISTS, FACTS).splitlines()
-        self.assertEqual([len(row.split("|")) for row in rows], [12] * 5)
-        self.assertIn("| ≤ 0.6 | ≤ 4 | ≥ 40 | ≤ 10 |", rows[2])
+        self.assertEqual([len(row.split("|")) for row in rows], [14] * 5)
+        self.assertIn("| ≤ 0.6 |  | ≤ 4 |  | ≥ 40 | ≤ 10 |", rows[2])
         # 20 over 38 and 250 over 400.
-        self.assertEqual(rows[3], "| S2_32 | 33.2 | – | – | 80 | 0.526 | – | – | – | 1 |")
-        self.assertEqual(rows[4], "| S2_512 | 484 | – | – | – | 0.625 | – | – | – | 1.25 |")
+        self.assertEqual(rows[3], "| S2_32 | 33.2 | – | – | – | – | 80 | 0.526 | – | – | – | 1 |")
+        self.assertEqual(rows[4], "| S2_512 | 484 | – | – | – | – | – | 0.625 | – | – | – | 1.25 |")
 
 
 if __name__ == "__main__":

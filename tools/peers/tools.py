@@ -55,6 +55,7 @@ OPAQUE = [
 ]
 TRANSPARENT = [
     Tool("pellucid", "sorted", "disc"),
+    Tool("pellucid", "sorted for png", "disc"),
     Tool("pellucid", "abuffer", "disc"),
     Tool("painter", "sorted", "disc"),
     Tool("vtk", "sorted", "square"),
@@ -95,17 +96,23 @@ def measure_peer(tool, job):
 
 
 def measure_pellucid(binary, tool, job):
-    """Runs `pellucid profile` and, if the image is kept, `pellucid render`: the same two things."""
-    source = [os.path.join(job.folder, job.scene, "scene.toml"), "--method", tool.mode, "--quiet"]
+    """Runs `pellucid profile` and, if the image is kept, `pellucid render`: the same two things.
+
+    A mode is a method, and "for png" where frames need only be right to a quarter of an 8-bit step; their image is not
+    kept, since a PNG has 8 bits itself.
+    """
+    method, *output = tool.mode.split(" for ")
+    source = [os.path.join(job.folder, job.scene, "scene.toml"), "--method", method, "--quiet"]
     # `profile` draws one frame before those that it measures: these are the second and later ones.
-    profile = json.loads(run([binary, "profile", *source, "--frames", str(job.frames), "--json"]))
+    stop = [f"--for={name}" for name in output]
+    profile = json.loads(run([binary, "profile", *source, *stop, "--frames", str(job.frames), "--json"]))
     result = {
         "ms": [frame["wall_ms"] for frame in profile["frames"]],
         "version": run([binary, "--version"]).strip(),
         "driver": profile["device"]["name"],
         "bands": profile["memory"]["bands"],
     }
-    if not job.with_image:
+    if not job.with_image or output:
         return result, None
     with tempfile.TemporaryDirectory() as temporary:
         path = os.path.join(temporary, "image.exr")
