@@ -131,7 +131,11 @@ impl Figure {
     fn draw_panel(&self, panel: &Panel, area: &Area<'_>, root: &Area<'_>) -> Drawn {
         let points = || self.panels.iter().flat_map(|p| &p.series).flat_map(|s| &s.points);
         let x = Scale::new(self.x, points().map(|p| p.x));
-        let y = Scale::new(self.y, points().flat_map(|p| [p.y, p.range[0], p.range[1]]));
+        let mut y = Scale::new(self.y, points().flat_map(|p| [p.y, p.range[0], p.range[1]]));
+        // Room above the data for the box of notes: a line of it is about a twentieth of a panel's height.
+        let notes = |panel: &Panel| panel.series.iter().filter(|series| !series.note.is_empty()).count();
+        let lines = self.panels.iter().map(notes).max().unwrap_or(0) as f64;
+        y.range.end += (y.range.end - y.range.start) * 0.08 * lines;
         let mut chart = ChartBuilder::on(area)
             .margin(6)
             .margin_right(14)
