@@ -14,7 +14,7 @@ fn sorted(device: &Device, keys: &[u32], bits: u32) -> Vec<[u32; 2]> {
     let to = device.buffer("moved", n, Memory::Device).expect("fits");
     let mut radix = Radix::new(device).expect("fits");
     radix.reserve(device, n).expect("fits");
-    let subgroup = device.info().subgroup.expect("a device with shuffles");
+    let subgroup = device.info().subgroup.expect("a device with subgroups of 8 to 32");
     let mut recorder = device.recorder().expect("a recorder");
     let result = radix.record(&mut recorder, device, [from.all(), to.all()], bits, subgroup).expect("recorded");
     recorder.submit("radix").expect("submitted");

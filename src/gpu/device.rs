@@ -68,7 +68,7 @@ pub struct DeviceInfo {
     pub fragment_atomics: bool,
     /// Optional: counts of shader invocations.
     pub pipeline_statistics: bool,
-    /// Optional: invocations of the subgroups of compute shaders, at most 32, if ballots and shuffles work in them and
+    /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
     /// their size is known beforehand.
     pub subgroup: Option<u32>,
     /// How many sequential pieces work is cut into so that the device is busy: few on CPUs, where more only cost.
@@ -202,7 +202,8 @@ fn subgroup_size(
         && subgroups.supported_stages.contains(compute)
         && sizes.required_subgroup_size_stages.contains(compute);
     let size = sizes.max_subgroup_size.min(32);
-    (able && size >= sizes.min_subgroup_size.max(4)).then_some(size)
+    // With fewer than 8, kernels hold so many pixels per invocation that they compile for minutes (SwiftShader has 4).
+    (able && size >= sizes.min_subgroup_size.max(8)).then_some(size)
 }
 
 /// An open device. Cheap to clone; buffers keep it alive.
