@@ -3,6 +3,9 @@
 #import resolve
 #import local_sort
 
+// Fragments between two looks at what may stop.
+const LOOK = 16u;
+
 @compute @workgroup_size(WG_SIZE)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -25,6 +28,9 @@ fn main(
     for (var i = 0u; i < n; i++) {
         let fragment = list[sorted + i];
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+        if i % LOOK == LOOK - 1u && done(sum, push.most_opacity, push.most_color) {
+            break;
+        }
     }
     image[p] = sum.rgba;
     depths[p] = composed_depth(sum.key);

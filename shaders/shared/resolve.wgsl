@@ -1,5 +1,6 @@
 // What the kernels that sort and blend the lists of one class share. One invocation per pixel of the class.
 #import compose
+#import stop
 #import classes
 #import dispatch
 
@@ -7,6 +8,9 @@ struct Push {
     // The class, and the band's first fragment among the window's.
     class_index: u32,
     first_fragment: u32,
+    // Largest opacity, and largest color component, background included.
+    most_opacity: f32,
+    most_color: f32,
 }
 
 @group(0) @binding(13) var<storage, read> offsets: array<u32>;

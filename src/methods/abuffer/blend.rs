@@ -108,7 +108,14 @@ impl Blender {
             if counted.lengths.longest <= lower_bound(index) {
                 break;
             }
-            let run = self.over_class(index, band).label(name).variant(resolve_variant(variant.clone(), capacity));
+            let push = ResolvePush {
+                class_index: index as u32,
+                first_fragment: band.first_fragment,
+                most_opacity: job.raster.cloud.most_opacity(),
+                most_color: job.stop.1,
+            };
+            let kernel = resolve_variant(variant.clone().with("STOP", job.stop.0), capacity);
+            let run = self.over_class(index, band).label(name).push(&push).variant(kernel);
             if is_network(capacity) {
                 recorder.run(&ResolveNetwork { lists }, &run)?;
             } else {

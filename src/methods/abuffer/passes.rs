@@ -23,6 +23,16 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Push constants of a kernel: its class, the band's first fragment, and bounds of what may come behind.
+    pub struct ResolvePush {
+        class_index: u32,
+        first_fragment: u32,
+        most_opacity: f32,
+        most_color: f32,
+    }
+}
+
+gpu_struct! {
     /// Push constants: a number of elements.
     pub struct CountPush {
         count: u32,
@@ -198,14 +208,14 @@ group! {
 
 pass! {
     /// Sorts and blends the lists of a class in registers.
-    pub ResolveNetwork(ClassPush) = "abuffer/resolve" in "abuffer/resolve_network" {
+    pub ResolveNetwork(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_network" {
         lists: Shared<ResolvingGroup>,
     }
 }
 
 pass! {
     /// Sorts and blends the lists of a class in a local array.
-    pub ResolveMerge(ClassPush) = "abuffer/resolve" in "abuffer/resolve_merge" {
+    pub ResolveMerge(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_merge" {
         lists: Shared<ResolvingGroup>,
     }
 }
