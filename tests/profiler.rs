@@ -107,7 +107,7 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
 #[test]
 fn passes_add_up_to_the_submissions() {
     with_device(|device| {
-        let points = scene(&soup(21, 20_000, 0.02..0.15, 0.1..0.9, false));
+        let points = scene(&soup(21, 60_000, 0.05..0.2, 0.1..0.9, false));
         let frame = frame(perspective(), [640, 480], Method::ABuffer(Discs::default()));
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&points).expect("fits");
