@@ -1,7 +1,7 @@
 //! Slopes: how a cost grows.
 
 /// y = factor · x^exponent, fitted by least squares to the logarithms.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PowerLaw {
     /// The slope in a plot with two logarithmic axes: 1 if y grows as x does.
     pub exponent: f64,

@@ -15,7 +15,7 @@ mod files;
 mod page;
 mod sweep;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fit::{PowerLaw, power_law};
 use crate::scene::Method;
@@ -147,7 +147,7 @@ impl Cell {
 }
 
 /// Some measurements of one thing.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The least.
     pub min: f64,

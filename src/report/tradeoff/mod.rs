@@ -1,0 +1,149 @@
+//! Accuracy against time: every applicable method and setting on one scene, against the exact image of the same image
+//! formation; what lies on the Pareto front; how the error of stochastic methods falls with their samples.
+
+use serde::{Deserialize, Serialize};
+
+use super::fit::PowerLaw;
+use super::stress::Spread;
+
+/// How far an image is from the reference, on composed linear R, G, B of all pixels; see [`crate::metrics`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Root of the mean squared difference.
+    pub rmse: f64,
+    /// Squared difference over the reference's squares (Uchida et al. 2020, Eq. 10).
+    pub nmse: f64,
+    /// In decibels; infinite for equal images (`null` in JSON).
+    pub psnr: Option<f64>,
+    /// In [−1, 1]; 1 for equal images.
+    pub ssim: f64,
+    /// In [0, 1]; 0 for equal images.
+    pub flip: f64,
+    /// Largest difference in any channel.
+    pub max: f64,
+    /// Share of pixels with a channel off by more than 1/255.
+    pub above_1_255: f64,
+}
+
+/// What repeating a stochastic setting with other seeds told.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Repeats {
+    /// Images behind it, each with a seed of its own.
+    pub seeds: u32,
+    /// RMSE of one image against the mean over the seeds: the noise, with Bessel's correction.
+    pub noise: f64,
+    /// RMSE of the mean over the seeds against the reference, less what the noise alone leaves in a mean of so many (by
+    /// squares, at least 0).
+    pub bias: f64,
+    /// What the noise alone leaves in the mean: noise / √seeds. A bias below it can't be told from none.
+    pub bias_floor: f64,
+}
+
+/// One method with one setting, measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The method's name.
+    pub method: String,
+    /// Its setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
+    pub setting: String,
+    /// What is turned, and how far, as in `("samples", 64.0)`; `None` for a method without a ladder.
+    pub step: Option<(String, f64)>,
+    /// Whether the image depends on the seed.
+    pub stochastic: bool,
+    /// Device time of all passes, frames of all settings taken in turns.
+    pub gpu_ms: Spread,
+    /// From the first submission to the end of read-back, on the host's clock.
+    pub wall_ms: Spread,
+    /// Frames behind the medians.
+    pub frames: usize,
+    /// Largest number of device bytes at any time of a frame, cloud and image included.
+    pub peak_device_bytes: u64,
+    /// Against the reference; for stochastic methods root mean squares (rmse, nmse) or means (the others) over the seeds.
+    pub errors: Errors,
+    /// Of stochastic methods.
+    pub repeats: Option<Repeats>,
+    /// Whether no other row is at least as fast and as accurate, and better in one of the two.
+    pub front: bool,
+    /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute
+    /// difference from the reference, [`DIFFERENCE_GAIN`] times as bright.
+    pub picture: String,
+    /// See `picture`.
+    pub difference: String,
+    /// Median device time of each pass, in the order of its first run.
+    pub passes: Vec<(String, f64)>,
+}
+
+/// How much the difference pictures are brightened.
+pub const DIFFERENCE_GAIN: f64 = 10.0;
+
+/// A setting that was not measured, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Skipped {
+    /// The method's name.
+    pub method: String,
+    /// As in [`Row`].
+    pub setting: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// How the error of a method falls along its ladder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Convergence {
+    /// The method's name.
+    pub method: String,
+    /// What is turned, as in `samples`.
+    pub key: String,
+    /// RMSE over that key; −1/2 for independent samples.
+    pub rmse: PowerLaw,
+    /// RMSE over median device time.
+    pub over_time: PowerLaw,
+    /// Rows behind the fit.
+    pub rows: usize,
+}
+
+/// The image that all others are compared with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// The exact method that made it.
+    pub method: String,
+    /// Its file name.
+    pub picture: String,
+    /// Pixels of it that were compared with the float64 reference, chosen at random.
+    pub checked_pixels: usize,
+    /// The largest difference found there in R, G, B and A.
+    pub largest_error: f64,
+}
+
+/// All that was measured on a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tradeoff {
+    /// Version of this format: 1.
+    pub version: u32,
+    /// Version of pellucid.
+    pub pellucid: String,
+    /// The command line.
+    pub command: String,
+    /// The inputs as they were named.
+    pub scene: String,
+    /// Device and driver.
+    pub device: String,
+    /// See `device`.
+    pub driver: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Points of the scene.
+    pub points: u64,
+    /// Fragments of all lists.
+    pub fragments: u64,
+    /// Longest list.
+    pub max_list: u32,
+    /// What the errors are against.
+    pub reference: Reference,
+    /// What was measured, in the order of the settings' ladder.
+    pub rows: Vec<Row>,
+    /// What was not.
+    pub skipped: Vec<Skipped>,
+    /// One for each method with at least three rows on its ladder.
+    pub convergence: Vec<Convergence>,
+}
