@@ -131,6 +131,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,
+        seed: 0,
     };
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
@@ -259,6 +260,7 @@ fn discs(diameter: f64) -> Points {
         opacities: vec![0.2; count],
         radii: vec![0.5 * diameter as f32; count],
         normals: None,
+        file_order: Vec::new(),
     })
 }
 
@@ -274,6 +276,7 @@ fn frame(method: Method) -> Frame {
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,
+        seed: 0,
     }
 }
 

@@ -19,6 +19,9 @@ pub struct Image {
     pub fragments: Option<Vec<u32>>,
     /// Layers that were blended on each pixel, of methods that peel, if they were asked for (`--aov`).
     pub layers: Option<Vec<u32>>,
+    /// Standard error of the composed R, G and B of stochastic methods, without the background's share, if it was asked
+    /// for (`--aov`).
+    pub stderr: Option<Vec<[f32; 3]>>,
 }
 
 impl Image {

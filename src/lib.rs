@@ -50,6 +50,7 @@
 //!     memory_budget: None,
 //!     fragments: true,
 //!     stop: Stop::Exact,
+//!     seed: 0,
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!

@@ -3,7 +3,8 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
-use crate::methods::{Facts, Frame, Renderer, cost, sorted};
+use crate::methods::{Facts, Frame, Renderer, cost};
+use crate::passes::bin;
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
@@ -85,6 +86,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
         Method::Sorted(_) => plan.sorted(device, frame, facts, seen, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
+        Method::Stochastic(_) | Method::Hybrid(_) | Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => {}
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
@@ -120,16 +122,16 @@ const NOTHING: &str = "no splat touches the image";
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
 /// The passes that sort splats and put them into tiles.
 const ORDER: [&str; 10] = [
-    "sorted/keys",
+    "bin/keys",
     "radix/clear",
     "radix/count",
     "radix/scatter",
-    "sorted/gather",
-    "sorted/clear",
-    "sorted/tile-count",
-    "sorted/measure",
-    "sorted/summary",
-    "sorted/tile-store",
+    "bin/gather",
+    "bin/clear",
+    "bin/tile-count",
+    "bin/measure",
+    "bin/summary",
+    "bin/tile-store",
 ];
 /// The same, and what blends them.
 const SORTED: [&str; 11] = {
@@ -257,7 +259,7 @@ impl Plan {
 
     /// The sort of splats and their tiles; returns how many counters are summed.
     fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
-        let bits = sorted::key_bits(depth_range(frame));
+        let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
         let by_digit = format!("depths have {bits} bits: {digits} digit(s) of {digit}");
         let zero = || "counters start at zero".to_owned();

@@ -21,6 +21,9 @@ pub struct Points {
     pub radii: Vec<f32>,
     /// Unit normals, `Vec3::ZERO` where a point has none; absent if no cloud has any.
     pub normals: Option<Vec<Vec3>>,
+    /// Where each point stood before it came into canonical order: file after file, point after point. Empty: as here.
+    /// Only `unsorted` asks.
+    pub file_order: Vec<u32>,
 }
 
 impl Points {

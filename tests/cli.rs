@@ -121,6 +121,7 @@ fn write_picture(path: &Path, width: u32, red: f32) {
         depth: vec![1.0; pixels],
         fragments: None,
         layers: None,
+        stderr: None,
     };
     image.rgba[1][0] = red;
     let options =

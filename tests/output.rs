@@ -35,6 +35,7 @@ fn frame() -> Image {
         depth: vec![1.0, 2.0, f32::INFINITY, 4.0, 5.0, 6.0],
         fragments: Some(vec![1, 2, 0, 4, 5, 100_000]),
         layers: Some(vec![1, 2, 0, 3, 3, 3]),
+        stderr: None,
     }
 }
 
@@ -93,6 +94,7 @@ fn encoded_values_go_into_a_png_as_they_are_and_into_an_exr_decoded() {
         depth: vec![1.0; 2],
         fragments: None,
         layers: None,
+        stderr: None,
     };
     let (a, b) = (folder.path().join("a.png"), folder.path().join("a.exr"));
     write_image(&a, &frame, &options).unwrap();
@@ -151,6 +153,7 @@ fn the_same_image_gives_the_same_bytes() {
         depth: pixels.clone().map(|i| i as f32).collect(),
         fragments: Some(pixels.clone().collect()),
         layers: Some(pixels.collect()),
+        stderr: None,
     };
     for name in ["a.png", "a.exr"] {
         let bytes = || {

@@ -337,6 +337,7 @@ fn points(positions: &[DVec3], radius: f32) -> Points {
         opacities: vec![1.0; positions.len()],
         radii: vec![radius; positions.len()],
         normals: None,
+        file_order: Vec::new(),
     }
 }
 

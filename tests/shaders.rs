@@ -3,6 +3,7 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat};
+use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Projecting};
 use pellucid::passes::{radix, raster, scan, tiles};
@@ -112,14 +113,14 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<peel::Next>(&mut seen, [Variant::plain()]);
     check::<radix::Count>(&mut seen, [Variant::plain()]);
     check::<radix::Scatter>(&mut seen, SUBGROUPS.map(radix::scatter_variant));
-    check::<sorted::Keys>(&mut seen, [Variant::plain()]);
-    check::<sorted::Gather>(&mut seen, compose_variants());
-    check::<sorted::TileCount>(&mut seen, [sorted::tile_variant()]);
-    check::<sorted::Measure>(&mut seen, [Variant::plain()]);
-    check::<sorted::TileStore>(&mut seen, SUBGROUPS.map(|size| sorted::tile_variant().subgroup(size)));
+    check::<bin::Keys>(&mut seen, [Order::Depth, Order::Index, Order::File].map(bin::keys_variant));
+    check::<bin::Gather>(&mut seen, compose_variants());
+    check::<bin::TileCount>(&mut seen, [bin::tile_variant()]);
+    check::<bin::Measure>(&mut seen, [Variant::plain()]);
+    check::<bin::TileStore>(&mut seen, SUBGROUPS.map(|size| bin::tile_variant().subgroup(size)));
     check::<sorted::Blend>(&mut seen, blend_variants());
-    check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(sorted::gather_variant));
-    check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(sorted::gather_variant));
+    check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
+    check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
     let ordered = falloffs.iter().flat_map(|f| (1..4).map(|stop| abuffer::ordered_variant(*f, stop)));
     check::<abuffer::ResolveOrdered>(&mut seen, ordered);
@@ -134,9 +135,9 @@ fn every_compute_shader_has_the_common_workgroup() {
     for stem in shader::stems() {
         let variant = match stem.as_str() {
             "sorted/blend" => blend_variants().remove(0),
-            "sorted/tile_count" | "sorted/tile_store" => sorted::tile_variant().subgroup(SUBGROUPS[0]),
+            "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
-            "abuffer/count_tiles" | "abuffer/store_tiles" => sorted::gather_variant(SUBGROUPS[0]),
+            "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
             _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
         };
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
@@ -145,7 +146,7 @@ fn every_compute_shader_has_the_common_workgroup() {
         } else {
             let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
             let by_subgroup =
-                ["radix/scatter", "sorted/blend", "sorted/tile_store", "abuffer/count_tiles", "abuffer/store_tiles"]
+                ["radix/scatter", "sorted/blend", "bin/tile_store", "abuffer/count_tiles", "abuffer/store_tiles"]
                     .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
             let wanted = if by_subgroup { SUBGROUPS[0] } else { wanted };

@@ -540,6 +540,7 @@ fn the_comparison_of_steps_notices_what_a_quarter_of_a_step_is() {
         depth: vec![1.0],
         fragments: None,
         layers: None,
+        stderr: None,
     };
     let dark = 1.0 / 255.0 / 12.92;
     let apart =

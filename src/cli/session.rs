@@ -44,6 +44,7 @@ impl Session {
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
             stop,
+            seed: resolved.seed,
         };
         let mut renderer = Renderer::new(&device)?;
         let mut cloud = renderer.upload(&resolved.points)?;

@@ -154,6 +154,7 @@ fn cloud(splats: usize, side: u32) -> Points {
         opacities: vec![0.05; splats],
         radii: vec![1.0; splats],
         normals: None,
+        file_order: Vec::new(),
     })
 }
 
@@ -171,6 +172,7 @@ fn frame(side: u32, method: Method) -> Frame {
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,
+        seed: 0,
     }
 }
 

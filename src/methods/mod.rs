@@ -28,6 +28,12 @@ pub enum Outcome {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A method of a later commit.
+    #[error("method {method} is not there yet")]
+    NotYet {
+        /// Its name.
+        method: &'static str,
+    },
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),

@@ -9,19 +9,20 @@ use super::abuffer::{ABuffer, Lists, Storing};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
-use super::sorted::{self, Sorted, Stop};
+use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::{Error, Outcome, abuffer, linked_list, peel, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
+use crate::passes::bin::{self, Bin, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, LongLists, MAX_LAYERS, MAX_SIDE, Method, Peel, Raster, ScreenSplats, Shading,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -43,6 +44,8 @@ pub struct Frame {
     pub fragments: bool,
     /// What may be left out where nothing of it would be seen.
     pub stop: Stop,
+    /// Seed of stochastic methods.
+    pub seed: u64,
 }
 
 impl Frame {
@@ -221,7 +224,7 @@ impl Target {
 pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
-    sorted: Sorted,
+    bins: Bins,
     opaque: Opaque,
     peeler: Peeler,
     tiles: Tiles,
@@ -242,7 +245,7 @@ impl Renderer {
         Ok(Self {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
-            sorted: Sorted::new(device)?,
+            bins: Bins::new(device)?,
             opaque: Opaque::default(),
             peeler: Peeler::new(device)?,
             tiles: Tiles::new(device)?,
@@ -344,7 +347,7 @@ impl Renderer {
 
     /// Whether the budget and a binding allow to sort all of a cloud's splats.
     pub fn can_sort(&self, cloud: &DeviceCloud, frame: &Frame) -> bool {
-        let needed = Sorted::most_bytes(&self.device, cloud);
+        let needed = Bins::most_bytes(&self.device, cloud);
         cloud.len() * 16 <= self.device.limits().binding_bytes && needed <= self.budget(cloud, frame).left(0)
     }
 
@@ -355,10 +358,10 @@ impl Renderer {
             return self.points(cloud, frame, work);
         }
         let stats = self.project(cloud, frame, window, work.timeline)?;
-        // Sorted splats need no lists: those are counted only where their lengths are asked for.
-        let sorted = matches!(frame.method, Method::Sorted(_));
-        let listed = frame.fragments || !sorted;
-        let asked = frame.method.discs().filter(|_| !sorted).map_or(Raster::Auto, |discs| discs.raster);
+        // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
+        let tiled = frame.method.is_tiled();
+        let listed = frame.fragments || !tiled;
+        let asked = frame.method.discs().filter(|_| !tiled).map_or(Raster::Auto, |discs| discs.raster);
         let walker = self.walker(asked, window)?;
         let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
@@ -367,75 +370,32 @@ impl Renderer {
         };
         self.tiles.reserve(&self.device, if tile_bytes > 0 { &stats } else { &[] }, window)?;
         let footprint = projecting(frame, cloud).footprint;
-        let raster = raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint, window };
-        let device = &self.device;
+        let projected = Projected { cloud, stats: &stats, walker, footprint, window };
         let outcome = match frame.method {
-            Method::ABuffer(discs) | Method::LinkedList(discs) | Method::Sorted(discs) => {
-                let splats = sorted::WindowJob {
-                    raster,
-                    discs,
-                    color: frame.color,
-                    depth_range: depth_range(frame),
-                    most_color: cloud.most_color(&projecting(frame, cloud)),
-                    stop: frame.stop,
-                    budget,
-                    counted_bytes: if listed { bands::pixels(window) * abuffer::PIXEL_BYTES } else { 0 },
-                };
-                let stop = sorted::stop(frame.stop, frame.color, splats.most_color);
-                let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
-                let mut lists = abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
-                if !sorted {
-                    let mut ordered = 0;
-                    if self.in_order(&splats, &frame.method)
-                        && let Some(binned) = self.sorted.bin(device, &splats, work.timeline, work.facts)?
-                    {
-                        lists.storing = Storing::Ordered(self.sorted.tiles(binned));
-                        lists.budget.tiles += self.sorted.bytes();
-                        ordered = 1;
-                    }
-                    let outcome = if work.survey {
-                        self.abuffer.survey(device, &lists, work.timeline, work.facts)?
-                    } else {
-                        self.abuffer.render(device, &lists, &self.target, work.timeline, work.facts)?
-                    };
-                    if outcome == Outcome::Done {
-                        work.facts.ordered += ordered;
-                    }
-                    outcome
-                } else {
-                    // A window may turn out to be too large after its lists were counted; its halves are counted again.
-                    let mut facts = work.facts.clone();
-                    let mut outcome = Outcome::Done;
-                    if listed {
-                        outcome = self.abuffer.tally(device, &lists, work.timeline, &mut facts)?;
-                    }
-                    if outcome == Outcome::Done {
-                        outcome = if work.survey {
-                            Sorted::survey(device, &splats, &mut facts)?
-                        } else {
-                            self.sorted.render(device, &splats, &self.target, work.timeline, &mut facts)?
-                        };
-                    }
-                    if outcome == Outcome::Done {
-                        *work.facts = facts;
-                        self.progress.inc(bands::pixels(window));
-                    }
-                    outcome
-                }
+            Method::ABuffer(discs) | Method::LinkedList(discs) => {
+                self.lists_of(frame, &projected, discs, budget, work)?
             }
+            Method::Sorted(discs)
+            | Method::Stochastic(Stochastic { discs, .. })
+            | Method::Hybrid(Hybrid { discs, .. })
+            | Method::Weighted(discs)
+            | Method::Average(discs)
+            | Method::Unsorted(discs) => self.tiles_of(frame, &projected, discs, budget, work)?,
             Method::Peel(peel) => {
+                let raster = projected.raster(&self.tiles);
                 let (counted, wide, limit) = (frame.fragments, self.wide_atomics, self.max_layers);
                 let job = peel::WindowJob { raster, peel, counted, wide, limit, progress: &self.progress };
                 if work.survey {
-                    self.peeler.survey(device, &job, work.timeline, work.facts)?;
+                    self.peeler.survey(&self.device, &job, work.timeline, work.facts)?;
                 } else {
-                    self.peeler.render(device, &job, &self.target, work.timeline, work.facts)?;
+                    self.peeler.render(&self.device, &job, &self.target, work.timeline, work.facts)?;
                 }
                 Outcome::Done
             }
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
-                    self.opaque.render(device, &raster, self.wide_atomics, &self.target, work.timeline)?;
+                    let raster = projected.raster(&self.tiles);
+                    self.opaque.render(&self.device, &raster, self.wide_atomics, &self.target, work.timeline)?;
                     self.progress.inc(bands::pixels(window));
                 }
                 Outcome::Done
@@ -447,17 +407,81 @@ impl Renderer {
         Ok(outcome)
     }
 
-    /// Whether an A-buffer is filled tile by tile from sorted splats: only flat discs come in the order of blending then, and
-    /// it pays where splats are large enough.
-    fn in_order(&self, job: &sorted::WindowJob<'_>, method: &Method) -> bool {
-        let Method::ABuffer(discs) = method else { return false };
-        let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        discs.shape == DiscShape::Flat
-            && discs.long_lists == LongLists::Merge
-            && job.raster.walker == Walker::Compute
-            && self.device.info().subgroup.is_some()
-            && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
-            && Sorted::least_bytes(&self.device, job) <= job.budget.left(0) / 4
+    /// A window by lists of fragments.
+    fn lists_of(
+        &mut self,
+        frame: &Frame,
+        projected: &Projected<'_>,
+        discs: Discs,
+        budget: Budget,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, raster) = (&self.device, projected.raster(&self.tiles));
+        let most_color = raster.cloud.most_color(&projecting(frame, raster.cloud));
+        let stop = sorted::stop(frame.stop, frame.color, most_color);
+        let storing = if let Method::LinkedList(_) = frame.method { Storing::Links } else { Storing::Slots };
+        let mut lists = abuffer::WindowJob { raster, discs, storing, stop, budget, progress: &self.progress };
+        let mut ordered = 0;
+        let job = bin_job(frame, raster, budget, bands::pixels(raster.window) * abuffer::PIXEL_BYTES);
+        if in_order(device, &job, &frame.method)
+            && let Bin::Done(binned) = self.bins.bin(device, &job, work.timeline, work.facts)?
+        {
+            lists.storing = Storing::Ordered(self.bins.tiles(binned));
+            lists.budget.tiles += self.bins.bytes();
+            ordered = 1;
+        }
+        let outcome = if work.survey {
+            self.abuffer.survey(device, &lists, work.timeline, work.facts)?
+        } else {
+            self.abuffer.render(device, &lists, &self.target, work.timeline, work.facts)?
+        };
+        if outcome == Outcome::Done {
+            work.facts.ordered += ordered;
+        }
+        Ok(outcome)
+    }
+
+    /// A window by tiles of splats; the lengths of lists are counted only where they are asked for.
+    fn tiles_of(
+        &mut self,
+        frame: &Frame,
+        projected: &Projected<'_>,
+        discs: Discs,
+        budget: Budget,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, raster) = (&self.device, projected.raster(&self.tiles));
+        // A window may turn out to be too large after its lists were counted; its halves are counted again.
+        let mut facts = work.facts.clone();
+        let most_color = raster.cloud.most_color(&projecting(frame, raster.cloud));
+        let mut counted_bytes = 0;
+        if frame.fragments {
+            let stop = sorted::stop(frame.stop, frame.color, most_color);
+            let progress = &self.progress;
+            let lists = abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, budget, progress };
+            if self.abuffer.tally(device, &lists, work.timeline, &mut facts)? == Outcome::Overflow {
+                return Ok(Outcome::Overflow);
+            }
+            counted_bytes = bands::pixels(raster.window) * abuffer::PIXEL_BYTES;
+        }
+        let bin = bin_job(frame, raster, budget, counted_bytes);
+        let outcome = if work.survey {
+            Bins::survey(device, &bin, &mut facts)?
+        } else {
+            let (bins, target, timeline) = (&mut self.bins, &self.target, &mut *work.timeline);
+            match frame.method {
+                Method::Sorted(_) => {
+                    let job = sorted::WindowJob { bin, discs, color: frame.color, most_color, stop: frame.stop };
+                    sorted::render(bins, device, &job, target, timeline, &mut facts)?
+                }
+                _ => return Err(Error::NotYet { method: frame.method.name() }),
+            }
+        };
+        if outcome == Outcome::Done {
+            *work.facts = facts;
+            self.progress.inc(bands::pixels(raster.window));
+        }
+        Ok(outcome)
     }
 
     /// Renders a window of 1-pixel points, which need no splats.
@@ -521,6 +545,24 @@ impl Renderer {
     }
 }
 
+/// Whether an A-buffer is filled tile by tile from sorted splats: only flat discs come in the order of blending then, and
+/// it pays where splats are large enough.
+fn in_order(device: &Device, job: &bin::Job<'_>, method: &Method) -> bool {
+    let Method::ABuffer(discs) = method else { return false };
+    let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+    discs.shape == DiscShape::Flat
+        && discs.long_lists == LongLists::Merge
+        && job.raster.walker == Walker::Compute
+        && device.info().subgroup.is_some()
+        && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
+        && Bins::least_bytes(device, job) <= job.budget.left(0) / 4
+}
+
+/// The binning of a window's splats, in the order that the method asks for.
+fn bin_job<'a>(frame: &Frame, raster: raster::Raster<'a>, budget: Budget, counted_bytes: u64) -> bin::Job<'a> {
+    bin::Job { raster, order: frame.method.order(), depth_range: depth_range(frame), budget, counted_bytes }
+}
+
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub(super) const ORDERED_AREA: u64 = 32;
 
@@ -538,8 +580,13 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
-        Method::Sorted(_) if frame.fragments => abuffer::PIXEL_BYTES,
-        Method::Sorted(_) => sorted::PIXEL_BYTES,
+        method if method.is_tiled() => {
+            if frame.fragments {
+                abuffer::PIXEL_BYTES
+            } else {
+                bin::PIXEL_BYTES
+            }
+        }
         _ => splat::PIXEL_BYTES,
     };
     let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
@@ -569,6 +616,23 @@ impl Facts {
     }
 }
 
+/// A window whose splats are projected.
+struct Projected<'a> {
+    cloud: &'a DeviceCloud,
+    stats: &'a [Stats],
+    walker: Walker,
+    footprint: Footprint,
+    window: Window,
+}
+
+impl Projected<'_> {
+    /// For passes that visit pixels; `tiles` are those of its large splats.
+    fn raster<'a>(&'a self, tiles: &'a Tiles) -> raster::Raster<'a> {
+        let Self { cloud, stats, walker, footprint, window } = *self;
+        raster::Raster { cloud, stats, tiles, walker, footprint, window }
+    }
+}
+
 /// A window in work.
 struct Work<'a> {
     window: Window,
@@ -585,9 +649,10 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let pixels = width as usize * height as usize;
     let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
+    let stderr = (frame.fragments && matches!(frame.method, Method::Stochastic(_))).then(|| vec![[0.0; 3]; pixels]);
     match spare {
-        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, ..image },
-        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers },
+        Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, stderr, ..image },
+        _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers, stderr },
     }
 }
 
@@ -598,14 +663,11 @@ pub fn depth_range(frame: &Frame) -> [f32; 2] {
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
-    let (footprint, radius_factor, max_radius_px) = match frame.method {
-        Method::ABuffer(discs)
-        | Method::LinkedList(discs)
-        | Method::Sorted(discs)
-        | Method::Peel(Peel { discs, .. }) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
-        Method::Squares(ScreenSplats { size, max_pixel_radius }) => (Footprint::Square, size, max_pixel_radius),
-        Method::Circles(ScreenSplats { size, max_pixel_radius }) => (Footprint::Disc, size, max_pixel_radius),
-        Method::Points | Method::Auto(_) => (Footprint::Point, 1.0, f32::MAX),
+    let (footprint, radius_factor, max_radius_px) = match (frame.method, frame.method.discs()) {
+        (_, Some(discs)) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
+        (Method::Squares(splats), _) => (Footprint::Square, splats.size, splats.max_pixel_radius),
+        (Method::Circles(splats), _) => (Footprint::Disc, splats.size, splats.max_pixel_radius),
+        _ => (Footprint::Point, 1.0, f32::MAX),
     };
     // Without normals there are no tilts either, and every disc is flat.
     let footprint = if footprint == Footprint::Oriented && !cloud.has_normals() { Footprint::Disc } else { footprint };
@@ -676,7 +738,7 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ => sorted::least_bytes(name, runs, facts, splat),
+        _ => bin::least_bytes(name, runs, facts, splat),
     }
 }
 

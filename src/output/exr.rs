@@ -9,7 +9,7 @@ use crate::color::decode_srgb;
 use crate::image::Image as Frame;
 use crate::scene::ColorSpace;
 
-/// R, G, B composed and linear, A, Z and the list lengths and layers if there are any.
+/// R, G, B composed and linear, A, Z and the list lengths, layers and standard errors if there are any.
 pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) -> io::Result<()> {
     let composed = image.composed(background(options));
     let linear = |value: f32| match options.color {
@@ -23,6 +23,12 @@ pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) 
     for (name, counts) in [("fragments.Y", &image.fragments), ("layers.Y", &image.layers)] {
         if let Some(counts) = counts {
             let values = counts.iter().map(|count| *count as f32).collect();
+            channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
+        }
+    }
+    for (i, name) in ["stderr.R", "stderr.G", "stderr.B"].into_iter().enumerate() {
+        if let Some(errors) = &image.stderr {
+            let values = errors.iter().map(|error| error[i]).collect();
             channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
         }
     }

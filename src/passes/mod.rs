@@ -1,5 +1,6 @@
 //! Passes that several methods use.
 
+pub mod bin;
 pub mod compose;
 pub mod project;
 pub mod radix;

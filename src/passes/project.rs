@@ -180,7 +180,7 @@ pub struct DeviceCloud {
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
     pub points_lo: Buffer<[f32; 4]>,
-    /// Their colors, linear.
+    /// Their colors, linear, and as the bits of the fourth where in the files each point stood.
     pub point_colors: Buffer<[f32; 4]>,
     /// Their normals; a single element if there are none.
     pub normals: Buffer<[f32; 4]>,
@@ -221,7 +221,9 @@ impl DeviceCloud {
         let places = || points.positions.iter().map(|p| split(*p - origin));
         let points_hi: Vec<[f32; 4]> = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
         let points_lo: Vec<[f32; 4]> = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
-        let point_colors: Vec<[f32; 4]> = points.colors.iter().map(|c| padded(*c)).collect();
+        let place = |i: usize| points.file_order.get(i).copied().unwrap_or(i as u32);
+        let colored = |(i, c): (usize, &Vec3)| with(*c, f32::from_bits(place(i)));
+        let point_colors: Vec<[f32; 4]> = points.colors.iter().enumerate().map(colored).collect();
         let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
         // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);

@@ -21,6 +21,8 @@ pub fn canonical(points: Points) -> Points {
         opacities: gather(&points.opacities, &order),
         radii: gather(&points.radii, &order),
         normals: points.normals.as_deref().map(|normals| gather(normals, &order)),
+        // Points are counted in 32 bits from here on: more of them don't fit any device.
+        file_order: order.par_iter().map(|&(_, index)| index as u32).collect(),
     }
 }
 

@@ -89,7 +89,7 @@ fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, pr
         }
         (None, None) => vec![0.0; count],
     };
-    Points { positions: cloud.positions, colors, opacities, radii, normals: cloud.normals }
+    Points { positions: cloud.positions, colors, opacities, radii, normals: cloud.normals, file_order: Vec::new() }
 }
 
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.

@@ -1,7 +1,21 @@
 //! The keys of every method of the contract, so that a key of a method that is not in force can be told from a slip.
 
 /// Methods that this version renders, by the names a scene file gives them.
-pub const METHODS: &[&str] = &["auto", "points", "squares", "circles", "abuffer", "linked-list", "sorted", "peel"];
+pub const METHODS: &[&str] = &[
+    "auto",
+    "points",
+    "squares",
+    "circles",
+    "abuffer",
+    "linked-list",
+    "sorted",
+    "peel",
+    "stochastic",
+    "hybrid",
+    "weighted",
+    "average",
+    "unsorted",
+];
 
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];
 const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];

@@ -2,7 +2,10 @@
 
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
-use super::settings::{DiscShape, Discs, Falloff, LongLists, MAX_LAYERS, Method, Peel, Raster, ScreenSplats};
+use super::settings::{
+    DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Method, Peel, Raster, ScreenSplats,
+    Stochastic,
+};
 use super::table::{Range, Table};
 
 /// Reads the table; keys of other methods become warnings.
@@ -34,6 +37,11 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
             Method::Sorted(discs)
         }
         "peel" => Method::Peel(peel(table)?),
+        "stochastic" => Method::Stochastic(stochastic(table)?),
+        "hybrid" => Method::Hybrid(hybrid(table)?),
+        "weighted" => Method::Weighted(discs(table)?),
+        "average" => Method::Average(discs(table)?),
+        "unsorted" => Method::Unsorted(discs(table)?),
         _ => Method::Auto(discs(table)?),
     })
 }
@@ -77,4 +85,17 @@ fn discs(table: &Table<'_>) -> Result<Discs, Error> {
 
 fn peel(table: &Table<'_>) -> Result<Peel, Error> {
     Ok(Peel { discs: discs(table)?, layers: table.integer("layers", 0, MAX_LAYERS)?.unwrap_or_default() })
+}
+
+fn stochastic(table: &Table<'_>) -> Result<Stochastic, Error> {
+    let default = Stochastic::default();
+    Ok(Stochastic {
+        discs: discs(table)?,
+        samples: table.integer("samples", 1, MAX_SAMPLES)?.unwrap_or(default.samples),
+        alpha_correction: table.boolean("alpha_correction")?.unwrap_or(default.alpha_correction),
+    })
+}
+
+fn hybrid(table: &Table<'_>) -> Result<Hybrid, Error> {
+    Ok(Hybrid { discs: discs(table)?, k: table.integer("k", 1, MAX_K)?.unwrap_or(Hybrid::default().k) })
 }

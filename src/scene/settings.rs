@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use super::view::View;
+use crate::passes::bin::Order;
 
 /// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
 pub const MAX_SIDE: u32 = 16_384;
@@ -219,6 +220,44 @@ pub struct Peel {
     pub layers: u32,
 }
 
+/// Samples of a pixel that stochastic transparency takes at most.
+pub const MAX_SAMPLES: u32 = 4096;
+
+/// Fragments that `hybrid` composes exactly at most.
+pub const MAX_K: u32 = 64;
+
+/// Settings of multi-sample stochastic transparency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stochastic {
+    /// What is sampled.
+    pub discs: Discs,
+    /// `samples` of each pixel, from 1 to [`MAX_SAMPLES`].
+    pub samples: u32,
+    /// `alpha_correction`: color scaled by exact over sampled alpha, and exact alpha.
+    pub alpha_correction: bool,
+}
+
+impl Default for Stochastic {
+    fn default() -> Self {
+        Self { discs: Discs::default(), samples: 64, alpha_correction: true }
+    }
+}
+
+/// Settings of hybrid transparency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hybrid {
+    /// What is blended.
+    pub discs: Discs,
+    /// `k`: fragments that are composed exactly, the nearest ones, from 1 to [`MAX_K`].
+    pub k: u32,
+}
+
+impl Default for Hybrid {
+    fn default() -> Self {
+        Self { discs: Discs::default(), k: 8 }
+    }
+}
+
 /// Settings of opaque screen-aligned splats (`squares`, `circles`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenSplats {
@@ -253,6 +292,16 @@ pub enum Method {
     Sorted(Discs),
     /// The same as the A-buffer by depth peeling.
     Peel(Peel),
+    /// Multi-sample stochastic transparency (Enderton et al. 2011).
+    Stochastic(Stochastic),
+    /// The nearest fragments exactly, an average behind them (MCTB13).
+    Hybrid(Hybrid),
+    /// Weighted blended transparency (McGuire, Bavoil 2013).
+    Weighted(Discs),
+    /// Mean color of all fragments, opaque.
+    Average(Discs),
+    /// Blended in the order of the files.
+    Unsorted(Discs),
 }
 
 impl Default for Method {
@@ -283,15 +332,26 @@ impl Method {
             Self::LinkedList(_) => "linked-list",
             Self::Sorted(_) => "sorted",
             Self::Peel(_) => "peel",
+            Self::Stochastic(_) => "stochastic",
+            Self::Hybrid(_) => "hybrid",
+            Self::Weighted(_) => "weighted",
+            Self::Average(_) => "average",
+            Self::Unsorted(_) => "unsorted",
         }
     }
 
     /// The settings of the disc family; `None` for other methods.
     pub fn discs(&self) -> Option<&Discs> {
         match self {
-            Self::ABuffer(discs) | Self::LinkedList(discs) | Self::Sorted(discs) | Self::Peel(Peel { discs, .. }) => {
-                Some(discs)
-            }
+            Self::ABuffer(discs)
+            | Self::LinkedList(discs)
+            | Self::Sorted(discs)
+            | Self::Peel(Peel { discs, .. })
+            | Self::Stochastic(Stochastic { discs, .. })
+            | Self::Hybrid(Hybrid { discs, .. })
+            | Self::Weighted(discs)
+            | Self::Average(discs)
+            | Self::Unsorted(discs) => Some(discs),
             Self::Auto(_) | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
         }
     }
@@ -301,6 +361,20 @@ impl Method {
         match self {
             Self::ABuffer(discs) | Self::LinkedList(discs) => Some(discs),
             _ => None,
+        }
+    }
+
+    /// Whether it goes through tiles of splats, and needs no lists of fragments.
+    pub fn is_tiled(&self) -> bool {
+        self.discs().is_some() && self.lists().is_none() && !matches!(self, Self::Peel(_))
+    }
+
+    /// The order in which it wants splats.
+    pub fn order(&self) -> Order {
+        match self {
+            Self::Stochastic(_) | Self::Weighted(_) | Self::Average(_) => Order::Index,
+            Self::Unsorted(_) => Order::File,
+            _ => Order::Depth,
         }
     }
 

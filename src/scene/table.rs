@@ -158,6 +158,14 @@ impl<'a> Table<'a> {
         })
     }
 
+    pub fn boolean(&self, key: &str) -> Result<Option<bool>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        match node.value {
+            Value::Boolean(value) => Ok(Some(value)),
+            _ => Err(self.error(key, node, format!("must be true or false, found {}", node.value.describe()))),
+        }
+    }
+
     pub fn string(&self, key: &str) -> Result<Option<&'a str>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
         match &node.value {

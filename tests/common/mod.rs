@@ -61,6 +61,7 @@ pub fn scene(points: &[P]) -> Points {
         opacities: points.iter().map(|p| p.opacity).collect(),
         radii: points.iter().map(|p| p.radius).collect(),
         normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
+        file_order: Vec::new(),
     })
 }
 
@@ -131,6 +132,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         memory_budget: None,
         fragments: true,
         stop: Stop::Exact,
+        seed: 0,
     }
 }
 
@@ -169,6 +171,7 @@ fn scene_in_order(points: &[P]) -> Points {
         opacities: points.iter().map(|p| p.opacity).collect(),
         radii: points.iter().map(|p| p.radius).collect(),
         normals: Some(points.iter().map(|p| p.normal).collect()),
+        file_order: Vec::new(),
     }
 }
 

@@ -10,6 +10,7 @@ fn stack(depths: &[f64], opacity: f32) -> Points {
         opacities: vec![opacity; depths.len()],
         radii: vec![0.9; depths.len()],
         normals: None,
+        file_order: Vec::new(),
     }
 }
 

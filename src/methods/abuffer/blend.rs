@@ -5,7 +5,7 @@ use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
-use crate::methods::sorted::OrderedTiles;
+use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
 use crate::passes::project::Footprint;
 use crate::scene::{Falloff, LongLists};

@@ -1,6 +1,6 @@
 //! The passes of the A-buffer and what they share with their shaders.
 
-use crate::methods::sorted::{GatherPush, GatheringGroup};
+use crate::passes::bin::{GatheringGroup, TilesPush};
 use crate::passes::compose::ComposingGroup;
 use crate::passes::project::View;
 use crate::passes::raster::{ChunkGroup, RasterPush};
@@ -110,7 +110,7 @@ pass! {
 
 pass! {
     /// Fragments per pixel, from ordered tiles.
-    pub CountTiles(GatherPush) = "abuffer/count" in "abuffer/count_tiles" {
+    pub CountTiles(TilesPush) = "abuffer/count" in "abuffer/count_tiles" {
         tiles: Shared<GatheringGroup>,
         counts: ReadWrite<u32>,
     }
@@ -118,7 +118,7 @@ pass! {
 
 pass! {
     /// Fragments into their pixels' slots in the order of blending, from ordered tiles.
-    pub StoreTiles(GatherPush) = "abuffer/store" in "abuffer/store_tiles" {
+    pub StoreTiles(TilesPush) = "abuffer/store" in "abuffer/store_tiles" {
         tiles: Shared<GatheringGroup>,
         cursors: ReadWrite<u32>,
         ranks: ReadWrite<u32>,

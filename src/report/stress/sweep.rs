@@ -78,6 +78,7 @@ impl Place {
             color: Default::default(),
             method,
             stop: Stop::Exact,
+            seed: 0,
             memory_budget: settings.memory_budget,
             fragments: false,
         };
@@ -285,6 +286,7 @@ mod tests {
             depth: vec![1.0; 4],
             fragments: None,
             layers: None,
+            stderr: None,
         };
         assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
         // One channel of six is off by 0.5; A counts for the largest difference alone.

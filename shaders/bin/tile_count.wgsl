@@ -1,4 +1,4 @@
-// sorted/tile-count: how many splats of each run meet each tile. One invocation per drawn splat. counts is zero before.
+// bin/tile-count: how many splats of each run meet each tile. One invocation per drawn splat. counts is zero before.
 #import tile_push
 #import dispatch
 @group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;

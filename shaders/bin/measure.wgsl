@@ -1,4 +1,4 @@
-// sorted/measure: the longest list of a tile. One invocation per tile.
+// bin/measure: the longest list of a tile. One invocation per tile.
 #import dispatch
 
 struct Push {

@@ -1,4 +1,4 @@
-// sorted/tile-store: each tile's splats, in order of depth. cursors are the prefix sums of the counts before, and where
+// bin/tile-store: each tile's splats, in order of depth. cursors are the prefix sums of the counts before, and where
 // each cell's entries end after; a cell is a tile's counter of one run.
 //
 // One subgroup per run of splats and block of tiles takes its splats one by one. A tile belongs to one invocation by its

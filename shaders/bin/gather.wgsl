@@ -1,13 +1,16 @@
-// sorted/gather: what blending needs of each drawn splat, in order of depth. One invocation per drawn splat.
+// bin/gather: what stages that go through tiles need of each drawn splat, in order; its record gets the
+// depth in place of the key. One invocation per drawn splat.
 #import compose
 #import dispatch
 
 struct Push {
     count: u32,
+    // Key of the nearest depth.
+    nearest: u32,
 }
 
 @group(0) @binding(13) var<storage, read> bounds: array<Bounds>;
-@group(0) @binding(14) var<storage, read> records: array<vec2<u32>>;
+@group(0) @binding(14) var<storage, read_write> records: array<vec2<u32>>;
 @group(0) @binding(15) var<storage, read_write> footprints: array<vec4<u32>>;
 @group(0) @binding(16) var<storage, read_write> colors: array<vec4<f32>>;
 @group(0) @binding(17) var<storage, read_write> slopes: array<vec4<f32>>;
@@ -28,6 +31,7 @@ fn main(
     let splat = splat_at(i);
     let x = bitcast<u32>(splat.fraction_x);
     footprints[rank] = vec4<u32>(x, bitcast<u32>(splat.fraction_y), splat.pixel, bitcast<u32>(splat.radius));
+    records[rank] = vec2<u32>(depth_key(splat.depth) - push.nearest, i);
     colors[rank] = color_at(i);
     if SHAPE == SHAPE_ORIENTED {
         slopes[rank] = tilt_at(i).normal;

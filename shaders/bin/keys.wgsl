@@ -1,0 +1,48 @@
+// bin/keys: a record for the sort of each point of a chunk: the key of its splat, and its index. Splats that are not drawn come
+// last. One invocation per point.
+#import splat
+#import dispatch
+
+struct Push {
+    // Points of the chunk, and the index of its first.
+    count: u32,
+    first: u32,
+    // What is subtracted from depth keys; key of what is not drawn, less that.
+    nearest: u32,
+    none: u32,
+}
+
+@group(0) @binding(0) var<storage, read> splats: array<Splat>;
+@group(0) @binding(1) var<storage, read> bounds: array<Bounds>;
+// Red, green, blue, and where in the files the point stood.
+@group(0) @binding(2) var<storage, read> points: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read_write> records: array<vec2<u32>>;
+var<immediate> push: Push;
+
+const ORDER_DEPTH = 0u;
+const ORDER_INDEX = 1u;
+override ORDER: u32 = 0u;
+
+fn key(i: u32) -> u32 {
+    if ORDER == ORDER_DEPTH {
+        return min(depth_key(splats[i].depth) - push.nearest, push.none - 1u);
+    }
+    if ORDER == ORDER_INDEX {
+        return 0u;
+    }
+    return points[i].w;
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = invocation_index(workgroup, groups, local);
+    if i >= push.count {
+        return;
+    }
+    let drawn = any(bounds[i] != vec2<u32>(0u));
+    records[push.first + i] = vec2<u32>(select(push.none, key(i), drawn), push.first + i);
+}
