@@ -22,7 +22,7 @@ pub fn canonical(points: Points) -> Points {
         radii: gather(&points.radii, &order),
         normals: points.normals.as_deref().map(|normals| gather(normals, &order)),
         // Points are counted in 32 bits from here on: more of them don't fit any device.
-        file_order: order.par_iter().map(|&(_, index)| index as u32).collect(),
+        file_order: order.par_iter().map(|&(_, i)| points.file_order.get(i).copied().unwrap_or(i as u32)).collect(),
     }
 }
 
