@@ -467,17 +467,17 @@ impl Bins {
         Ok(Self {
             radix: Radix::new(device)?,
             records: [records("sort records"), records("sort records, moved")],
-            footprints: Kept::new("sorted footprints", Memory::Device),
-            colors: Kept::new("sorted colors", Memory::Device),
-            slopes: Kept::new("sorted tilts", Memory::Device),
-            rectangles: Kept::new("sorted rectangles", Memory::Device),
+            footprints: Kept::new("ordered footprints", Memory::Device),
+            colors: Kept::new("ordered colors", Memory::Device),
+            slopes: Kept::new("ordered tilts", Memory::Device),
+            rectangles: Kept::new("ordered rectangles", Memory::Device),
             counts: Kept::new("tile counts by run", Memory::Device),
             cursors: Kept::new("tile cursors by run", Memory::Device),
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             longest: device.buffer("longest tile list", 1, Memory::Device)?,
             summary: device.buffer("tile summary", 3, Memory::Readback)?,
-            entries: Kept::new("sorted tile entries", Memory::Device),
+            entries: Kept::new("ordered tile entries", Memory::Device),
         })
     }
 
