@@ -6,7 +6,7 @@ use pellucid::{Result, output};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::compare::{Limit, usage};
+use super::limit::Limit;
 use super::talk::{print, print_json};
 
 /// The part of a profile that is compared.
@@ -52,10 +52,10 @@ pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit]) -> Result<bool> {
     let mut ratios = Vec::new();
     for limit in limits {
         let Some(row) = rows.iter().find(|row| row.name == limit.metric) else {
-            return Err(usage(format!("--fail-above {}: there is no pass of this name", limit.metric)));
+            return Err(limit.unusable("there is no pass of this name"));
         };
         let Some(ratio) = row.ratio() else {
-            return Err(usage(format!("--fail-above {}: not measured in both profiles", limit.metric)));
+            return Err(limit.unusable("not measured in both profiles"));
         };
         ratios.push((limit, ratio));
     }

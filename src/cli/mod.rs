@@ -5,6 +5,7 @@ mod compare_profiles;
 mod devices;
 mod info;
 mod input;
+mod limit;
 mod plan;
 mod profile;
 mod render;
