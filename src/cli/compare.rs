@@ -10,7 +10,7 @@ use pellucid::output::{self, LinearImage, read_image};
 use serde_json::json;
 
 use super::compare_profiles;
-use super::limit::{Limit, usage};
+use super::limit::{Limit, Slower, usage};
 use super::talk::{Talk, print, print_json};
 
 /// How much the difference picture is brightened.
@@ -38,6 +38,13 @@ pub struct CompareArgs {
     /// pictures are; all others are smaller.
     #[arg(long, value_name = "METRIC=VALUE")]
     fail_below: Vec<String>,
+    /// Profiles: exit with status 1 if the frame, or a pass of at least 1% of it, takes more than RATIO times as long in B
+    /// beyond the noise; repeatable. PASS=RATIO looks at one pass, however short. Beyond the noise: the whole interval of B/A
+    /// is above, which lies between the opposite ends of the medians' 95% confidence intervals by order statistics (with 5
+    /// frames, the fewest that do: the fastest of B over the slowest of A). Alternate the runs of A and B, and put the
+    /// frames of each together, for noise between runs to count.
+    #[arg(long, value_name = "[PASS=]RATIO")]
+    fail_slower: Vec<String>,
 }
 
 /// The metrics of pictures that have a limit.
@@ -58,12 +65,16 @@ fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
 
 pub fn run(args: CompareArgs, _talk: Talk) -> Result<ExitCode> {
     let limits = Limit::all(&args.fail_above, &args.fail_below)?;
+    let slower = args.fail_slower.iter().map(|text| Slower::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let within = match (is_profile(&args.a), is_profile(&args.b)) {
         (true, true) if args.output.is_some() => {
             return Err(usage("-o: two profiles have no difference picture"));
         }
-        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits)?,
+        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower)?,
+        (false, false) if !slower.is_empty() => {
+            return Err(usage("--fail-slower: pictures have no passes; it is for two profiles"));
+        }
         (false, false) => pictures(&args, &limits)?,
         _ => return Err(usage("a picture and a profile can't be compared; give two of a kind")),
     };

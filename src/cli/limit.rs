@@ -1,4 +1,4 @@
-//! What --fail-above and --fail-below of `pellucid compare` hold a measurement to.
+//! What --fail-above, --fail-below and --fail-slower of `pellucid compare` hold a measurement to.
 
 use pellucid::{Result, scene};
 
@@ -48,6 +48,43 @@ impl Limit {
     /// The error of a limit that can't be checked.
     pub fn unusable(&self, why: &str) -> pellucid::Error {
         usage(format!("{} {}: {why}", self.option, self.metric))
+    }
+}
+
+/// How many times slower a pass may get.
+pub struct Slower {
+    /// The one pass that it is about; `None`: every pass that is long enough, and the frame.
+    pub pass: Option<String>,
+    ratio: f64,
+}
+
+impl Slower {
+    /// The value of --fail-slower.
+    pub fn parse(text: &str) -> Result<Self, scene::Error> {
+        let (pass, ratio) = match text.rsplit_once('=') {
+            Some((pass, ratio)) => (Some(pass.trim().to_owned()), ratio),
+            None => (None, text),
+        };
+        let number = ratio.trim().parse().ok().filter(|ratio: &f64| !ratio.is_nan());
+        let ratio = number.ok_or_else(|| {
+            scene::Error::Usage(format!("--fail-slower {text}: expected RATIO or PASS=RATIO, as in 1.5"))
+        })?;
+        Ok(Self { pass, ratio })
+    }
+
+    /// Whether even the lower end of an interval of B/A breaks the limit, which is then said on standard error.
+    pub fn is_broken_by(&self, name: &str, [low, high]: [f64; 2]) -> bool {
+        let broken = low > self.ratio;
+        if broken {
+            say(format_args!("error: {name} is {low:.3} to {high:.3} times as slow, above the allowed {}", self.ratio));
+        }
+        broken
+    }
+
+    /// The error of a limit that can't be checked.
+    pub fn unusable(&self, why: &str) -> pellucid::Error {
+        let pass = self.pass.as_ref().map_or(String::new(), |pass| format!("{pass}="));
+        usage(format!("--fail-slower {pass}{}: {why}", self.ratio))
     }
 }
 

@@ -6,6 +6,7 @@ mod devices;
 mod info;
 mod input;
 mod limit;
+mod noise;
 mod plan;
 mod profile;
 mod render;
