@@ -2,6 +2,8 @@
 
 mod cli {
     mod bad;
+    #[cfg(unix)]
+    mod ci;
     mod compare;
     mod failures;
     mod measure;
