@@ -80,7 +80,7 @@ fn images_of_different_sizes_are_not_compared() {
     assert_eq!(compare(&image(2, &[BLACK; 4]), &image(4, &[BLACK; 4])), None);
 }
 
-/// A picture of 64ths, exact in float32, from column, row and channel.
+/// A picture in steps of 1/64, exact in float32, from column, row and channel.
 fn drawn(width: i32, height: i32, level: impl Fn(i32, i32, i32) -> i32) -> LinearImage {
     let pixel = |i: i32| [0, 1, 2].map(|c| level(i % width, i / width, c) as f32 / 64.0);
     image(width as u32, &(0..width * height).map(pixel).collect::<Vec<_>>())
