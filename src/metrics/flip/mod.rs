@@ -1,7 +1,8 @@
 //! LDR-FLIP: how visible the difference of two pictures is to somebody who flips between them.
 //!
-//! Written from the paper rather than bound to NVIDIA's C++ (crate nv-flip), which takes 8-bit pictures: in those, what is
-//! below half a step is no difference. It yields that code's values to float32's rounding, as tests/metrics.rs shows.
+//! Computed here rather than by NVIDIA's C++ (crate nv-flip), whose binding takes 8-bit pictures: in those, what is below
+//! half a step is no difference. Constants and the filters' amplitudes are those of that code, and so are the values, to
+//! float32's rounding, as tests/metrics.rs shows.
 
 mod color;
 mod filter;
