@@ -91,6 +91,7 @@ find_missing() {
     if $for_tests && ! has_layers; then
         names+=("the Vulkan validation layers (VK_LAYER_KHRONOS_validation)") packages+=(vulkan-validationlayers)
     fi
+    if $for_tests && ! command -v jq >/dev/null; then names+=("jq, which docs/ci/pellucid.yml uses") packages+=(jq); fi
 }
 
 list() { printf '  %s\n' "$@" >&2; }

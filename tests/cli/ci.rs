@@ -55,6 +55,8 @@ fn run_steps(folder: &TempDir, changes: &[(&str, &str)]) -> Vec<(String, i32)> {
 
 fn has(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
+    let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    assert!(found || !required, "{program} is required: tools/setup.sh --tests installs it");
     if !found {
         eprintln!("skipped, no {program}");
     }
@@ -89,8 +91,8 @@ fn the_workflow_passes_what_did_not_change_and_stops_what_did() {
         let names = ["Render", "Compare the picture", "Compare the cost"].map(str::to_owned);
         names.into_iter().zip(statuses).collect::<Vec<_>>()
     };
-    // Neighbors on this machine may slow one side; what is tested is that the steps work.
-    assert_eq!(run_steps(&folder, &[("ROUNDS", "2"), ("MAX_SLOWER", "20")]), named([0, 0, 0]));
+    // Whatever slows one side: what is tested is that the steps work.
+    assert_eq!(run_steps(&folder, &[("ROUNDS", "2"), ("MAX_SLOWER", "1e9")]), named([0, 0, 0]));
     let out = |name: &str| inside(&folder, "out").join(name);
     assert!(ARTEFACTS.iter().all(|name| out(name).is_file()));
     let profile: serde_json::Value = serde_json::from_str(&fs::read_to_string(out("head.json")).unwrap()).unwrap();
