@@ -6,6 +6,8 @@ const HEIGHT: i32 = 14;
 const CHARACTER: i32 = 7;
 /// Half of a marker's side in pixels, with a little air.
 const MARKER: i32 = 6;
+/// The same for a ring, whose corners are empty.
+const RING: i32 = 8;
 
 /// Left, top, right and bottom in pixels.
 type Rectangle = [i32; 4];
@@ -37,6 +39,11 @@ impl Space {
         self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
     }
 
+    /// No label will lie over this ring around a marker.
+    pub(super) fn take_ring(&mut self, (x, y): Place) {
+        self.take([x - RING, y - RING, x + RING, y + RING]);
+    }
+
     /// Labels rather lie elsewhere.
     pub(super) fn avoid(&mut self, line: [Place; 2]) {
         self.lines.push(line);
@@ -45,7 +52,7 @@ impl Space {
     /// The middle of the left end of a text that labels a marker, and its place is taken; `None` where there is no room.
     pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Place> {
         let width = CHARACTER * text.chars().count() as i32;
-        let candidates = [8, 14, 22].into_iter().flat_map(|away| {
+        let candidates = [8, 12, 18, 26, 36].into_iter().flat_map(|away| {
             let side = away * 3 / 4;
             let (left, middle, right) = (x - width, x - width / 2, x);
             [
