@@ -102,6 +102,12 @@ impl Browser {
         &self.requests
     }
 
+    /// Makes the page so many pixels wide.
+    pub fn resize(&mut self, width: u32) {
+        let metrics = json!({ "width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", metrics);
+    }
+
     /// The value of an expression, or of the promise that it is.
     pub fn evaluate(&mut self, expression: &str) -> Value {
         let question = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });

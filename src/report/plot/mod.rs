@@ -230,13 +230,19 @@ impl Figure {
         for line in lines_drawn.iter().flat_map(|line| line.windows(2)) {
             space.avoid([line[0], line[1]]);
         }
-        for point in panel.series.iter().flat_map(|series| &series.points) {
-            if !point.label.is_empty()
-                && point.is_finite()
-                && let Some(place) = space.place(at(point.x, point.y), &point.label)
-            {
-                root.draw(&Text::new(point.label.clone(), place, text_style(12)))?;
+        let points = panel.series.iter().flat_map(|series| &series.points);
+        let mut labelled: Vec<_> = points.filter(|point| !point.label.is_empty() && point.is_finite()).collect();
+        // The long ones while there is room.
+        labelled.sort_by_key(|point| std::cmp::Reverse(point.label.chars().count()));
+        for point in labelled {
+            let marker = at(point.x, point.y);
+            let Some(placed) = space.place(marker, &point.label) else { continue };
+            if let Some(end) = placed.tie {
+                root.draw(&PathElement::new([marker, end], INK.stroke_width(1)))?;
             }
+            let [left, top, right, bottom] = placed.rectangle;
+            root.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.mix(0.75).filled()))?;
+            root.draw(&Text::new(point.label.clone(), placed.text, text_style(12)))?;
         }
         if panel.series.iter().all(|series| series.points.is_empty()) {
             let place = (columns.start + 8, lines.start + 12);
@@ -337,7 +343,7 @@ fn guide_line(exponent: f64, panel: &Panel, x: &Scale, y: &Scale) -> Option<[(f6
     // Until the panel's left, lower or upper end.
     let bound = if exponent > 0.0 { y.range.start } else { y.range.end };
     let run = (end.0 - x.range.start).min((end.1 - bound) / rise);
-    (run > 0.0).then(|| [(end.0 - run, end.1 - run * rise), end])
+    (run > 0.0).then_some([(end.0 - run, end.1 - run * rise), end])
 }
 
 fn color(index: usize) -> RGBColor {

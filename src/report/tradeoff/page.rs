@@ -49,7 +49,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
         (bias(report))
         h2 { "All settings" }
         p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "
-            "“from–to” is sorted by its width over the median." }
+            "“from–to” is sorted by its width over the median. “% off” are the pixels with a channel off by more than 1/255." }
         (rows(report))
         h2 { "Pictures" }
         (compared(report, pictures))
@@ -103,7 +103,7 @@ fn front(report: &Tradeoff) -> Markup {
         Column::number("RMSE"),
         Column::number("FLIP"),
         Column::number("largest error"),
-        Column::number("pixels off by > 1/255"),
+        Column::number("% of pixels off by > 1/255"),
         Column::number("peak MiB"),
     ];
     let mut rows: Vec<&Row> = report.rows.iter().filter(|row| row.front).collect();
@@ -123,8 +123,13 @@ fn front(report: &Tradeoff) -> Markup {
     table(&columns, &rows.iter().map(row).collect::<Vec<_>>())
 }
 
+/// A share in percent, to the thousandth.
 fn percent(share: f64) -> String {
-    if share == 0.0 { "0 %".to_owned() } else { format!("{} %", digits(100.0 * share)) }
+    match 100.0 * share {
+        0.0 => "0".to_owned(),
+        percent if percent < 0.001 => "< 0.001".to_owned(),
+        percent => digits(percent),
+    }
 }
 
 fn of<'a>(figures: &'a [Drawn], names: &'a [&str]) -> impl Iterator<Item = &'a Drawn> {
@@ -256,7 +261,7 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::number("SSIM"),
         Column::number("FLIP"),
         Column::number("largest"),
-        Column::number("> 1/255"),
+        Column::number("% off"),
     ];
     let line = |row: &Row| {
         let ms = |value| Cell::number(value, digits);
