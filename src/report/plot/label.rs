@@ -2,12 +2,12 @@
 
 /// Height of a label in pixels.
 const HEIGHT: i32 = 14;
-/// Pixels that a character takes, a wide one of a wide font.
-const CHARACTER: i32 = 7;
+/// Pixels that a character takes in a wide font.
+const CHARACTER: i32 = 6;
 /// Half of a marker's side in pixels, with a little air.
 const MARKER: i32 = 6;
-/// The same for a ring, whose corners are empty.
-const RING: i32 = 8;
+/// The same for a ring.
+const RING: i32 = 9;
 
 /// Left, top, right and bottom in pixels.
 pub(super) type Rectangle = [i32; 4];
@@ -140,7 +140,7 @@ mod tests {
     fn the_right_side_is_taken_unless_a_line_or_the_frame_is_there() {
         let space = Space::new([0, 0, 200, 100]);
         let right = space.clone().place((100, 50), "8").unwrap();
-        assert_eq!((right.text, right.rectangle, right.tie), ((108, 50), [108, 43, 115, 57], None));
+        assert_eq!((right.text, right.rectangle, right.tie), ((108, 50), [108, 43, 114, 57], None));
         let mut crossed = space.clone();
         crossed.avoid([(100, 50), (200, 50)]);
         assert_ne!(crossed.place((100, 50), "8").unwrap().text.1, 50);
