@@ -83,6 +83,7 @@ pub mod plan;
 pub mod points;
 pub mod prepare;
 pub mod profile;
+pub mod random;
 pub mod reference;
 pub mod report;
 pub mod scene;
