@@ -11,6 +11,7 @@ use super::cost::Load;
 use super::peel::Peeler;
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
+use super::stochastic::hardware::{self, Hardware};
 use super::{Error, Outcome, abuffer, linked_list, peel, splat};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
@@ -225,6 +226,7 @@ pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
     bins: Bins,
+    multisampler: Hardware,
     opaque: Opaque,
     peeler: Peeler,
     tiles: Tiles,
@@ -246,6 +248,7 @@ impl Renderer {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
             bins: Bins::new(device)?,
+            multisampler: Hardware::default(),
             opaque: Opaque::default(),
             peeler: Peeler::new(device)?,
             tiles: Tiles::new(device)?,
@@ -362,7 +365,10 @@ impl Renderer {
         let tiled = frame.method.is_tiled();
         let listed = frame.fragments || !tiled;
         let asked = frame.method.discs().filter(|_| !tiled).map_or(Raster::Auto, |discs| discs.raster);
-        let walker = self.walker(asked, window)?;
+        let walker = match frame.method {
+            Method::Stochastic(stochastic) => self.sampler(stochastic.discs.raster, window)?,
+            _ => self.walker(asked, window)?,
+        };
         let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
@@ -465,7 +471,16 @@ impl Renderer {
             counted_bytes = bands::pixels(raster.window) * abuffer::PIXEL_BYTES;
         }
         let bin = bin_job(frame, raster, budget, counted_bytes);
-        let outcome = if work.survey {
+        let outcome = if let (Method::Stochastic(stochastic), Walker::Hardware) = (frame.method, raster.walker) {
+            let (camera, seed, progress) = (&frame.camera, frame.seed, &self.progress);
+            let job = hardware::WindowJob { raster, camera, stochastic, seed, progress };
+            if work.survey {
+                facts.bands += u64::from(job.is_seen());
+            } else {
+                self.multisampler.render(device, &job, &self.target, work.timeline, &mut facts)?;
+            }
+            Outcome::Done
+        } else if work.survey {
             Bins::survey(device, &bin, &mut facts)?
         } else {
             let (bins, target, timeline) = (&mut self.bins, &self.target, &mut *work.timeline);
@@ -524,6 +539,25 @@ impl Renderer {
         }
     }
 
+    /// Who takes the samples of stochastic transparency.
+    fn sampler(&self, raster: Raster, window: Window) -> Result<Walker, Error> {
+        let info = self.device.info();
+        match raster {
+            Raster::Hardware => {}
+            // Compute was the faster way wherever both were measured (README), but for devices without shuffles.
+            Raster::Auto if info.subgroup.is_none() && info.multisampled.is_some() => {}
+            Raster::Auto | Raster::Compute => return self.walker(Raster::Compute, window),
+        }
+        let [width, height] = [window[2] - window[0], window[3] - window[1]];
+        match info.multisampled {
+            Some([w, h]) if width <= w && height <= h => self.walker(Raster::Hardware, window),
+            _ => {
+                let needed = "attachments with 4 samples per pixel, and blending of floats".to_owned();
+                Err(Error::NoHardwareRaster { device: info.name.clone(), needed })
+            }
+        }
+    }
+
     fn budget(&self, cloud: &DeviceCloud, frame: &Frame) -> Budget {
         let limits = self.device.limits();
         let bytes = frame.memory_budget.unwrap_or_else(|| {
@@ -534,12 +568,15 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
+        if let (Some(errors), Walker::Hardware) = (&mut image.stderr, self.sampler(sampled(frame), window)?) {
+            place(frame, window, &self.multisampler.read_errors(window)?, errors);
+        }
         if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
-            place_counts(frame, window, &lengths, fragments);
-            place_counts(frame, window, &peeled, layers);
+            place(frame, window, &lengths, fragments);
+            place(frame, window, &peeled, layers);
         } else if let Some(fragments) = &mut image.fragments {
-            place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
+            place(frame, window, &self.abuffer.read_counts(window)?, fragments);
         }
         Ok(())
     }
@@ -566,8 +603,13 @@ fn bin_job<'a>(frame: &Frame, raster: raster::Raster<'a>, budget: Budget, counte
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub(super) const ORDERED_AREA: u64 = 32;
 
-/// Copies one number for each of the window's pixels into those of the image.
-fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]) {
+/// Who is asked to take samples.
+fn sampled(frame: &Frame) -> Raster {
+    frame.method.discs().map_or(Raster::Auto, |discs| discs.raster)
+}
+
+/// Copies one value for each of the window's pixels into those of the image.
+fn place<T: Copy>(frame: &Frame, window: Window, counts: &[T], image: &mut [T]) {
     let width = (window[2] - window[0]) as usize;
     for (row, counts) in counts.chunks(width).enumerate() {
         let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
@@ -580,6 +622,9 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
     let pixel_bytes = match frame.method {
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
+        Method::Stochastic(Stochastic { discs: Discs { raster: Raster::Hardware, .. }, .. }) => {
+            hardware::PIXEL_BYTES + if frame.fragments { abuffer::PIXEL_BYTES } else { 0 }
+        }
         method if method.is_tiled() => {
             if frame.fragments {
                 abuffer::PIXEL_BYTES
@@ -738,6 +783,11 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
+        _ if name.starts_with("stochastic/") => {
+            let Method::Stochastic(Stochastic { samples, .. }) = frame.method else { return None };
+            let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
+            hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels)
+        }
         _ => bin::least_bytes(name, runs, facts, splat),
     }
 }

@@ -10,15 +10,15 @@ use indicatif::ProgressBar;
 use crate::camera::{Camera, Projection};
 use crate::gpu::{
     Blend, DepthSamples, Device, Dispatch, Format, Kept, KeptAttachment, Memory, NumberSamples, Pixels, Recorder, Run,
-    SAMPLES, Slice, Targets, Variant,
+    SAMPLES, Targets, Variant,
 };
 use crate::methods::abuffer::record_nothing;
-use crate::methods::bands;
-use crate::methods::renderer::{Target, Timeline};
 use crate::methods::Error;
+use crate::methods::bands::{self, Window};
+use crate::methods::renderer::{Facts, Target, Timeline};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
-use crate::passes::raster::{Quads, QuadsGroup, Raster};
+use crate::passes::raster::{QuadsGroup, Raster};
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::scene::{Falloff, Stochastic};
 use crate::{gpu_struct, pass};
@@ -144,6 +144,11 @@ pub struct WindowJob<'a> {
 }
 
 impl WindowJob<'_> {
+    /// Whether the window shows anything.
+    pub fn is_seen(&self) -> bool {
+        self.raster.stats.iter().any(|s| s.visible > 0)
+    }
+
     fn strata(&self) -> u32 {
         self.stochastic.samples.div_ceil(STRATUM)
     }
@@ -188,6 +193,20 @@ impl WindowJob<'_> {
     }
 }
 
+/// Bytes that a pass must at least read and write in its `runs`: `quads` those of all splats, `pixels` those of the image.
+pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) -> Option<u64> {
+    let (held, sum, moments) = (32, 16, 48);
+    match name {
+        "stochastic/alpha" => Some(runs * quads + pixels * 4),
+        "stochastic/hold" => Some(runs * quads + strata * pixels * held),
+        "stochastic/accumulate" => Some(runs * quads + strata * pixels * (held + sum)),
+        // The first stratum reads no moments.
+        "stochastic/fold" => Some(strata * pixels * (held / 2 + sum + moments) + (strata - 1) * pixels * moments),
+        "stochastic/estimate" => Some(pixels * (4 + moments + 20 + 16)),
+        _ => None,
+    }
+}
+
 /// Images and buffers, kept from frame to frame.
 pub struct Hardware {
     depths: KeptAttachment,
@@ -197,6 +216,7 @@ pub struct Hardware {
     means: Kept<[f32; 4]>,
     squares: Kept<[f32; 4]>,
     products: Kept<[f32; 4]>,
+    errors: Kept<[f32; 4]>,
 }
 
 impl Default for Hardware {
@@ -209,26 +229,27 @@ impl Default for Hardware {
             means: Kept::new("stratum means", Memory::Device),
             squares: Kept::new("stratum squares", Memory::Device),
             products: Kept::new("stratum products", Memory::Device),
+            errors: Kept::new("standard errors", Memory::Device),
         }
     }
 }
 
 impl Hardware {
-    /// Renders a window into the target, and the standard errors of its pixels into `errors`.
+    /// Renders a window into the target.
     pub fn render(
         &mut self,
         device: &Device,
         job: &WindowJob<'_>,
         target: &Target,
-        errors: Slice<'_, [f32; 4]>,
         timeline: &mut Timeline,
+        facts: &mut Facts,
     ) -> Result<(), Error> {
         let window = job.raster.window;
         self.reserve(device, job)?;
         let mut recorder = device.recorder()?;
-        if job.raster.stats.iter().all(|s| s.visible == 0) {
+        if !job.is_seen() {
             record_nothing(&mut recorder, target, window)?;
-            recorder.fill("image/clear", errors.first(bands::pixels(window)), 0)?;
+            recorder.fill("image/clear", self.errors.get().all(), 0)?;
         } else {
             if job.stochastic.alpha_correction {
                 self.record_alpha(&mut recorder, job)?;
@@ -241,7 +262,8 @@ impl Hardware {
                 }
                 self.record_stratum(&mut recorder, job, stratum)?;
             }
-            self.record_estimate(&mut recorder, job, target, errors)?;
+            self.record_estimate(&mut recorder, job, target)?;
+            facts.bands += 1;
         }
         target.record_read_back(&mut recorder, bands::pixels(window))?;
         timeline.add(recorder.submit("stochastic/estimate")?);
@@ -257,7 +279,14 @@ impl Hardware {
         self.means.reserve(device, pixels)?;
         self.squares.reserve(device, pixels)?;
         self.products.reserve(device, pixels)?;
+        self.errors.reserve(device, pixels)?;
         Ok(())
+    }
+
+    /// Standard errors of R, G and B of every pixel of the window, in its order; what the last rendered window left.
+    pub fn read_errors(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
+        let errors = self.errors.get().read(0, bands::pixels(window))?;
+        Ok(errors.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
     }
 
     fn record_alpha<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
@@ -295,14 +324,13 @@ impl Hardware {
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
         target: &'a Target,
-        errors: Slice<'a, [f32; 4]>,
     ) -> Result<(), Error> {
         let push = job.moments(job.strata() - 1);
         // Without correction the total opacity was never drawn; something must be bound in its place.
         let alphas = if job.stochastic.alpha_correction { self.alphas.get() } else { self.sums.get() };
         let (means, squares, products) = (self.means.get().all(), self.squares.get().all(), self.products.get().all());
-        let estimate =
-            Estimate { alphas, means, squares, products, image: target.image(), depths: target.depths(), errors };
+        let (image, depths, errors) = (target.image(), target.depths(), self.errors.get().all());
+        let estimate = Estimate { alphas, means, squares, products, image, depths, errors };
         recorder.run(&estimate, &Run::new(Dispatch::Invocations(push.count.into())).push(&push))?;
         Ok(())
     }
