@@ -51,6 +51,7 @@
 //!     fragments: true,
 //!     stop: Stop::Exact,
 //!     seed: 0,
+//!     max_error: None,
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!

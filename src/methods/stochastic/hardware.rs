@@ -1,32 +1,25 @@
-//! `raster = "hardware"`: stochastic transparency as its paper has it, by multisampled rasterisation.
+//! The samples' passes over the splats as their paper has them: by multisampled rasterisation (`raster = "hardware"`).
 //!
-//! A stratum is two draws of all splats. The first one lets the depth test keep the nearest fragment of each sample among
+//! A stratum is two draws of all splats. In the first one the depth test keeps the nearest fragment of each sample among
 //! those whose mask has the sample; the second one compares every fragment with what the samples of its pixel hold, and sums
-//! by blending. A compute pass then takes the stratum into means and spread. Splats are drawn in canonical order, so that
-//! the depth test settles ties by index, and sums come in the same order every time.
+//! by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and sums come in the same
+//! order every time.
 
-use indicatif::ProgressBar;
-
+use super::{Batch, Kind, Sampler, WindowJob, batches};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{
-    Blend, DepthSamples, Device, Dispatch, Format, Kept, KeptAttachment, Memory, NumberSamples, Pixels, Recorder, Run,
-    SAMPLES, Targets, Variant,
+    Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES, Targets,
+    Variant,
 };
-use crate::methods::abuffer::record_nothing;
 use crate::methods::Error;
-use crate::methods::bands::{self, Window};
+use crate::methods::abuffer::record_nothing;
+use crate::methods::bands::Window;
 use crate::methods::renderer::{Facts, Target, Timeline};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{QuadsGroup, Raster};
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
-use crate::scene::{Falloff, Stochastic};
 use crate::{gpu_struct, pass};
-
-/// Strata of a submission: drivers stop one that takes too long.
-const BATCH: u32 = 16;
-/// Device bytes per pixel of a window: depths and indices of the samples, sums, total opacity, moments, standard error.
-pub const PIXEL_BYTES: u64 = 16 + 16 + 16 + 4 + 48 + 16;
 
 gpu_struct! {
     /// Push constants of the draws; shaders/shared/stochastic_quad.wgsl says what the members are.
@@ -42,14 +35,13 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of the passes over pixels; shaders/shared/moments.wgsl says what the members are.
-    pub struct MomentsPush {
+    /// Push constants of `stochastic/fold`; the shader says what the members are.
+    pub struct FoldPush {
         width: u32,
-        count: u32,
+        pixels: u32,
         stratum: u32,
         samples: u32,
-        weight: f32,
-        corrected: u32,
+        first: u32,
         base: u32,
         shift: u32,
     }
@@ -57,21 +49,21 @@ gpu_struct! {
 
 pass! {
     /// Total opacity of each pixel.
-    pub Alpha(StratumPush) = "stochastic/alpha" in "stochastic/alpha.frag" {
+    pub DrawAlpha(StratumPush) = "stochastic/draw-alpha" in "stochastic/draw_alpha" {
         quads: Shared<QuadsGroup>,
     }
 }
 
 pass! {
     /// The nearest fragment of each sample.
-    pub Hold(StratumPush) = "stochastic/hold" in "stochastic/hold.frag" {
+    pub DrawHeld(StratumPush) = "stochastic/draw-held" in "stochastic/draw_held" {
         quads: Shared<QuadsGroup>,
     }
 }
 
 pass! {
     /// What is visible of each fragment, summed.
-    pub Accumulate(StratumPush) = "stochastic/accumulate" in "stochastic/accumulate.frag" {
+    pub DrawSums(StratumPush) = "stochastic/draw-sums" in "stochastic/draw_sums" {
         quads: Shared<QuadsGroup>,
         depths: Texture<DepthSamples>,
         indices: Texture<NumberSamples>,
@@ -79,45 +71,33 @@ pass! {
 }
 
 pass! {
-    /// A stratum into means and spread.
-    pub Fold(MomentsPush) = "stochastic/fold" {
-        depths: Texture<DepthSamples>,
-        sums: Texture<Pixels>,
-        means: ReadWrite<[f32; 4]>,
-        squares: ReadWrite<[f32; 4]>,
-        products: ReadWrite<[f32; 4]>,
-    }
-}
-
-pass! {
-    /// Means and spread to the image.
-    pub Estimate(MomentsPush) = "stochastic/estimate" {
-        alphas: Texture<Pixels>,
-        means: Read<[f32; 4]>,
-        squares: Read<[f32; 4]>,
-        products: Read<[f32; 4]>,
-        image: ReadWrite<[f32; 4]>,
+    /// A stratum from its attachments into buffers.
+    pub Fold(FoldPush) = "stochastic/fold" {
+        held_depths: Texture<DepthSamples>,
+        drawn: Texture<Pixels>,
+        drawn_alpha: Texture<Pixels>,
+        sums: ReadWrite<[f32; 4]>,
+        exact: ReadWrite<f32>,
         depths: ReadWrite<f32>,
-        errors: ReadWrite<[f32; 4]>,
     }
 }
 
-/// The variant of a draw.
-pub fn quad_variant(footprint: Footprint, falloff: Falloff) -> Variant {
-    compose::shape_variant(footprint, falloff)
+/// The variant of `stochastic/fold`.
+pub fn fold_variant(kind: Kind) -> Variant {
+    kind.of(Variant::plain())
 }
 
 /// How depth keys become depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct HeldDepths {
+pub struct HeldDepths {
     base: u32,
     shift: u32,
 }
 
 impl HeldDepths {
     /// Where all depths are positive, 126 octaves of them, beginning 40 before the near plane: none is lost. Only tilted
-    /// discs in orthographic views reach depths of both signs, which lose the key's last two bits.
-    fn new(camera: &Camera, footprint: Footprint) -> Self {
+    /// discs in orthographic views reach depths of both signs, and lose the key's last two bits.
+    pub fn new(camera: &Camera, footprint: Footprint) -> Self {
         let near = camera.near as f32;
         let orthographic = matches!(camera.projection, Projection::Orthographic { .. });
         if near <= 0.0 || (orthographic && footprint == Footprint::Oriented) {
@@ -128,173 +108,150 @@ impl HeldDepths {
     }
 }
 
-/// Everything that stays the same while a window is rendered.
+/// One stratum of a batch.
 #[derive(Clone, Copy)]
-pub struct WindowJob<'a> {
-    /// The projected cloud.
-    pub raster: Raster<'a>,
-    /// The camera.
-    pub camera: &'a Camera,
-    /// Discs and samples.
-    pub stochastic: Stochastic,
-    /// Seed of the masks.
-    pub seed: u64,
-    /// Says how far it is.
-    pub progress: &'a ProgressBar,
+struct Stratum {
+    batch: Batch,
+    /// Its number in the batch.
+    number: u32,
+    depths: HeldDepths,
 }
 
-impl WindowJob<'_> {
-    /// Whether the window shows anything.
-    pub fn is_seen(&self) -> bool {
-        self.raster.stats.iter().any(|s| s.visible > 0)
+impl Stratum {
+    /// Samples that count.
+    fn samples(&self) -> u32 {
+        (self.batch.left - self.number * STRATUM).min(STRATUM)
     }
 
-    fn strata(&self) -> u32 {
-        self.stochastic.samples.div_ceil(STRATUM)
-    }
-
-    /// Samples of a stratum that count.
-    fn samples(&self, stratum: u32) -> u32 {
-        (self.stochastic.samples - stratum * STRATUM).min(STRATUM)
-    }
-
-    fn size(&self) -> [u32; 2] {
-        let [x0, y0, x1, y1] = self.raster.window;
-        [x1 - x0, y1 - y0]
-    }
-
-    fn push(&self, stratum: u32) -> StratumPush {
-        let [key_low, key_high] = random::key(self.seed);
-        let HeldDepths { base, shift } = HeldDepths::new(self.camera, self.raster.footprint);
+    fn push(&self, seed: u64) -> StratumPush {
+        let [key_low, key_high] = random::key(seed);
+        let stratum = self.batch.before / STRATUM + self.number;
+        let HeldDepths { base, shift } = self.depths;
         StratumPush {
             first: 0,
             key_low,
             key_high: key_high.wrapping_add(stratum / STRATA_OF_A_CALL),
             word: stratum % STRATA_OF_A_CALL,
-            samples: self.samples(stratum),
+            samples: self.samples(),
             base,
             shift,
         }
     }
 
-    fn moments(&self, stratum: u32) -> MomentsPush {
-        let HeldDepths { base, shift } = HeldDepths::new(self.camera, self.raster.footprint);
-        let samples = self.stochastic.samples.min((stratum + 1) * STRATUM);
-        MomentsPush {
-            width: self.size()[0],
-            count: bands::pixels(self.raster.window) as u32,
-            stratum: stratum + 1,
-            samples: self.samples(stratum),
-            weight: samples as f32 / (STRATUM * (stratum + 1)) as f32,
-            corrected: u32::from(self.stochastic.alpha_correction),
+    fn fold_push(&self, job: &WindowJob<'_>) -> FoldPush {
+        let HeldDepths { base, shift } = self.depths;
+        FoldPush {
+            width: size(job.bin.raster.window)[0],
+            pixels: job.pixels() as u32,
+            stratum: self.number,
+            samples: self.samples(),
+            first: u32::from(self.batch.before + self.number == 0),
             base,
             shift,
         }
     }
 }
 
-/// Bytes that a pass must at least read and write in its `runs`: `quads` those of all splats, `pixels` those of the image.
-pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) -> Option<u64> {
-    let (held, sum, moments) = (32, 16, 48);
-    match name {
-        "stochastic/alpha" => Some(runs * quads + pixels * 4),
-        "stochastic/hold" => Some(runs * quads + strata * pixels * held),
-        "stochastic/accumulate" => Some(runs * quads + strata * pixels * (held + sum)),
-        // The first stratum reads no moments.
-        "stochastic/fold" => Some(strata * pixels * (held / 2 + sum + moments) + (strata - 1) * pixels * moments),
-        "stochastic/estimate" => Some(pixels * (4 + moments + 20 + 16)),
-        _ => None,
-    }
+fn size([x0, y0, x1, y1]: Window) -> [u32; 2] {
+    [x1 - x0, y1 - y0]
 }
 
-/// Images and buffers, kept from frame to frame.
-pub struct Hardware {
+/// Whether a window shows anything.
+pub fn is_seen(raster: &Raster<'_>) -> bool {
+    raster.stats.iter().any(|s| s.visible > 0)
+}
+
+/// What is drawn into, kept from frame to frame: 52 bytes per pixel.
+pub struct Attachments {
     depths: KeptAttachment,
     indices: KeptAttachment,
     sums: KeptAttachment,
     alphas: KeptAttachment,
-    means: Kept<[f32; 4]>,
-    squares: Kept<[f32; 4]>,
-    products: Kept<[f32; 4]>,
-    errors: Kept<[f32; 4]>,
 }
 
-impl Default for Hardware {
+impl Default for Attachments {
     fn default() -> Self {
         Self {
             depths: KeptAttachment::new("sample depths", Format::Depth, SAMPLES),
             indices: KeptAttachment::new("sample indices", Format::Number, SAMPLES),
             sums: KeptAttachment::new("stratum sums", Format::Color, 1),
             alphas: KeptAttachment::new("total opacity", Format::Number, 1),
-            means: Kept::new("stratum means", Memory::Device),
-            squares: Kept::new("stratum squares", Memory::Device),
-            products: Kept::new("stratum products", Memory::Device),
-            errors: Kept::new("standard errors", Memory::Device),
         }
     }
 }
 
-impl Hardware {
-    /// Renders a window into the target.
-    pub fn render(
+impl Attachments {
+    fn reserve(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        for image in [&mut self.depths, &mut self.indices, &mut self.sums, &mut self.alphas] {
+            image.reserve(device, size)?;
+        }
+        Ok(())
+    }
+
+    /// Frees them.
+    pub(super) fn release(&mut self) {
+        for image in [&mut self.depths, &mut self.indices, &mut self.sums, &mut self.alphas] {
+            image.release();
+        }
+    }
+}
+
+impl Sampler {
+    /// Renders a window into the target by the rasteriser.
+    pub fn draw(
         &mut self,
         device: &Device,
         job: &WindowJob<'_>,
+        depths: HeldDepths,
         target: &Target,
         timeline: &mut Timeline,
         facts: &mut Facts,
     ) -> Result<(), Error> {
-        let window = job.raster.window;
-        self.reserve(device, job)?;
+        let window = job.bin.raster.window;
+        self.reserve_drawing(device, job)?;
         let mut recorder = device.recorder()?;
-        if !job.is_seen() {
-            record_nothing(&mut recorder, target, window)?;
-            recorder.fill("image/clear", self.errors.get().all(), 0)?;
-        } else {
-            if job.stochastic.alpha_correction {
-                self.record_alpha(&mut recorder, job)?;
-            }
-            for stratum in 0..job.strata() {
-                if stratum > 0 && stratum % BATCH == 0 {
-                    timeline.add(recorder.submit("stochastic/accumulate")?);
-                    job.progress.set_message(format!("rendering, {} samples", stratum * STRATUM));
-                    recorder = device.recorder()?;
-                }
-                self.record_stratum(&mut recorder, job, stratum)?;
-            }
-            self.record_estimate(&mut recorder, job, target)?;
+        if is_seen(&job.bin.raster) {
             facts.bands += 1;
+            if job.kind().exact {
+                let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
+                self.record_alpha(&mut recorder, job, push)?;
+            }
+            for batch in batches(job.settings.samples) {
+                for number in 0..batch.left.div_ceil(STRATUM) {
+                    self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
+                }
+                self.record_gather(&mut recorder, job, batch, target)?;
+                timeline.add(recorder.submit("stochastic/draw-held and draw-sums")?);
+                job.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                recorder = device.recorder()?;
+            }
+            self.record_resolve(&mut recorder, job, target)?;
+        } else {
+            record_nothing(&mut recorder, target, window)?;
+            recorder.fill("image/clear", self.spread.get().all(), 0)?;
         }
-        target.record_read_back(&mut recorder, bands::pixels(window))?;
-        timeline.add(recorder.submit("stochastic/estimate")?);
+        target.record_read_back(&mut recorder, job.pixels())?;
+        timeline.add(recorder.submit("stochastic/resolve")?);
         Ok(())
     }
 
-    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
-        let (size, pixels) = (job.size(), bands::pixels(job.raster.window));
-        self.depths.reserve(device, size)?;
-        self.indices.reserve(device, size)?;
-        self.sums.reserve(device, size)?;
-        self.alphas.reserve(device, size)?;
-        self.means.reserve(device, pixels)?;
-        self.squares.reserve(device, pixels)?;
-        self.products.reserve(device, pixels)?;
-        self.errors.reserve(device, pixels)?;
-        Ok(())
+    fn reserve_drawing(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        self.keys.release();
+        self.indices.release();
+        self.reserve_sums(device, job)?;
+        self.attachments.reserve(device, size(job.bin.raster.window))
     }
 
-    /// Standard errors of R, G and B of every pixel of the window, in its order; what the last rendered window left.
-    pub fn read_errors(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
-        let errors = self.errors.get().read(0, bands::pixels(window))?;
-        Ok(errors.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
-    }
-
-    fn record_alpha<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
-        let targets =
-            Targets { color: Some((self.alphas.get(), Blend::Cover)), depth: None, clear: Some(0.0) };
-        let variant = quad_variant(job.raster.footprint, job.stochastic.discs.falloff);
-        let push = |first| StratumPush { first, ..job.push(0) };
-        job.raster.draw(recorder, &variant, targets, |quads| Alpha { quads }, push)?;
+    fn record_alpha<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stratum: Stratum,
+    ) -> Result<(), Error> {
+        let color = Some((self.attachments.alphas.get(), Blend::Cover));
+        let targets = Targets { color, depth: None, clear: Some(0.0) };
+        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+        job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads| DrawAlpha { quads }, push)?;
         Ok(())
     }
 
@@ -302,37 +259,47 @@ impl Hardware {
         &'a self,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
-        stratum: u32,
-    ) -> Result<(), Error> {
-        let variant = quad_variant(job.raster.footprint, job.stochastic.discs.falloff);
-        let push = |first| StratumPush { first, ..job.push(stratum) };
-        let (depths, indices, sums) = (self.depths.get(), self.indices.get(), self.sums.get());
-        let held =
-            Targets { color: Some((indices, Blend::Replace)), depth: Some(depths), clear: Some(f32::MAX) };
-        job.raster.draw(recorder, &variant, held, |quads| Hold { quads }, push)?;
-        let summed = Targets { color: Some((sums, Blend::Add)), depth: None, clear: Some(0.0) };
-        job.raster.draw(recorder, &variant, summed, |quads| Accumulate { quads, depths, indices }, push)?;
-        let (means, squares, products) = (self.means.get().all(), self.squares.get().all(), self.products.get().all());
-        let push = job.moments(stratum);
-        let run = Run::new(Dispatch::Invocations(push.count.into())).push(&push);
-        recorder.run(&Fold { depths, sums, means, squares, products }, &run)?;
-        Ok(())
-    }
-
-    fn record_estimate<'a>(
-        &'a self,
-        recorder: &mut Recorder<'a>,
-        job: &WindowJob<'a>,
+        stratum: Stratum,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let push = job.moments(job.strata() - 1);
-        // Without correction the total opacity was never drawn; something must be bound in its place.
-        let alphas = if job.stochastic.alpha_correction { self.alphas.get() } else { self.sums.get() };
-        let (means, squares, products) = (self.means.get().all(), self.squares.get().all(), self.products.get().all());
-        let (image, depths, errors) = (target.image(), target.depths(), self.errors.get().all());
-        let estimate = Estimate { alphas, means, squares, products, image, depths, errors };
-        recorder.run(&estimate, &Run::new(Dispatch::Invocations(push.count.into())).push(&push))?;
+        let Attachments { depths, indices, sums, alphas } = &self.attachments;
+        let (depths, indices, drawn) = (depths.get(), indices.get(), sums.get());
+        let (raster, variant) = (job.bin.raster, draw_variant(job));
+        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+        let held = Targets { color: Some((indices, Blend::Replace)), depth: Some(depths), clear: Some(f32::MAX) };
+        raster.draw(recorder, &variant, held, |quads| DrawHeld { quads }, push)?;
+        let summed = Targets { color: Some((drawn, Blend::Add)), depth: None, clear: Some(0.0) };
+        raster.draw(recorder, &variant, summed, |quads| DrawSums { quads, depths, indices }, push)?;
+        let fold = Fold {
+            held_depths: depths,
+            drawn,
+            // Without correction total opacity was never drawn; something must be bound in its place.
+            drawn_alpha: if job.kind().exact { alphas.get() } else { drawn },
+            sums: self.sums.get().all(),
+            exact: self.exact.get().all(),
+            depths: target.depths(),
+        };
+        let push = stratum.fold_push(job);
+        let run = Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(fold_variant(job.kind()));
+        recorder.run(&fold, &run)?;
         Ok(())
+    }
+}
+
+fn draw_variant(job: &WindowJob<'_>) -> Variant {
+    compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff)
+}
+
+/// Bytes that a pass must at least read and write in its `runs`: `quads` those of all splats, `pixels` those of the image.
+pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) -> Option<u64> {
+    // Depths and indices of the samples, and a color.
+    let (held, color) = (32, 16);
+    match name {
+        "stochastic/draw-alpha" => Some(runs * quads + pixels * 4),
+        "stochastic/draw-held" => Some(runs * quads + strata * pixels * held),
+        "stochastic/draw-sums" => Some(runs * quads + strata * pixels * (held + color)),
+        "stochastic/fold" => Some(strata * pixels * (held / 2 + 2 * color + 4)),
+        _ => None,
     }
 }
 
@@ -359,6 +326,14 @@ mod tests {
         assert_eq!(HeldDepths::new(&camera(orthographic, 0.5), Footprint::Disc).shift, 0);
         for (near, footprint) in [(0.5, Footprint::Oriented), (0.0, Footprint::Disc), (-3.0, Footprint::Disc)] {
             assert_eq!(HeldDepths::new(&camera(orthographic, near), footprint), HeldDepths { base: 0, shift: 2 });
+        }
+    }
+
+    #[test]
+    fn drawing_takes_no_more_memory_than_the_windows_leave() {
+        for spread in [false, true] {
+            let drawn = 52 + 16 * Kind { exact: true, spread }.sums(super::super::MOST_STRATA);
+            assert!(drawn + 4 + if spread { 32 } else { 0 } <= super::super::pixel_bytes(spread));
         }
     }
 }

@@ -1,5 +1,5 @@
-// stochastic/accumulate: sum of alpha c vis and of alpha vis over the fragments of each pixel, by blending; vis is the share
-// of the stratum's samples that hold nothing before the fragment. Reference: reference::stochastic::stratum.
+// stochastic/draw-sums: sum of alpha c and of alpha over the fragments of each pixel and the samples that hold nothing before
+// the fragment, in strata, by blending. Reference: reference::stochastic::stratum.
 #import stochastic_quad
 #import held
 
@@ -27,5 +27,6 @@ fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) 
     let index = bitcast<u32>(held_index(push.first + i));
     var visible = seen(place, 0u, depth, index) + seen(place, 1u, depth, index);
     visible += seen(place, 2u, depth, index) + seen(place, 3u, depth, index);
-    return found.color.a * (visible / f32(push.samples)) * vec4<f32>(found.color.rgb, 1.0);
+    // The arithmetic of stochastic/accumulate.
+    return vec4<f32>(found.color.rgb, 1.0) * found.color.a * 0.25 * visible;
 }

@@ -1,4 +1,4 @@
-// stochastic/alpha: total opacity of each pixel. One draw of all splats; blending makes A + alpha (1 - A) of A, in whatever
+// stochastic/draw-alpha: total opacity of each pixel. One draw of all splats; blending makes A + alpha (1 - A) of A, in whatever
 // order the fragments come. Reference: the A of reference::abuffer::composite.
 #import stochastic_quad
 
