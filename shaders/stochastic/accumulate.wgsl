@@ -5,12 +5,12 @@
 // Reference: reference::stochastic::stratum.
 #import splat
 #import stochastic
-#import tile_fold
-@group(0) @binding(7) var<storage, read> held_keys: array<vec4<u32>>;
-@group(0) @binding(8) var<storage, read> held_indices: array<vec4<u32>>;
-@group(0) @binding(9) var<storage, read_write> sums: array<vec4<f32>>;
-@group(0) @binding(10) var<storage, read_write> exact: array<f32>;
-@group(0) @binding(11) var<storage, read_write> depths: array<f32>;
+#import region_fold
+@group(0) @binding(8) var<storage, read> held_keys: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read> held_indices: array<vec4<u32>>;
+@group(0) @binding(10) var<storage, read_write> sums: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read_write> exact: array<f32>;
+@group(0) @binding(12) var<storage, read_write> depths: array<f32>;
 
 // 1: each stratum by itself, too.
 override SPREAD: u32 = 0u;
@@ -24,27 +24,27 @@ struct Sums {
     exact: f32,
 }
 
-#each held var<private> held_{held}: Held;
-#each held var<private> sum_{held}: Sums;
+var<private> held: Held;
+var<private> sum: Sums;
 
 // Samples of a stratum in which a fragment is visible: nothing nearer is held there.
-fn visible_in(held: ptr<private, Held>, s: u32, fragment: Fragment) -> u32 {
-    let before = vec4<u32>(fragment.depth_key) < (*held).keys[s];
-    let level = vec4<u32>(fragment.depth_key) == (*held).keys[s];
-    let visible = before | (level & (vec4<u32>(fragment.index) <= (*held).indices[s]));
+fn visible_in(s: u32, fragment: Fragment) -> u32 {
+    let before = vec4<u32>(fragment.depth_key) < held.keys[s];
+    let level = vec4<u32>(fragment.depth_key) == held.keys[s];
+    let visible = before | (level & (vec4<u32>(fragment.index) <= held.indices[s]));
     let one = select(vec4<u32>(0u), vec4<u32>(1u), visible);
     return one.x + one.y + one.z + one.w;
 }
 
-fn add(held: ptr<private, Held>, sum: ptr<private, Sums>, fragment: Fragment) {
+fn add(fragment: Fragment) {
     let color = vec4<f32>(fragment.color.rgb, 1.0) * fragment.color.a * 0.25;
     var samples = 0u;
-#each stratum     let visible{stratum} = visible_in(held, {stratum}u, fragment);
+#each stratum     let visible{stratum} = visible_in({stratum}u, fragment);
 #each stratum     samples += visible{stratum};
-#each stratum     if SPREAD != 0u { (*sum).each[{stratum}u] += color * f32(visible{stratum}); }
-    (*sum).all += color * f32(samples);
+#each stratum     if SPREAD != 0u { sum.each[{stratum}u] += color * f32(visible{stratum}); }
+    sum.all += color * f32(samples);
     if EXACT != 0u {
-        (*sum).exact += fragment.color.a * (1.0 - (*sum).exact);
+        sum.exact += fragment.color.a * (1.0 - sum.exact);
     }
 }
 
@@ -54,29 +54,21 @@ fn taken(held: vec4<u32>, s: u32, otherwise: u32) -> vec4<u32> {
     return select(vec4<u32>(otherwise), held, is_taken);
 }
 
-fn load(pixel: vec2<u32>) -> Held {
-    var held: Held;
+fn load(pixel: vec2<u32>) {
     let p = window_index(min(pixel, view.window.zw - 1u), view.window);
 #each stratum     held.keys[{stratum}u] = taken(held_keys[{stratum}u * push.pixels + p], {stratum}u, 0u);
 #each stratum     held.indices[{stratum}u] = taken(held_indices[{stratum}u * push.pixels + p], {stratum}u, 0u);
-    return held;
-}
-
-fn load_sums(pixel: vec2<u32>) -> Sums {
-    var sum: Sums;
     sum.all = vec4<f32>(0.0);
     sum.exact = 0.0;
 #each stratum     sum.each[{stratum}u] = vec4<f32>(0.0);
     if LATER != 0u {
-        let p = window_index(min(pixel, view.window.zw - 1u), view.window);
         sum.all = sums[p];
         if EXACT != 0u { sum.exact = exact[p]; }
 #each stratum         if SPREAD != 0u { sum.each[{stratum}u] = sums[({stratum}u + 1u) * push.pixels + p]; }
     }
-    return sum;
 }
 
-fn store(held: Held, sum: Sums, pixel: vec2<u32>) {
+fn store(pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
@@ -85,26 +77,26 @@ fn store(held: Held, sum: Sums, pixel: vec2<u32>) {
     if EXACT != 0u { exact[p] = sum.exact; }
 #each stratum     if SPREAD != 0u { sums[({stratum}u + 1u) * push.pixels + p] = sum.each[{stratum}u]; }
     if LATER == 0u {
-        depths[p] = min(nearest(held), select(depths[p], bitcast<f32>(0x7f800000u), push.before == 0u));
+        depths[p] = min(nearest(), select(depths[p], bitcast<f32>(0x7f800000u), push.before == 0u));
     }
 }
 
 // The nearest depth that a sample holds; those that are not taken hold 0.
-fn nearest(held: Held) -> f32 {
+fn nearest() -> f32 {
     var least = vec4<u32>(NOTHING);
 #each stratum     least = min(least, held.keys[{stratum}u] - 1u);
     let key = min(min(least.x, least.y), min(least.z, least.w)) + 1u;
     return select(key_depth(key), bitcast<f32>(0x7f800000u), key == NOTHING || key == 0u);
 }
 
-fn begin(i: u32, pixel: vec2<u32>) {
-#each held     if i == {held}u { held_{held} = load(pixel); sum_{held} = load_sums(pixel); }
+fn begin(pixel: vec2<u32>) {
+    load(pixel);
 }
 
-fn visit(i: u32, pixel: vec2<u32>, fragment: Fragment) {
-#each held     if i == {held}u { add(&held_{held}, &sum_{held}, fragment); }
+fn visit(pixel: vec2<u32>, fragment: Fragment) {
+    add(fragment);
 }
 
-fn finish(i: u32, pixel: vec2<u32>) {
-#each held     if i == {held}u { store(held_{held}, sum_{held}, pixel); }
+fn finish(pixel: vec2<u32>) {
+    store(pixel);
 }

@@ -4,43 +4,30 @@
 // Reference: reference::stochastic::stratum, the places that samples hold.
 #import splat
 #import stochastic
-#import tile_fold
-@group(0) @binding(7) var<storage, read_write> held_keys: array<vec4<u32>>;
-@group(0) @binding(8) var<storage, read_write> held_indices: array<vec4<u32>>;
+#import region_fold
+@group(0) @binding(8) var<storage, read_write> held_keys: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> held_indices: array<vec4<u32>>;
 
-#each held var<private> held_{held}: Held;
+var<private> held: Held;
 
-fn hold(held: ptr<private, Held>, s: u32, mask: u32, fragment: Fragment) {
+fn hold(s: u32, mask: u32, fragment: Fragment) {
     let covered = (vec4<u32>(mask) & vec4<u32>(1u, 2u, 4u, 8u)) != vec4<u32>(0u);
-    let nearer = covered & (vec4<u32>(fragment.depth_key) < (*held).keys[s]);
-    (*held).keys[s] = select((*held).keys[s], vec4<u32>(fragment.depth_key), nearer);
-    (*held).indices[s] = select((*held).indices[s], vec4<u32>(fragment.index), nearer);
+    let nearer = covered & (vec4<u32>(fragment.depth_key) < held.keys[s]);
+    held.keys[s] = select(held.keys[s], vec4<u32>(fragment.depth_key), nearer);
+    held.indices[s] = select(held.indices[s], vec4<u32>(fragment.index), nearer);
 }
 
-fn hold_all(held: ptr<private, Held>, pixel: vec2<u32>, fragment: Fragment) {
-#each pair     let words{pair} = words_of(pixel, fragment.index, vec2<u32>(push.key_low, push.key_high + {pair}u));
-#each pair     hold(held, 2u * {pair}u, mask_of(fragment.color.a, words{pair}.x), fragment);
-#each pair     hold(held, 2u * {pair}u + 1u, mask_of(fragment.color.a, words{pair}.y), fragment);
-}
-
-fn nothing() -> Held {
-    var held: Held;
+fn load(pixel: vec2<u32>) {
 #each stratum     held.keys[{stratum}u] = vec4<u32>(NOTHING);
 #each stratum     held.indices[{stratum}u] = vec4<u32>(NOTHING);
-    return held;
-}
-
-fn load(pixel: vec2<u32>) -> Held {
-    var held = nothing();
     if LATER != 0u && all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
 #each stratum         held.keys[{stratum}u] = held_keys[{stratum}u * push.pixels + p];
 #each stratum         held.indices[{stratum}u] = held_indices[{stratum}u * push.pixels + p];
     }
-    return held;
 }
 
-fn store(held: Held, pixel: vec2<u32>) {
+fn store(pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
 #each stratum         held_keys[{stratum}u * push.pixels + p] = held.keys[{stratum}u];
@@ -48,14 +35,16 @@ fn store(held: Held, pixel: vec2<u32>) {
     }
 }
 
-fn begin(i: u32, pixel: vec2<u32>) {
-#each held     if i == {held}u { held_{held} = load(pixel); }
+fn begin(pixel: vec2<u32>) {
+    load(pixel);
 }
 
-fn visit(i: u32, pixel: vec2<u32>, fragment: Fragment) {
-#each held     if i == {held}u { hold_all(&held_{held}, pixel, fragment); }
+fn visit(pixel: vec2<u32>, fragment: Fragment) {
+#each pair     let words{pair} = words_of(pixel, fragment.index, vec2<u32>(push.key_low, push.key_high + {pair}u));
+#each pair     hold(2u * {pair}u, mask_of(fragment.color.a, words{pair}.x), fragment);
+#each pair     hold(2u * {pair}u + 1u, mask_of(fragment.color.a, words{pair}.y), fragment);
 }
 
-fn finish(i: u32, pixel: vec2<u32>) {
-#each held     if i == {held}u { store(held_{held}, pixel); }
+fn finish(pixel: vec2<u32>) {
+    store(pixel);
 }

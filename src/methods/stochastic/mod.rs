@@ -85,8 +85,8 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// Adds the overrides of both.
-    fn of(self, variant: Variant) -> Variant {
+    /// A variant with the overrides of both.
+    pub fn of(self, variant: Variant) -> Variant {
         variant.with("SPREAD", u32::from(self.spread)).with("EXACT", u32::from(self.exact))
     }
 
@@ -262,8 +262,7 @@ impl Sampler {
         batch: Batch,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let pass =
-            Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
+        let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = GatherPush { pixels: job.pixels() as u32, before: batch.before, left: batch.left };
         let variant = gather_variant(job.kind(), batch.strata);
         recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;
@@ -276,8 +275,7 @@ impl Sampler {
         job: &WindowJob<'a>,
         target: &'a Target,
     ) -> Result<(), Error> {
-        let pass =
-            Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
+        let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = ResolvePush { pixels: job.pixels() as u32, samples: job.settings.samples };
         let variant = resolve_variant(job.kind());
         recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;

@@ -29,6 +29,7 @@ pass! {
     /// What each sample holds.
     pub Visibility(StochasticPush) = "stochastic/visibility" {
         tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
         held_keys: ReadWrite<[u32; 4]>,
         held_indices: ReadWrite<[u32; 4]>,
     }
@@ -38,6 +39,7 @@ pass! {
     /// What is visible of each fragment.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {
         tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
         held_keys: Read<[u32; 4]>,
         held_indices: Read<[u32; 4]>,
         sums: ReadWrite<[f32; 4]>,
@@ -49,7 +51,7 @@ pass! {
 /// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
 /// from what earlier ones left.
 pub fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
-    bin::fold_variant(shape, later, subgroup)
+    bin::region_variant(shape, later, subgroup)
         .constant("STRATA", strata)
         .each("stratum", strata)
         .each("pair", strata / STRATA_OF_A_CALL)
@@ -68,9 +70,10 @@ impl Sampler {
         let cloud = job.bin.raster.cloud;
         let (held_keys, held_indices) = (self.keys.get().all(), self.indices.get().all());
         let folding = tiles.folding(cloud.view());
-        let visibility = Visibility { tiles: folding, held_keys, held_indices };
+        let visibility = Visibility { tiles: folding, rectangles: tiles.rectangles, held_keys, held_indices };
         let accumulate = Accumulate {
             tiles: folding,
+            rectangles: tiles.rectangles,
             held_keys,
             held_indices,
             sums: self.sums.get().all(),
@@ -83,7 +86,7 @@ impl Sampler {
             let push = push(job, binned.fold_push(segment), batch);
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
         };
-        let dispatch = || Run::new(Dispatch::Groups(binned.tiles().into()));
+        let dispatch = || Run::new(Dispatch::Groups(u64::from(binned.tiles()) * u64::from(bin::BLOCKS)));
         for segment in 0..binned.segments() {
             let (push, variant) = runs(segment);
             recorder.run(&visibility, &dispatch().push(&push).variant(variant))?;
