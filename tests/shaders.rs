@@ -2,6 +2,7 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
+use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat, stochastic};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
@@ -64,6 +65,12 @@ fn blend_variants() -> Vec<Variant> {
     later
         .flat_map(|(shape, stop, later)| SUBGROUPS.map(|size| sorted::blend_variant(shape.clone(), stop, later, size)))
         .collect()
+}
+
+/// The variants of the draws of `stochastic`.
+fn draw_variants() -> Vec<Variant> {
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    shapes.iter().flat_map(|s| [Falloff::Flat, Falloff::Gaussian].map(|f| compose::shape_variant(*s, f))).collect()
 }
 
 /// The variants of the tile passes of `stochastic`, with the kinds and strata that go with them.
@@ -142,6 +149,10 @@ fn every_shader_matches_its_pass_in_every_variant() {
         stochastic().map(|(_, kind, strata)| stochastic::gather_variant(kind, strata)),
     );
     check::<stochastic::Resolve>(&mut seen, stochastic().map(|(_, kind, _)| stochastic::resolve_variant(kind)));
+    check::<hardware::DrawAlpha>(&mut seen, draw_variants());
+    check::<hardware::DrawHeld>(&mut seen, draw_variants());
+    check::<hardware::DrawSums>(&mut seen, draw_variants());
+    check::<hardware::Fold>(&mut seen, stochastic().map(|(_, kind, _)| hardware::fold_variant(kind)));
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
@@ -168,6 +179,8 @@ fn every_compute_shader_has_the_common_workgroup() {
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
+        } else if stem.starts_with("stochastic/draw_") {
+            assert_eq!(format!("{stage:?}"), "Fragment");
         } else {
             let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
             let by_subgroup = [

@@ -261,13 +261,7 @@ impl Device {
     }
 
     /// An image of `samples` samples per pixel to draw into and read; its content is undefined. [`DeviceInfo::multisampled`] bounds its size.
-    pub fn attachment(
-        &self,
-        name: &str,
-        format: Format,
-        samples: u32,
-        size: [u32; 2],
-    ) -> Result<Attachment, Error> {
+    pub fn attachment(&self, name: &str, format: Format, samples: u32, size: [u32; 2]) -> Result<Attachment, Error> {
         Attachment::new(&self.0, name, format, samples, size)
     }
 

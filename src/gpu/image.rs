@@ -162,8 +162,8 @@ impl Attachment {
             .format(self.format.raw())
             .subresource_range(self.range());
         // SAFETY: the image has its memory; the view is destroyed in drop.
-        self.view = unsafe { context.device.create_image_view(&info, None) }
-            .map_err(Error::call("vkCreateImageView"))?;
+        self.view =
+            unsafe { context.device.create_image_view(&info, None) }.map_err(Error::call("vkCreateImageView"))?;
         Ok(())
     }
 

@@ -21,9 +21,7 @@ mod spirv;
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
 pub use error::Error;
-pub use image::{
-    Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture,
-};
+pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass, Resource};

@@ -242,8 +242,7 @@ impl<'a> Recorder<'a> {
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
         let colors: Vec<_> = draw.targets.color.iter().map(|(image, _)| draw.targets.info(image, clear)).collect();
         let depth = draw.targets.depth.map(|image| draw.targets.info(image, far));
-        let mut rendering =
-            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        let mut rendering = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
         if let Some(depth) = &depth {
             rendering = rendering.depth_attachment(depth);
         }

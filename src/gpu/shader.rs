@@ -335,7 +335,8 @@ fn check_bindings(
         if binding.name != name {
             return Err(error(stem, format!("binding {index} is {name:?} in WGSL and {:?} in the pass", binding.name)));
         }
-        let access = access_of(variable.space).ok_or_else(|| error(stem, format!("{name}: neither a buffer nor a texture")))?;
+        let access =
+            access_of(variable.space).ok_or_else(|| error(stem, format!("{name}: neither a buffer nor a texture")))?;
         if access != binding.access {
             return Err(error(stem, format!("{name}: {access:?} in WGSL, {:?} in the pass", binding.access)));
         }

@@ -8,8 +8,8 @@
 use super::{Batch, Kind, Sampler, WindowJob, batches};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{
-    Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES, Targets,
-    Variant,
+    Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
+    Targets, Variant,
 };
 use crate::methods::Error;
 use crate::methods::abuffer::record_nothing;
