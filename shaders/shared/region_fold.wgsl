@@ -1,6 +1,6 @@
-// As tile_fold, for stages that do much for each fragment and keep much for each pixel: one subgroup per block of a tile goes
-// through the tile's splats once for each of the block's small regions, of which every invocation has one pixel. So few
-// invocations idle where splats are small, and the stage's code stands there once.
+// As tile_fold, for stages that do much for each fragment and keep much for each pixel: one subgroup per block of a tile picks
+// those of the tile's splats that touch the block, and goes through them once for each of the block's small regions, of which
+// every invocation has one pixel. So few invocations idle where splats are small, and the stage's code stands there once.
 //
 // The stage imports `splat`, declares its push constants, of which the first members are those of tile_fold, and defines
 //     begin(pixel)             before the first splat of a run
@@ -20,8 +20,8 @@
 @group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> rectangles: array<vec2<u32>>;
 
-// Splats of a tile that one run takes: with 64 / SUBGROUP regions and an iteration for each splat and step, an invocation
-// stays below what CPU drivers allow.
+// Splats of a tile that one run takes, PICKED at most: with 64 / SUBGROUP regions and an iteration for each splat and step, an
+// invocation stays below what CPU drivers allow.
 override TAKEN: u32 = 1u;
 override LATER: u32 = 0u;
 const FALLOFF_GAUSSIAN = 1u;
@@ -50,11 +50,43 @@ fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pi
     return Fragment(c, key, record.y);
 }
 
+// Those of the run's splats that touch the block, by rank.
+var<workgroup> picked: array<u32, PICKED>;
+
+fn splat_of(footprint: vec4<u32>) -> Splat {
+    return Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
+}
+
+// Picks the splats that may touch a block, in their order; returns how many.
+fn pick(low: vec2<u32>, start: u32, end: u32, lane: u32) -> u32 {
+    var count = 0u;
+    for (var next = start; next < end; next += SUBGROUP) {
+        let rank = entries[min(next + lane, end - 1u)];
+        var near = next + lane < end;
+        if SHAPE == SHAPE_ORIENTED {
+            near = near && meets(rank, low, vec2<u32>(SIDE));
+        } else {
+            near = near && touches(splat_of(footprints[rank]), low);
+        }
+        let found = subgroupBallot(near).x;
+        if near {
+            picked[count + countOneBits(found & ((1u << lane) - 1u))] = rank;
+        }
+        count += countOneBits(found);
+    }
+    return count;
+}
+
+// Whether a splat's rectangle meets that of some pixels.
+fn meets(rank: u32, low: vec2<u32>, size: vec2<u32>) -> bool {
+    let rectangle = rectangles[rank];
+    return all(bounds_min(rectangle) < low + size) && all(bounds_max(rectangle) > low);
+}
+
 // Whether a splat may touch a region; as `touches`, or by the rectangle of an oriented disc.
 fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
     if SHAPE == SHAPE_ORIENTED {
-        let rectangle = rectangles[rank];
-        return all(bounds_min(rectangle) < low + REGION) && all(bounds_max(rectangle) > low);
+        return meets(rank, low, REGION);
     }
     let half = 0.5 * vec2<f32>(REGION - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
@@ -64,21 +96,20 @@ fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
     return dot(outside, outside) <= reach * reach;
 }
 
-// The splats from `start` to `end` of a tile's list, to the pixels of one region.
-fn over_region(low: vec2<u32>, pixel: vec2<u32>, start: u32, end: u32, lane: u32) {
+// The picked splats to the pixels of one region.
+fn over_region(low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
     begin(pixel);
-    for (var next = start; next < end; next += SUBGROUP) {
-        let rank = entries[min(next + lane, end - 1u)];
-        let footprint = footprints[rank];
+    for (var next = 0u; next < count; next += SUBGROUP) {
+        let rank = picked[min(next + lane, count - 1u)];
         let color = colors[rank];
         let record = records[rank];
-        var splat = Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
+        var splat = splat_of(footprints[rank]);
         var tilt = Tilt(vec4<f32>(0.0));
         if SHAPE == SHAPE_ORIENTED {
             tilt.normal = slopes[rank];
             splat.depth = key_depth(record.x + push.nearest);
         }
-        var left = subgroupBallot(next + lane < end && touches_region(splat, rank, low)).x;
+        var left = subgroupBallot(next + lane < count && touches_region(splat, rank, low)).x;
         while left != 0u {
             let k = firstTrailingBit(left);
             left &= left - 1u;
@@ -125,9 +156,11 @@ fn main(
     }
     let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE
         + block_corner(group % (BLOCKS * BLOCKS));
+    let count = pick(corner, start, end, lane);
+    workgroupBarrier();
     let across = SIDE / REGION.x;
     for (var region = 0u; region < HELD; region += 1u) {
         let low = corner + vec2<u32>(region % across, region / across) * REGION;
-        over_region(low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), start, end, lane);
+        over_region(low, low + vec2<u32>(lane % REGION.x, lane / REGION.x), count, lane);
     }
 }

@@ -753,7 +753,8 @@ pub fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
 
 /// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
 pub fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
-    fold_variant(shape, later, subgroup).constant("REGION_COLUMNS", pattern(subgroup)[0])
+    let columns = pattern(subgroup)[0];
+    fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
 }
 
 /// Blocks of a tile: workgroups of such a stage for each.
@@ -815,8 +816,9 @@ mod tests {
         // Blending: up to four blocks of every splat, and the steps.
         for subgroup in [4, 8, 16, 32] {
             assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
-            // Block by block: every splat and the steps, for each of the block's regions.
-            assert!((SEGMENT + SEGMENT.div_ceil(subgroup) + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
+            // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
+            let steps = SEGMENT.div_ceil(subgroup);
+            assert!(steps + (SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
         }
     }
 
