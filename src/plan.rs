@@ -9,6 +9,7 @@ use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
+use crate::random::STRATUM;
 use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
 
 /// One pass of the frame plan.
@@ -99,6 +100,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     };
     plan.rest(&SORTED, &without("splats are not sorted"));
     plan.rest(&STOCHASTIC, &without("no samples"));
+    plan.rest(&DRAWN, &without("no samples"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -148,6 +150,8 @@ const SORTED: [&str; 11] = {
 /// The passes of stochastic transparency, without those that it shares.
 const STOCHASTIC: [&str; 4] =
     ["stochastic/visibility", "stochastic/accumulate", "stochastic/gather", "stochastic/resolve"];
+/// The passes by which the rasteriser takes the samples.
+const DRAWN: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
@@ -311,8 +315,36 @@ impl Plan {
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
     }
 
+    /// The rasteriser's samples, stratum by stratum.
+    fn drawn(&mut self, frame: &Frame, facts: &Facts, of: &Stochastic, seen: bool, why: &str) {
+        if frame.fragments {
+            self.count(frame, facts, seen, "lengths of lists are asked for", true, 0);
+        }
+        let strata = of.samples.div_ceil(STRATUM);
+        let alpha = if of.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" };
+        for (name, on, reason) in [
+            ("stochastic/draw-alpha", of.alpha_correction, alpha.to_owned()),
+            ("stochastic/draw-held", true, format!("{why}; {} samples in {strata} draws", of.samples)),
+            ("stochastic/draw-sums", true, format!("what is visible in the samples, in {strata} draws")),
+            ("stochastic/fold", true, "from attachments to sums".to_owned()),
+            ("stochastic/gather", true, "the sums of each run to those before".to_owned()),
+            ("stochastic/resolve", true, format!("sums to color and A; {alpha}")),
+        ] {
+            self.add(name, seen && on, if seen { reason } else { NOTHING.to_owned() });
+        }
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.rest(&STOCHASTIC, "the rasteriser takes the samples");
+        self.rest(&SORTED, &format!("splats are blended in no order: {why}"));
+        self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
+        self.rest(&list_passes(), &format!("samples, not lists: {why}"));
+    }
+
     /// Splats in tiles, and what goes through them for each few strata of samples.
     fn stochastic(&mut self, device: &Device, frame: &Frame, facts: &Facts, of: &Stochastic, seen: bool, why: &str) {
+        if facts.raster == "hardware" {
+            return self.drawn(frame, facts, of, seen, why);
+        }
         let counters = if seen { self.order(device, frame, facts, "tiles give each pixel to one subgroup") } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);

@@ -97,7 +97,7 @@ fn samples_are_those_of_the_reference() {
             assert_eq!(image.fragments.as_deref(), Some(&wanted.0.counts[..]));
             // Another seed's samples are others, and the comparison notices.
             let other = sampled(&points, &camera, size, &settings, 8);
-            assert!(share_off(image, &other, bound) > 0.3, "{settings:?}");
+            assert!(share_off(image, &other, bound) > 0.01, "{settings:?}");
         }
     });
 }
@@ -166,10 +166,10 @@ fn the_bytes_depend_on_nothing_but_the_scene() {
 fn chunks_draw_one_after_another() {
     let settings = stochastic(DiscShape::Oriented, Falloff::Flat, 6, true);
     let frame = frame(perspective(), [40, 30], Method::Stochastic(settings));
-    let points = scene(&tied());
+    let points = scene(&soup(9, 140_000, 0.0..0.02, 0.0..0.3, true));
     let (mut whole, mut cut) = (None, None);
     with_device(|device| whole = Some(drawn(device, &points, &frame)));
-    with_device_that_binds(Some(12 << 10), |device| {
+    with_device_that_binds(Some(2 << 20), |device| {
         let renderer = Renderer::new(device).expect("a renderer");
         assert!(renderer.upload(&points).expect("fits").chunks().count() >= 3);
         drop(renderer);
