@@ -132,6 +132,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         fragments: false,
         stop: Stop::Exact,
         seed: 0,
+        max_error: None,
     };
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
@@ -277,6 +278,7 @@ fn frame(method: Method) -> Frame {
         fragments: false,
         stop: Stop::Exact,
         seed: 0,
+        max_error: None,
     }
 }
 

@@ -51,6 +51,7 @@
 //!     fragments: true,
 //!     stop: Stop::Exact,
 //!     seed: 0,
+//!     max_error: None,
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!
@@ -83,6 +84,7 @@ pub mod plan;
 pub mod points;
 pub mod prepare;
 pub mod profile;
+pub mod random;
 pub mod reference;
 pub mod report;
 pub mod scene;

@@ -3,13 +3,14 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
-use crate::methods::{Facts, Frame, Renderer, cost};
-use crate::passes::bin;
+use crate::methods::{Facts, Frame, Renderer, cost, stochastic};
+use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
-use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel};
+use crate::random::STRATUM;
+use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
 
 /// One pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -86,7 +87,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
         Method::Sorted(_) => plan.sorted(device, frame, facts, seen, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
-        Method::Stochastic(_) | Method::Hybrid(_) | Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => {}
+        Method::Stochastic(settings) => plan.stochastic(device, frame, facts, &settings, seen, why),
+        Method::Hybrid(_) | Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => {}
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
@@ -97,6 +99,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         None => format!("no transparency: {why}"),
     };
     plan.rest(&SORTED, &without("splats are not sorted"));
+    plan.rest(&STOCHASTIC, &without("no samples"));
+    plan.rest(&DRAWN, &without("no samples"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -143,6 +147,11 @@ const SORTED: [&str; 11] = {
     }
     all
 };
+/// The passes of stochastic transparency, without those that it shares.
+const STOCHASTIC: [&str; 4] =
+    ["stochastic/visibility", "stochastic/accumulate", "stochastic/gather", "stochastic/resolve"];
+/// The passes by which the rasteriser takes the samples.
+const DRAWN: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
@@ -261,14 +270,19 @@ impl Plan {
     fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
         let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
-        let by_digit = format!("depths have {bits} bits: {digits} digit(s) of {digit}");
+        let by = match frame.method.order() {
+            Order::Depth => "in order of depth",
+            Order::Index => "in canonical order",
+            Order::File => "in the files' order",
+        };
+        let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
         let zero = || "counters start at zero".to_owned();
         let reasons = [
-            format!("{why}: {} splats by depth", facts.visible),
+            format!("{why}: {} splats {by}", facts.visible),
             zero(),
             by_digit.clone(),
             by_digit,
-            "splats are read in order of depth".to_owned(),
+            format!("splats are read {by}"),
             zero(),
             format!("{} counters of tiles and runs of splats", facts.tile_cells),
             "the longest list of a tile decides how often tiles are run".to_owned(),
@@ -299,6 +313,60 @@ impl Plan {
         self.rest(&SORTED, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
+    }
+
+    /// The rasteriser's samples, stratum by stratum.
+    fn drawn(&mut self, frame: &Frame, facts: &Facts, of: &Stochastic, seen: bool, why: &str) {
+        if frame.fragments {
+            self.count(frame, facts, seen, "lengths of lists are asked for", true, 0);
+        }
+        let strata = of.samples.div_ceil(STRATUM);
+        let alpha = if of.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" };
+        for (name, on, reason) in [
+            ("stochastic/draw-alpha", of.alpha_correction, alpha.to_owned()),
+            ("stochastic/draw-held", true, format!("{why}; {} samples in {strata} draws", of.samples)),
+            ("stochastic/draw-sums", true, format!("what is visible in the samples, in {strata} draws")),
+            ("stochastic/fold", true, "from attachments to sums".to_owned()),
+            ("stochastic/gather", true, "the sums of each run to those before".to_owned()),
+            ("stochastic/resolve", true, format!("sums to color and A; {alpha}")),
+        ] {
+            self.add(name, seen && on, if seen { reason } else { NOTHING.to_owned() });
+        }
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.rest(&STOCHASTIC, "the rasteriser takes the samples");
+        self.rest(&SORTED, &format!("splats are blended in no order: {why}"));
+        self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
+        self.rest(&list_passes(), &format!("samples, not lists: {why}"));
+    }
+
+    /// Splats in tiles, and what goes through them for each few strata of samples.
+    fn stochastic(&mut self, device: &Device, frame: &Frame, facts: &Facts, of: &Stochastic, seen: bool, why: &str) {
+        if facts.raster == "hardware" {
+            return self.drawn(frame, facts, of, seen, why);
+        }
+        let counters = if seen { self.order(device, frame, facts, "tiles give each pixel to one subgroup") } else { 0 };
+        if frame.fragments {
+            self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
+        } else {
+            self.scan(counters, "counters of digits and tiles");
+        }
+        let (samples, runs) = (of.samples, stochastic::batches(of.samples).count());
+        let alpha = if of.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" };
+        let reasons = [
+            format!("{why}; {samples} samples in {runs} run(s) over the splats"),
+            format!("what is visible in {samples} samples; {alpha}"),
+            "the sums of each run to those before".to_owned(),
+            format!("sums to color and A; {alpha}"),
+        ];
+        for (name, reason) in STOCHASTIC.into_iter().zip(reasons) {
+            self.add(name, seen, if seen { reason } else { NOTHING.to_owned() });
+        }
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.rest(&SORTED, &format!("splats are blended in no order: {why}"));
+        self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
+        self.rest(&list_passes(), &format!("samples, not lists: {why}"));
     }
 
     /// The lists of large splats by tile; returns the longest prefix sum that they need.

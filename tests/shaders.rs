@@ -2,7 +2,8 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
-use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat};
+use pellucid::methods::stochastic::hardware;
+use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat, stochastic};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Projecting};
@@ -66,6 +67,27 @@ fn blend_variants() -> Vec<Variant> {
         .collect()
 }
 
+/// The variants of the draws of `stochastic`.
+fn draw_variants() -> Vec<Variant> {
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    shapes.iter().flat_map(|s| [Falloff::Flat, Falloff::Gaussian].map(|f| compose::shape_variant(*s, f))).collect()
+}
+
+/// The variants of the tile passes of `stochastic`, with the kinds and strata that go with them.
+fn stochastic_variants() -> Vec<(Variant, stochastic::Kind, u32)> {
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    let shapes = shapes.iter().flat_map(|s| [Falloff::Flat, Falloff::Gaussian].map(|f| compose::shape_variant(*s, f)));
+    let later = shapes.flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
+    let sizes = later.flat_map(|(shape, later)| SUBGROUPS.map(|size| (shape.clone(), later, size)));
+    let strata = sizes.flat_map(|tile| [2, 4].map(|strata| (tile.clone(), strata)));
+    let of = |((shape, later, size), strata), exact, spread| {
+        let kind = stochastic::Kind { exact, spread };
+        (stochastic::tile_variant(shape, strata, later, size), kind, strata)
+    };
+    let kinds = [[false, false], [false, true], [true, false], [true, true]];
+    strata.flat_map(|tile| kinds.map(|[exact, spread]| of(tile.clone(), exact, spread))).collect()
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
@@ -119,6 +141,18 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<bin::Measure>(&mut seen, [Variant::plain()]);
     check::<bin::TileStore>(&mut seen, SUBGROUPS.map(|size| bin::tile_variant().subgroup(size)));
     check::<sorted::Blend>(&mut seen, blend_variants());
+    let stochastic = || stochastic_variants().into_iter();
+    check::<stochastic::Visibility>(&mut seen, stochastic().map(|(tiles, ..)| tiles));
+    check::<stochastic::Accumulate>(&mut seen, stochastic().map(|(tiles, kind, _)| kind.of(tiles)));
+    check::<stochastic::Gather>(
+        &mut seen,
+        stochastic().map(|(_, kind, strata)| stochastic::gather_variant(kind, strata)),
+    );
+    check::<stochastic::Resolve>(&mut seen, stochastic().map(|(_, kind, _)| stochastic::resolve_variant(kind)));
+    check::<hardware::DrawAlpha>(&mut seen, draw_variants());
+    check::<hardware::DrawHeld>(&mut seen, draw_variants());
+    check::<hardware::DrawSums>(&mut seen, draw_variants());
+    check::<hardware::Fold>(&mut seen, stochastic().map(|(_, kind, _)| hardware::fold_variant(kind)));
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
@@ -135,6 +169,8 @@ fn every_compute_shader_has_the_common_workgroup() {
     for stem in shader::stems() {
         let variant = match stem.as_str() {
             "sorted/blend" => blend_variants().remove(0),
+            "stochastic/visibility" | "stochastic/accumulate" => stochastic_variants().remove(0).0,
+            "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
@@ -143,11 +179,20 @@ fn every_compute_shader_has_the_common_workgroup() {
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
+        } else if stem.starts_with("stochastic/draw_") {
+            assert_eq!(format!("{stage:?}"), "Fragment");
         } else {
             let single = ["abuffer/groups", "abuffer/run_groups", "peel/next"].contains(&stem.as_str());
-            let by_subgroup =
-                ["radix/scatter", "sorted/blend", "bin/tile_store", "abuffer/count_tiles", "abuffer/store_tiles"]
-                    .contains(&stem.as_str());
+            let by_subgroup = [
+                "radix/scatter",
+                "sorted/blend",
+                "bin/tile_store",
+                "abuffer/count_tiles",
+                "abuffer/store_tiles",
+                "stochastic/visibility",
+                "stochastic/accumulate",
+            ]
+            .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
             let wanted = if by_subgroup { SUBGROUPS[0] } else { wanted };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");

@@ -1,6 +1,9 @@
 // splat/quad.vert: two triangles over each splat's rectangle of pixels; six pulled vertices per splat, no vertex buffer.
-// Vertices lie on pixel corners, so that exactly the rectangle's pixels get a fragment.
-#import raster
+// Vertices lie on pixel corners, so that exactly the rectangle's pixels get a fragment, and all samples of them.
+#import camera
+#import splat
+
+@group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
 
 struct Vertex {
     @builtin(position) position: vec4<f32>,

@@ -4,7 +4,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::methods::Stop;
-use pellucid::scene::Method;
 use pellucid::{Result, plan};
 use serde_json::json;
 
@@ -29,7 +28,7 @@ pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
     // As `profile` renders: with list lengths, but for a method that has no lists.
-    session.frame.fragments = !matches!(session.frame.method, Method::Sorted(_));
+    session.frame.fragments = !session.frame.method.is_tiled();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
     let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);

@@ -4,7 +4,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::methods::Stop;
-use pellucid::scene::Method;
 use pellucid::{Result, profile};
 
 use super::input::{InputArgs, prepare};
@@ -54,7 +53,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let mut profile = session.profile();
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    if let Method::Sorted(_) = session.frame.method {
+    if session.frame.method.is_tiled() {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }

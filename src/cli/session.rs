@@ -45,6 +45,7 @@ impl Session {
             fragments,
             stop,
             seed: resolved.seed,
+            max_error: None,
         };
         let mut renderer = Renderer::new(&device)?;
         let mut cloud = renderer.upload(&resolved.points)?;
@@ -76,6 +77,9 @@ impl Session {
         }
         if facts.layers > 0 {
             talk.detail(format_args!("{} layers peeled", facts.layers));
+        }
+        if facts.samples > 0 {
+            talk.detail(format_args!("{} samples per pixel", facts.samples));
         }
         talk.detail(format_args!(
             "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",

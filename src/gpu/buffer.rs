@@ -81,7 +81,7 @@ impl<T: GpuType> Buffer<T> {
             .ok_or_else(out_of_memory)?;
         // SAFETY: the memory is fresh and large enough, at the offset that the allocator aligned.
         let bound = unsafe { context.device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
-        context.note_allocation(raw.as_raw(), name, requirements.size);
+        context.note_allocation((vk::Buffer::TYPE, raw.as_raw()), name, requirements.size);
         buffer.allocation = Some(allocation);
         bound.map_err(Error::call("vkBindBufferMemory"))?;
         Ok(buffer)
@@ -184,7 +184,7 @@ impl<T: GpuType> Buffer<T> {
 
 impl<T> Drop for Buffer<T> {
     fn drop(&mut self) {
-        self.context.forget_allocation(self.raw.as_raw());
+        self.context.forget_allocation((vk::Buffer::TYPE, self.raw.as_raw()));
         // SAFETY: every submission is waited for before its recorder returns, so the device no longer uses the buffer.
         unsafe { self.context.device.destroy_buffer(self.raw, None) };
         if let Some(allocation) = self.allocation.take() {

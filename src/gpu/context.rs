@@ -28,7 +28,8 @@ pub struct Context {
     /// Held for every submission: a queue and a command pool must not be used from two threads at once.
     pub submission: Mutex<()>,
     allocator: Mutex<Option<Allocator>>,
-    live: Mutex<HashMap<u64, (String, u64)>>,
+    /// Names and sizes by kind and handle: handles of different kinds may be equal.
+    live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
     peak: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
     cache_key: String,
@@ -109,11 +110,11 @@ impl Context {
         now
     }
 
-    pub fn note_allocation(&self, key: u64, name: &str, bytes: u64) {
+    pub fn note_allocation(&self, key: (vk::ObjectType, u64), name: &str, bytes: u64) {
         lock(&self.live).insert(key, (name.to_owned(), bytes));
     }
 
-    pub fn forget_allocation(&self, key: u64) {
+    pub fn forget_allocation(&self, key: (vk::ObjectType, u64)) {
         lock(&self.live).remove(&key);
     }
 

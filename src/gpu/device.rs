@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::context::Context;
+use super::image::{self, Attachment, Format};
 use super::instance::Instance;
 use super::{Buffer, Error, GpuType, Memory, Recorder};
 
@@ -66,6 +67,8 @@ pub struct DeviceInfo {
     pub int64_atomics: bool,
     /// Optional: storage writes and atomics in fragment shaders, so that the rasteriser can be used.
     pub fragment_atomics: bool,
+    /// Optional: largest width and height of attachments with 4 samples per pixel, and of those that blend floats.
+    pub multisampled: Option<[u32; 2]>,
     /// Optional: counts of shader invocations.
     pub pipeline_statistics: bool,
     /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
@@ -182,6 +185,7 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         int64_atomics: core.shader_int64 == vk::TRUE
             && (features12.shader_buffer_int64_atomics == vk::TRUE || atomics.shader_buffer_int64_atomics == vk::TRUE),
         fragment_atomics: core.fragment_stores_and_atomics == vk::TRUE,
+        multisampled: image::multisampled_size(instance, physical),
         pipeline_statistics: core.pipeline_statistics_query == vk::TRUE,
         subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
@@ -254,6 +258,11 @@ impl Device {
         let buffer = self.buffer(name, (data.len() as u64).max(1), Memory::Device)?;
         buffer.upload(data)?;
         Ok(buffer)
+    }
+
+    /// An image of `samples` samples per pixel to draw into and read; its content is undefined. [`DeviceInfo::multisampled`] bounds its size.
+    pub fn attachment(&self, name: &str, format: Format, samples: u32, size: [u32; 2]) -> Result<Attachment, Error> {
+        Attachment::new(&self.0, name, format, samples, size)
     }
 
     /// A new recorder.

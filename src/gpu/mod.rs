@@ -1,6 +1,6 @@
 //! The device layer: everything that talks to Vulkan, and the only place with `unsafe`.
 //!
-//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`shader`] turns WGSL into SPIR-V,
+//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`Attachment`] an image, [`shader`] turns WGSL into SPIR-V,
 //! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
 
 mod buffer;
@@ -8,6 +8,7 @@ pub(crate) mod cache;
 mod context;
 mod device;
 mod error;
+mod image;
 mod instance;
 mod kept;
 pub mod layout;
@@ -20,10 +21,12 @@ mod spirv;
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
 pub use error::Error;
+pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};
-pub use pass::{Access, Binding, Group, PARTS, Pass};
-pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Vertices};
+pub use pass::{Access, Binding, Group, PARTS, Pass, Resource};
+pub use pipeline::{Blend, Outputs};
+pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use shader::Variant;
 
 pub(crate) use context::Context;

@@ -1,5 +1,7 @@
 //! What a pass binds, declared once in Rust and compared with its shader.
 
+use ash::vk;
+
 use super::{RawSlice, Shape};
 
 /// How a shader may use a binding.
@@ -11,6 +13,23 @@ pub enum Access {
     Read,
     /// `var<storage, read_write>`
     ReadWrite,
+    /// `var` of a texture that is only loaded from.
+    Texture,
+}
+
+/// What is bound.
+#[derive(Debug, Clone, Copy)]
+pub enum Resource {
+    /// A range of a buffer.
+    Buffer(RawSlice),
+    /// An attachment, to be read.
+    Texture(vk::ImageView),
+}
+
+impl From<RawSlice> for Resource {
+    fn from(slice: RawSlice) -> Self {
+        Self::Buffer(slice)
+    }
 }
 
 /// One binding of group 0; its number is its place in the list.
@@ -20,11 +39,11 @@ pub struct Binding {
     pub name: &'static str,
     /// What the shader may do.
     pub access: Access,
-    /// Shape of the element (storage: a runtime-sized array of it; uniform: itself).
+    /// Shape of the element (storage: a runtime-sized array of it; uniform, texture: itself).
     pub shape: Shape,
 }
 
-/// A pass: a struct of named buffers. Made by [`pass!`](crate::pass).
+/// A pass: a struct of named buffers and textures. Made by [`pass!`](crate::pass).
 pub trait Pass {
     /// Method and stage, as in `abuffer/store`: the timing label too.
     const NAME: &'static str;
@@ -34,8 +53,8 @@ pub trait Pass {
     fn bindings() -> Vec<Binding>;
     /// Shape of the push constants, if any.
     fn push() -> Option<Shape>;
-    /// The buffers in the order of the bindings.
-    fn resources(&self) -> Vec<RawSlice>;
+    /// The buffers and textures in the order of the bindings.
+    fn resources(&self) -> Vec<Resource>;
 }
 
 /// Bindings that several passes share, in their order. Made by [`group!`](crate::group).
@@ -45,15 +64,15 @@ pub trait Group {
     /// The declared bindings.
     fn bindings() -> Vec<Binding>;
     /// The buffers in the order of the bindings.
-    fn resources(buffers: &Self::At<'_>) -> Vec<RawSlice>;
+    fn resources(buffers: &Self::At<'_>) -> Vec<Resource>;
 }
 
 /// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
 pub const PARTS: usize = 4;
 
 /// Declares a pass: name of the timing label, the shader file if it is called otherwise, push constants, bindings.
-/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …, or
-/// `Shared<G>`: all bindings of a [`Group`].
+/// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
+/// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a [`Group`].
 ///
 /// ```ignore
 /// pass! {
@@ -86,7 +105,7 @@ macro_rules! pass {
                 $(shape = Some(<$push as $crate::gpu::GpuType>::shape());)?
                 shape
             }
-            fn resources(&self) -> Vec<$crate::gpu::RawSlice> {
+            fn resources(&self) -> Vec<$crate::gpu::Resource> {
                 [$($crate::pass!(@resource self.$field, $access, $type)),*].concat()
             }
         }
@@ -95,6 +114,15 @@ macro_rules! pass {
     (@bind $field:ident, Shared, $type:ty) => { <$type as $crate::gpu::Group>::bindings() };
     (@resource $buffers:expr, Shared, $type:ty) => { <$type as $crate::gpu::Group>::resources(&$buffers) };
     (@first $first:literal $(, $rest:literal)*) => { $first };
+    (@type Texture $life:lifetime, $type:ty) => { &$life $crate::gpu::Attachment };
+    (@bind $field:ident, Texture, $type:ty) => {
+        vec![$crate::gpu::Binding {
+            name: stringify!($field),
+            access: $crate::gpu::Access::Texture,
+            shape: $crate::gpu::Shape::Plain(<$type as $crate::gpu::Texture>::WGSL),
+        }]
+    };
+    (@resource $texture:expr, Texture, $type:ty) => { vec![$texture.texture()] };
     (@type Parts $life:lifetime, $type:ty) => { [$crate::gpu::Slice<$life, $type>; $crate::gpu::PARTS] };
     (@type $access:ident $life:lifetime, $type:ty) => { $crate::gpu::Slice<$life, $type> };
     (@bind $field:ident, Parts, $type:ty) => {
@@ -118,8 +146,8 @@ macro_rules! pass {
             shape: <$type as $crate::gpu::GpuType>::shape(),
         }]
     };
-    (@resource $slices:expr, Parts, $type:ty) => { $slices.map(|s| s.raw()).to_vec() };
-    (@resource $slice:expr, $access:ident, $type:ty) => { vec![$slice.raw()] };
+    (@resource $slices:expr, Parts, $type:ty) => { $slices.map(|s| s.raw().into()).to_vec() };
+    (@resource $slice:expr, $access:ident, $type:ty) => { vec![$slice.raw().into()] };
 }
 
 /// Declares bindings that several passes share: a struct of buffers, and the type that stands for it in `Shared<…>`.
@@ -141,7 +169,7 @@ macro_rules! group {
             fn bindings() -> Vec<$crate::gpu::Binding> {
                 [$($crate::pass!(@bind $field, $access, $type)),*].concat()
             }
-            fn resources(buffers: &$name<'_>) -> Vec<$crate::gpu::RawSlice> {
+            fn resources(buffers: &$name<'_>) -> Vec<$crate::gpu::Resource> {
                 [$($crate::pass!(@resource buffers.$field, $access, $type)),*].concat()
             }
         }

@@ -4,10 +4,37 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Access, Context, Error, Pass, Variant, shader};
+use super::{Access, Context, Error, Format, Pass, Variant, shader};
 
-/// Pass, variant, and whether it draws.
-pub type PipelineKey = (&'static str, String, bool);
+/// Pass, variant, and what a draw has for outputs; `None` for compute.
+pub type PipelineKey = (&'static str, String, Option<Outputs>);
+
+/// What a fragment's color does to the one that is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Blend {
+    /// Takes its place.
+    Replace,
+    /// Is added.
+    Add,
+    /// Covers what is left: there + color·(1 − there), component by component.
+    Cover,
+}
+
+/// What a draw writes to besides storage buffers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Outputs {
+    /// A color attachment.
+    pub color: Option<(Format, Blend)>,
+    /// Whether there is a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
+    pub depth: bool,
+    /// Samples per pixel.
+    pub samples: u32,
+}
+
+impl Outputs {
+    /// None.
+    pub const NONE: Self = Self { color: None, depth: false, samples: 1 };
+}
 
 /// Bytes of push constants that every device has.
 const PUSH_BYTES: u32 = 128;
@@ -23,7 +50,7 @@ pub struct Pipeline {
 impl Pipeline {
     /// The compute pipeline of a pass.
     pub fn compute<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), false), || {
+        context.pipeline((P::SHADER, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
             Self::build::<P>(context, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
@@ -42,9 +69,9 @@ impl Pipeline {
         })
     }
 
-    /// The graphics pipeline of a pass that draws triangles without attachments: only storage writes come out.
-    pub fn draw<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), true), || {
+    /// The graphics pipeline of a pass that draws triangles.
+    pub fn draw<P: Pass>(context: &Context, variant: &Variant, outputs: Outputs) -> Result<Arc<Self>, Error> {
+        context.pipeline((P::SHADER, variant.key(), Some(outputs)), || {
             let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             Self::build::<P>(context, stages, |layout| {
@@ -57,10 +84,20 @@ impl Pipeline {
                 let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
                 let rasterization = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
                 let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-                    .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+                    .rasterization_samples(vk::SampleCountFlags::from_raw(outputs.samples));
                 let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
                 let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
-                let mut rendering = vk::PipelineRenderingCreateInfo::default();
+                let colors: Vec<_> = outputs.color.iter().map(|(format, _)| format.raw()).collect();
+                let blends: Vec<_> = outputs.color.iter().map(|(_, blend)| blend_state(*blend)).collect();
+                let blending = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+                let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+                    .depth_test_enable(outputs.depth)
+                    .depth_write_enable(outputs.depth)
+                    .depth_compare_op(vk::CompareOp::LESS);
+                let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&colors);
+                if outputs.depth {
+                    rendering = rendering.depth_attachment_format(Format::Depth.raw());
+                }
                 let info = vk::GraphicsPipelineCreateInfo::default()
                     .stages(&stages)
                     .vertex_input_state(&vertices)
@@ -68,6 +105,8 @@ impl Pipeline {
                     .viewport_state(&viewport)
                     .rasterization_state(&rasterization)
                     .multisample_state(&multisample)
+                    .depth_stencil_state(&depth)
+                    .color_blend_state(&blending)
                     .dynamic_state(&dynamic)
                     .layout(layout)
                     .push_next(&mut rendering);
@@ -88,6 +127,7 @@ impl Pipeline {
             .map(|b| match b.access {
                 Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
                 Access::Read | Access::ReadWrite => vk::DescriptorType::STORAGE_BUFFER,
+                Access::Texture => vk::DescriptorType::SAMPLED_IMAGE,
             })
             .collect();
         let bindings: Vec<_> = (0u32..)
@@ -142,6 +182,21 @@ impl Pipeline {
             device.destroy_descriptor_set_layout(self.set_layout, None);
         }
     }
+}
+
+fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    let source = match blend {
+        Blend::Replace | Blend::Add => vk::BlendFactor::ONE,
+        Blend::Cover => vk::BlendFactor::ONE_MINUS_DST_COLOR,
+    };
+    // For alpha the factor of color means that of alpha.
+    vk::PipelineColorBlendAttachmentState::default()
+        .blend_enable(blend != Blend::Replace)
+        .src_color_blend_factor(source)
+        .dst_color_blend_factor(vk::BlendFactor::ONE)
+        .src_alpha_blend_factor(source)
+        .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+        .color_write_mask(vk::ColorComponentFlags::RGBA)
 }
 
 /// A shader module, destroyed as soon as its pipeline is built.

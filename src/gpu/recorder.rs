@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::context::lock;
-use super::pipeline::Pipeline;
+use super::pipeline::{Blend, Outputs, Pipeline};
 use super::shader::WORKGROUP;
-use super::{Context, Error, GpuType, Pass, RawSlice, Slice, Variant};
+use super::{Attachment, Context, Error, GpuType, Pass, RawSlice, Resource, Slice, Variant};
 
 /// Passes that one pair of query pools covers.
 const QUERY_PASSES: u32 = 128;
@@ -41,13 +41,55 @@ pub enum Vertices<'a> {
     Indirect(Slice<'a, u32>),
 }
 
-/// A draw of plain triangles from pulled vertices, into storage buffers only.
-#[derive(Debug, Clone, Copy)]
+/// Attachments that are drawn into, all of one size and number of samples.
+#[derive(Clone, Copy, Default)]
+pub struct Targets<'a> {
+    /// The color attachment, and what fragments do to it.
+    pub color: Option<(&'a Attachment, Blend)>,
+    /// The depth attachment: the nearest fragment stays, the first of equals.
+    pub depth: Option<&'a Attachment>,
+    /// The value of every component of the color attachment at first, with depths at 1; `None`: what an earlier draw left.
+    pub clear: Option<f32>,
+}
+
+impl<'a> Targets<'a> {
+    fn images(&self) -> impl Iterator<Item = &'a Attachment> {
+        self.color.map(|(image, _)| image).into_iter().chain(self.depth)
+    }
+
+    fn outputs(&self) -> Outputs {
+        Outputs {
+            color: self.color.map(|(image, blend)| (image.format(), blend)),
+            depth: self.depth.is_some(),
+            samples: self.images().next().map_or(1, Attachment::samples),
+        }
+    }
+
+    fn info(&self, image: &Attachment, clear: vk::ClearValue) -> vk::RenderingAttachmentInfo<'static> {
+        let load = if self.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+        vk::RenderingAttachmentInfo::default()
+            .image_view(image.view())
+            .image_layout(DRAWN)
+            .load_op(load)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .clear_value(clear)
+    }
+}
+
+/// The layout in which attachments are drawn into.
+const DRAWN: vk::ImageLayout = vk::ImageLayout::ATTACHMENT_OPTIMAL;
+/// The layout in which they are read, and in which they lie between passes.
+const READ: vk::ImageLayout = vk::ImageLayout::READ_ONLY_OPTIMAL;
+
+/// A draw of plain triangles from pulled vertices, into storage buffers and attachments.
+#[derive(Clone, Copy)]
 pub struct Draw<'a> {
     /// Vertices.
     pub vertices: Vertices<'a>,
     /// Width and height of the area in pixels.
     pub area: [u32; 2],
+    /// Attachments, if any, of that size at least.
+    pub targets: Targets<'a>,
 }
 
 /// Variant, push constants and size of one run of a pass.
@@ -184,7 +226,7 @@ impl<'a> Recorder<'a> {
         push: &[u8],
         draw: Draw<'a>,
     ) -> Result<(), Error> {
-        let pipeline = Pipeline::draw::<P>(&self.context, variant)?;
+        let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs())?;
         let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(P::NAME, true)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
@@ -195,7 +237,17 @@ impl<'a> Recorder<'a> {
             max_depth: 1.0,
             ..Default::default()
         };
-        let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
+        let value = draw.targets.clear.unwrap_or_default();
+        let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [value; 4] } };
+        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
+        let colors: Vec<_> = draw.targets.color.iter().map(|(image, _)| draw.targets.info(image, clear)).collect();
+        let depth = draw.targets.depth.map(|image| draw.targets.info(image, far));
+        let mut rendering = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth {
+            rendering = rendering.depth_attachment(depth);
+        }
+        let before = if draw.targets.clear.is_some() { vk::ImageLayout::UNDEFINED } else { READ };
+        self.image_barrier(draw.targets, before, DRAWN);
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: as in `run`; the area is within the framebuffer limits, which the caller checked. Indirect arguments lie
         // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
@@ -219,6 +271,7 @@ impl<'a> Recorder<'a> {
             }
             device.cmd_end_rendering(commands);
         }
+        self.image_barrier(draw.targets, DRAWN, READ);
         self.end_pass();
         self.pipelines.push(pipeline);
         Ok(())
@@ -416,6 +469,31 @@ impl<'a> Recorder<'a> {
         unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
     }
 
+    /// Takes attachments from one layout to another, if there are any.
+    fn image_barrier(&self, targets: Targets<'_>, from: vk::ImageLayout, to: vk::ImageLayout) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let barriers: Vec<_> = targets
+            .images()
+            .map(|image| {
+                vk::ImageMemoryBarrier2::default()
+                    .src_stage_mask(all)
+                    .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+                    .dst_stage_mask(all)
+                    .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
+                    .old_layout(from)
+                    .new_layout(to)
+                    .image(image.raw())
+                    .subresource_range(image.range())
+            })
+            .collect();
+        if barriers.is_empty() {
+            return;
+        }
+        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: the command buffer is recording outside of a render pass; the images outlive the submission.
+        unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
+    }
+
     fn host_barrier(&self) {
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
@@ -458,7 +536,7 @@ impl<'a> Recorder<'a> {
         &mut self,
         pipeline: &Pipeline,
         name: &str,
-        resources: &[RawSlice],
+        resources: &[Resource],
     ) -> Result<vk::DescriptorSet, Error> {
         let limit = self.context.limits.binding_bytes;
         let needed = resources.len() as u32;
@@ -473,25 +551,33 @@ impl<'a> Recorder<'a> {
         // SAFETY: the pool has room for the set: counted above.
         let set = unsafe { self.context.device.allocate_descriptor_sets(&info) }
             .map_err(Error::call("vkAllocateDescriptorSets"))?[0];
-        let buffers: Vec<_> = resources
-            .iter()
-            .map(|r| [vk::DescriptorBufferInfo { buffer: r.buffer, offset: r.offset, range: r.bytes }])
-            .collect();
-        if let Some(r) = resources.iter().find(|r| r.bytes > limit) {
-            return Err(Error::TooLarge {
-                name: name.to_owned(),
-                bytes: r.bytes,
-                limit,
-                limit_name: "maxStorageBufferRange",
-            });
+        let (mut buffers, mut images) = (Vec::new(), Vec::new());
+        for resource in resources {
+            match *resource {
+                Resource::Buffer(RawSlice { bytes, .. }) if bytes > limit => {
+                    let (name, limit_name) = (name.to_owned(), "maxStorageBufferRange");
+                    return Err(Error::TooLarge { name, bytes, limit, limit_name });
+                }
+                Resource::Buffer(RawSlice { buffer, offset, bytes }) => {
+                    buffers.push([vk::DescriptorBufferInfo { buffer, offset, range: bytes }]);
+                }
+                Resource::Texture(view) => {
+                    images.push([vk::DescriptorImageInfo::default().image_view(view).image_layout(READ)]);
+                }
+            }
         }
+        let (mut buffers, mut images) = (buffers.iter(), images.iter());
         let writes: Vec<_> = (0u32..)
-            .zip(buffers.iter().zip(&pipeline.descriptor_types))
-            .map(|(i, (buffer, ty))| {
-                vk::WriteDescriptorSet::default().dst_set(set).dst_binding(i).descriptor_type(*ty).buffer_info(buffer)
+            .zip(&pipeline.descriptor_types)
+            .map(|(i, ty)| {
+                let write = vk::WriteDescriptorSet::default().dst_set(set).dst_binding(i).descriptor_type(*ty);
+                match *ty {
+                    vk::DescriptorType::SAMPLED_IMAGE => write.image_info(images.next().map_or(&[], |i| i)),
+                    _ => write.buffer_info(buffers.next().map_or(&[], |b| b)),
+                }
             })
             .collect();
-        // SAFETY: set and buffers are live; ranges lie within the buffers.
+        // SAFETY: set, buffers and images are live; ranges lie within the buffers.
         unsafe { self.context.device.update_descriptor_sets(&writes, &[]) };
         Ok(set)
     }
@@ -501,6 +587,7 @@ impl<'a> Recorder<'a> {
         let sizes = [
             vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: per_set * POOL_SETS },
             vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: per_set * POOL_SETS },
+            vk::DescriptorPoolSize { ty: vk::DescriptorType::SAMPLED_IMAGE, descriptor_count: per_set * POOL_SETS },
         ];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(POOL_SETS).pool_sizes(&sizes);
         // SAFETY: a live device; destroyed in drop.

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use include_dir::{Dir, include_dir};
 use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, ShaderStage, StorageAccess, TypeInner};
+use naga::{AddressSpace, ImageClass, ImageDimension, ShaderStage, StorageAccess, TypeInner};
 
 use super::{Access, Binding, Error, Pass, Shape, cache, spirv};
 
@@ -335,7 +335,8 @@ fn check_bindings(
         if binding.name != name {
             return Err(error(stem, format!("binding {index} is {name:?} in WGSL and {:?} in the pass", binding.name)));
         }
-        let access = access_of(variable.space).ok_or_else(|| error(stem, format!("{name}: not a buffer")))?;
+        let access =
+            access_of(variable.space).ok_or_else(|| error(stem, format!("{name}: neither a buffer nor a texture")))?;
         if access != binding.access {
             return Err(error(stem, format!("{name}: {access:?} in WGSL, {:?} in the pass", binding.access)));
         }
@@ -355,6 +356,7 @@ fn access_of(space: AddressSpace) -> Option<Access> {
         AddressSpace::Uniform => Some(Access::Uniform),
         AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Some(Access::ReadWrite),
         AddressSpace::Storage { .. } => Some(Access::Read),
+        AddressSpace::Handle => Some(Access::Texture),
         _ => None,
     }
 }
@@ -391,7 +393,7 @@ fn check_shape(
     }
 }
 
-/// WGSL's name of a scalar or vector of 32- or 64-bit components.
+/// WGSL's name of a scalar or vector of 32- or 64-bit components, or of a texture of floats.
 fn plain_name(inner: &TypeInner) -> Option<String> {
     let scalar_name = |s: naga::Scalar| match (s.kind, s.width) {
         (naga::ScalarKind::Float, 4) => Some("f32"),
@@ -403,6 +405,17 @@ fn plain_name(inner: &TypeInner) -> Option<String> {
     match *inner {
         TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => scalar_name(scalar).map(str::to_owned),
         TypeInner::Vector { size, scalar } => Some(format!("vec{}<{}>", size as u8, scalar_name(scalar)?)),
+        TypeInner::Image { dim: ImageDimension::D2, arrayed: false, class } => texture_name(class).map(str::to_owned),
+        _ => None,
+    }
+}
+
+/// WGSL's name of a two-dimensional texture.
+fn texture_name(class: ImageClass) -> Option<&'static str> {
+    match class {
+        ImageClass::Sampled { kind: naga::ScalarKind::Float, multi: false } => Some("texture_2d<f32>"),
+        ImageClass::Sampled { kind: naga::ScalarKind::Float, multi: true } => Some("texture_multisampled_2d<f32>"),
+        ImageClass::Depth { multi: true } => Some("texture_depth_multisampled_2d"),
         _ => None,
     }
 }

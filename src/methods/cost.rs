@@ -173,6 +173,7 @@ fn frame(side: u32, method: Method) -> Frame {
         fragments: false,
         stop: Stop::Exact,
         seed: 0,
+        max_error: None,
     }
 }
 

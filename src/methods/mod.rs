@@ -9,6 +9,7 @@ pub mod points;
 pub mod renderer;
 pub mod sorted;
 pub mod splat;
+pub mod stochastic;
 
 pub use renderer::{Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
 pub use sorted::Stop;

@@ -11,7 +11,9 @@ use super::cost::Load;
 use super::peel::Peeler;
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
-use super::{Error, Outcome, abuffer, linked_list, peel, splat};
+use super::stochastic::Sampler;
+use super::stochastic::hardware::{self, HeldDepths};
+use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -46,9 +48,17 @@ pub struct Frame {
     pub stop: Stop,
     /// Seed of stochastic methods.
     pub seed: u64,
+    /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
+    /// fewer samples than their settings say.
+    pub max_error: Option<f32>,
 }
 
 impl Frame {
+    /// Whether stochastic methods find their standard error.
+    fn spread(&self) -> bool {
+        matches!(self.method, Method::Stochastic(_)) && (self.fragments || self.max_error.is_some())
+    }
+
     fn check(&self) -> Result<(), Error> {
         let [width, height] = self.size;
         let allowed = 1..=MAX_SIDE;
@@ -81,6 +91,8 @@ pub struct Facts {
     pub max_list: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
+    /// Samples that a stochastic method took of each pixel.
+    pub samples: u32,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -227,6 +239,7 @@ pub struct Renderer {
     bins: Bins,
     opaque: Opaque,
     peeler: Peeler,
+    sampler: Sampler,
     tiles: Tiles,
     target: Target,
     /// An image that was given back.
@@ -248,6 +261,7 @@ impl Renderer {
             bins: Bins::new(device)?,
             opaque: Opaque::default(),
             peeler: Peeler::new(device)?,
+            sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
             spare: None,
@@ -279,25 +293,29 @@ impl Renderer {
         frame.check()?;
         self.device.reset_peak();
         let budget = self.budget(cloud, frame);
-        let mut windows = initial_windows(frame, budget);
+        let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
-        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
-        self.progress.set_position(0);
         let mut image = blank(self.spare.take(), frame);
-        let mut facts = Facts { points: cloud.len(), ..Default::default() };
         let mut timeline = Timeline::default();
-        while let Some(window) = windows.pop() {
-            let mut work = Work { window, budget, timeline: &mut timeline, facts: &mut facts, survey: false };
-            match self.work(cloud, frame, &mut work)? {
-                Outcome::Done => {
-                    self.target.deliver(window, &mut image);
-                    self.deliver_counts(frame, window, &mut image)?;
+        let mut facts = match (frame.method, frame.max_error) {
+            (Method::Stochastic(settings), Some(most)) => {
+                let mut samples = settings.samples.min(stochastic::FIRST_SAMPLES);
+                loop {
+                    let method = Method::Stochastic(Stochastic { samples, ..settings });
+                    let round = Frame { method, ..*frame };
+                    let facts = self.draw(cloud, &round, windows.clone(), budget, &mut image, &mut timeline)?;
+                    let errors = image.stderr.as_deref().unwrap_or_default();
+                    match stochastic::more_samples(samples, settings.samples, errors, most) {
+                        Some(more) => samples = more,
+                        None => break facts,
+                    }
                 }
-                Outcome::Overflow => split(window, &mut windows)?,
             }
-        }
+            _ => self.draw(cloud, frame, windows, budget, &mut image, &mut timeline)?,
+        };
+        image.stderr = image.stderr.filter(|_| frame.fragments);
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
@@ -305,6 +323,32 @@ impl Renderer {
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
+    }
+
+    /// Renders windows, of which the last one comes first, into an image.
+    fn draw(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        mut windows: Vec<Window>,
+        budget: Budget,
+        image: &mut Image,
+        timeline: &mut Timeline,
+    ) -> Result<Facts, Error> {
+        self.progress.set_length(u64::from(frame.size[0]) * u64::from(frame.size[1]));
+        self.progress.set_position(0);
+        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        while let Some(window) = windows.pop() {
+            let mut work = Work { window, budget, timeline, facts: &mut facts, survey: false };
+            match self.work(cloud, frame, &mut work)? {
+                Outcome::Done => {
+                    self.target.deliver(window, image);
+                    self.deliver_counts(frame, window, image)?;
+                }
+                Outcome::Overflow => split(window, &mut windows)?,
+            }
+        }
+        Ok(facts)
     }
 
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
@@ -362,7 +406,10 @@ impl Renderer {
         let tiled = frame.method.is_tiled();
         let listed = frame.fragments || !tiled;
         let asked = frame.method.discs().filter(|_| !tiled).map_or(Raster::Auto, |discs| discs.raster);
-        let walker = self.walker(asked, window)?;
+        let walker = match frame.method {
+            Method::Stochastic(settings) => self.sampling_walker(settings.discs.raster, window)?,
+            _ => self.walker(asked, window)?,
+        };
         let tile_bytes = if listed && walker == Walker::Compute { Tiles::bytes(&stats, window) } else { 0 };
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(budget) = work.budget.with_tiles(tile_bytes).filter(|_| countable) else {
@@ -464,8 +511,16 @@ impl Renderer {
             }
             counted_bytes = bands::pixels(raster.window) * abuffer::PIXEL_BYTES;
         }
+        if let Method::Stochastic(settings) = frame.method {
+            counted_bytes += bands::pixels(raster.window) * stochastic::pixel_bytes(frame.spread());
+            facts.samples = settings.samples;
+        }
         let bin = bin_job(frame, raster, budget, counted_bytes);
-        let outcome = if work.survey {
+        let drawn = matches!(frame.method, Method::Stochastic(_)) && raster.walker == Walker::Hardware;
+        let outcome = if work.survey && drawn {
+            facts.bands += u64::from(hardware::is_seen(&raster));
+            Outcome::Done
+        } else if work.survey {
             Bins::survey(device, &bin, &mut facts)?
         } else {
             let (bins, target, timeline) = (&mut self.bins, &self.target, &mut *work.timeline);
@@ -473,6 +528,17 @@ impl Renderer {
                 Method::Sorted(_) => {
                     let job = sorted::WindowJob { bin, discs, color: frame.color, most_color, stop: frame.stop };
                     sorted::render(bins, device, &job, target, timeline, &mut facts)?
+                }
+                Method::Stochastic(settings) => {
+                    let (seed, spread, progress) = (frame.seed, frame.spread(), &self.progress);
+                    let job = stochastic::WindowJob { bin, settings, seed, spread, progress };
+                    if drawn {
+                        let depths = HeldDepths::new(&frame.camera, raster.footprint);
+                        self.sampler.draw(device, &job, depths, target, timeline, &mut facts)?;
+                        Outcome::Done
+                    } else {
+                        self.sampler.render(bins, device, &job, target, timeline, &mut facts)?
+                    }
                 }
                 _ => return Err(Error::NotYet { method: frame.method.name() }),
             }
@@ -524,6 +590,25 @@ impl Renderer {
         }
     }
 
+    /// Who takes the samples of stochastic transparency.
+    fn sampling_walker(&self, raster: Raster, window: Window) -> Result<Walker, Error> {
+        let info = self.device.info();
+        match raster {
+            Raster::Hardware => {}
+            // Compute was the faster way wherever both were measured (README), but for devices without shuffles.
+            Raster::Auto if info.subgroup.is_none() && info.multisampled.is_some() => {}
+            Raster::Auto | Raster::Compute => return self.walker(Raster::Compute, window),
+        }
+        let [width, height] = [window[2] - window[0], window[3] - window[1]];
+        match info.multisampled {
+            Some([w, h]) if width <= w && height <= h => self.walker(Raster::Hardware, window),
+            _ => {
+                let needed = "attachments with 4 samples per pixel, and blending of floats".to_owned();
+                Err(Error::NoHardwareRaster { device: info.name.clone(), needed })
+            }
+        }
+    }
+
     fn budget(&self, cloud: &DeviceCloud, frame: &Frame) -> Budget {
         let limits = self.device.limits();
         let bytes = frame.memory_budget.unwrap_or_else(|| {
@@ -534,6 +619,10 @@ impl Renderer {
     }
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
+        if let Some(stderr) = &mut image.stderr {
+            let errors = self.sampler.read_stderr(window)?;
+            place_counts(frame, window, &errors, stderr);
+        }
         if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
@@ -566,8 +655,8 @@ fn bin_job<'a>(frame: &Frame, raster: raster::Raster<'a>, budget: Budget, counte
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub(super) const ORDERED_AREA: u64 = 32;
 
-/// Copies one number for each of the window's pixels into those of the image.
-fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]) {
+/// Copies one value for each of the window's pixels into those of the image.
+fn place_counts<T: Copy>(frame: &Frame, window: Window, counts: &[T], image: &mut [T]) {
     let width = (window[2] - window[0]) as usize;
     for (row, counts) in counts.chunks(width).enumerate() {
         let to = (window[1] as usize + row) * frame.size[0] as usize + window[0] as usize;
@@ -577,7 +666,15 @@ fn place_counts(frame: &Frame, window: Window, counts: &[u32], image: &mut [u32]
 
 /// The windows of a frame, the first one last.
 fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
+    let listed = if frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
     let pixel_bytes = match frame.method {
+        Method::Stochastic(_) => {
+            let bytes = listed + bin::PIXEL_BYTES + stochastic::pixel_bytes(frame.spread());
+            let most = stochastic::window_pixels(budget, bytes, frame.spread());
+            let mut windows = bands::windows(frame.size, most);
+            windows.reverse();
+            return windows;
+        }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         method if method.is_tiled() => {
@@ -649,7 +746,7 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let pixels = width as usize * height as usize;
     let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
-    let stderr = (frame.fragments && matches!(frame.method, Method::Stochastic(_))).then(|| vec![[0.0; 3]; pixels]);
+    let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
         Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, stderr, ..image },
         _ => Image { width, height, rgba: vec![[0.0; 4]; pixels], depth: vec![0.0; pixels], fragments, layers, stderr },
@@ -738,6 +835,11 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
+        _ if name.starts_with("stochastic/") => {
+            let Method::Stochastic(Stochastic { samples, .. }) = frame.method else { return None };
+            let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
+            hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels)
+        }
         _ => bin::least_bytes(name, runs, facts, splat),
     }
 }

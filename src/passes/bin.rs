@@ -314,6 +314,8 @@ pub struct OrderedTiles<'a> {
     pub colors: Slice<'a, [f32; 4]>,
     /// Tilts by rank; a single element unless the cloud has normals.
     pub slopes: Slice<'a, [f32; 4]>,
+    /// Rectangles of pixels, by rank.
+    pub rectangles: Slice<'a, Bounds>,
 }
 
 impl<'a> OrderedTiles<'a> {
@@ -533,6 +535,7 @@ impl Bins {
             footprints: self.footprints.get().all(),
             colors: self.colors.get().all(),
             slopes: self.slopes.get().all(),
+            rectangles: self.rectangles.get().all(),
         }
     }
 
@@ -748,6 +751,15 @@ pub fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     blocks(shape, subgroup).with("LATER", u32::from(later))
 }
 
+/// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
+pub fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+    let columns = pattern(subgroup)[0];
+    fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
+}
+
+/// Blocks of a tile: workgroups of such a stage for each.
+pub const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
+
 /// The variant of stages that go through ordered tiles.
 pub fn gather_variant(subgroup: u32) -> Variant {
     blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
@@ -804,6 +816,9 @@ mod tests {
         // Blending: up to four blocks of every splat, and the steps.
         for subgroup in [4, 8, 16, 32] {
             assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
+            // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
+            let steps = SEGMENT.div_ceil(subgroup);
+            assert!(steps + (SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
         }
     }
 

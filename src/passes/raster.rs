@@ -3,7 +3,7 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::tiles::{self, SEGMENT, TILE, Tiles};
-use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Variant, Vertices};
+use crate::gpu::{Dispatch, Draw, Error, GpuType, Pass, Recorder, Run, Slice, Targets, Variant, Vertices};
 use crate::methods::bands::{Band, Window};
 use crate::{gpu_struct, group};
 
@@ -45,6 +45,22 @@ group! {
         tile_starts: Read<u32>,
         /// Large splats of the tiles.
         tile_entries: Read<u32>,
+    }
+}
+
+group! {
+    /// What a stage binds that draws a chunk's splats into attachments.
+    pub Quads as QuadsGroup {
+        /// The camera.
+        camera: Uniform<View>,
+        /// The chunk's splats.
+        splats: Read<Splat>,
+        /// Their tilts.
+        tilts: Read<Tilt>,
+        /// Their rectangles.
+        bounds: Read<Bounds>,
+        /// Colors as blended, and opacities.
+        colors: Read<[f32; 4]>,
     }
 }
 
@@ -119,6 +135,33 @@ impl<'a> Raster<'a> {
         self.visits(band).map(of).collect()
     }
 
+    /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants from the
+    /// index of a chunk's first splat. At least one splat must be visible, or nothing is drawn, not even what is cleared.
+    pub fn draw<P: Pass + 'a, T: GpuType>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        variant: &Variant,
+        mut targets: Targets<'a>,
+        stage: impl Fn(Quads<'a>) -> P,
+        push: impl Fn(u32) -> T,
+    ) -> Result<(), Error> {
+        let [x0, y0, x1, y1] = self.window;
+        for ((first, count), _) in self.cloud.chunks().zip(self.stats).filter(|(_, stats)| stats.visible > 0) {
+            let cloud = self.cloud;
+            let pass = stage(Quads {
+                camera: cloud.view(),
+                splats: cloud.splats.slice(first, count),
+                tilts: self.tilts(first, count),
+                bounds: cloud.bounds.slice(first, count),
+                colors: cloud.colors.slice(first, count),
+            });
+            let draw = Draw { vertices: Vertices::Count(6 * count as u32), area: [x1 - x0, y1 - y0], targets };
+            recorder.draw(&pass, variant, bytemuck::bytes_of(&push(first as u32)), draw)?;
+            targets.clear = None;
+        }
+        Ok(())
+    }
+
     fn record_visits<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
@@ -138,7 +181,7 @@ impl<'a> Raster<'a> {
                 }
                 Amount::Vertices(count) => {
                     let vertices = arguments.map_or(Vertices::Count(count), Vertices::Indirect);
-                    let draw = Draw { vertices, area: [x1 - x0, y1 - y0] };
+                    let draw = Draw { vertices, area: [x1 - x0, y1 - y0], targets: Targets::default() };
                     recorder.draw(&pass, &variant, bytemuck::bytes_of(&visit.push), draw)?;
                 }
             }
@@ -183,13 +226,18 @@ impl<'a> Raster<'a> {
         [first * columns, (last - first + 1) * columns]
     }
 
+    /// Tilts of a chunk, or a stand-in where discs are flat.
+    fn tilts(&self, first: u64, count: u64) -> Slice<'a, Tilt> {
+        let oriented = self.footprint == Footprint::Oriented;
+        if oriented { self.cloud.tilts_of(first, count) } else { self.cloud.tilts.slice(0, 1) }
+    }
+
     fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {
         let cloud = self.cloud;
-        let oriented = self.footprint == Footprint::Oriented;
         Chunk {
             camera: cloud.view(),
             splats: cloud.splats.slice(first, count),
-            tilts: if oriented { cloud.tilts_of(first, count) } else { cloud.tilts.slice(0, 1) },
+            tilts: self.tilts(first, count),
             bounds: cloud.bounds.slice(first, count),
             tile_starts: self.tiles.starts_of(self.stats, chunk, self.window),
             tile_entries: self.tiles.entries_of(self.stats, chunk),

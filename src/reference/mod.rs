@@ -10,6 +10,7 @@ pub mod scan;
 pub mod shading;
 pub mod sorted;
 pub mod splat;
+pub mod stochastic;
 
 use glam::DVec3;
 

@@ -215,6 +215,14 @@ fn the_plan_is_what_runs() {
         let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
         assert_planned(&folder, &[&["row.ply", "--size", "7x9", "--opacity", "0.5"], &hardware[..]].concat());
     }
+    if opened.info().multisampled.is_some() && opened.info().fragment_atomics {
+        let samples = ["--method", "stochastic", "--set", "method.raster=hardware", "--set", "method.samples=6"];
+        for more in [&["row.ply"][..], &["row.ply", "--set", "method.alpha_correction=false"], &[&tori]] {
+            let drawn = assert_planned(&folder, &[&["--size", "40x30", "-q"], more, &samples[..]].concat());
+            assert!(has(&drawn, "stochastic/draw-sums") && !has(&drawn, "stochastic/accumulate"), "{drawn:?}");
+            assert_eq!(has(&drawn, "stochastic/draw-alpha"), !more.iter().any(|arg| arg.ends_with("false")));
+        }
+    }
     // Layers: all of them and one, short and long lists, large splats and small ones.
     let peel = ["--method", "peel", "--size", "40x30", "-q"];
     for more in [&["--set", "method.layers=0"][..], &["--set", "method.layers=1"]] {

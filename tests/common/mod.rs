@@ -133,6 +133,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         fragments: true,
         stop: Stop::Exact,
         seed: 0,
+        max_error: None,
     }
 }
 

@@ -66,6 +66,7 @@ mod oriented_discs;
 mod peeling;
 mod shaded;
 mod sorted_splats;
+mod stochastic_samples;
 
 #[test]
 fn prefix_sums() {

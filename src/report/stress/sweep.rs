@@ -79,6 +79,7 @@ impl Place {
             method,
             stop: Stop::Exact,
             seed: 0,
+            max_error: None,
             memory_budget: settings.memory_budget,
             fragments: false,
         };

@@ -1,0 +1,47 @@
+// What the fragment shaders of stochastic transparency share: the splat of a quad (splat/quad.vert) in a pixel.
+#import camera
+#import splat
+
+struct Push {
+    // Index of the chunk's first splat among all.
+    first: u32,
+    // The key of the stratum's random words, and which of the two it takes.
+    key_low: u32,
+    key_high: u32,
+    word: u32,
+    // Samples of the stratum that count, 1 to 4.
+    samples: u32,
+    // Of held depths.
+    base: u32,
+    shift: u32,
+}
+
+@group(0) @binding(1) var<storage, read> splats: array<Splat>;
+@group(0) @binding(2) var<storage, read> tilts: array<Tilt>;
+@group(0) @binding(3) var<storage, read> bounds: array<Bounds>;
+@group(0) @binding(4) var<storage, read> colors: array<vec4<f32>>;
+var<immediate> push: Push;
+
+const FALLOFF_GAUSSIAN = 1u;
+override FALLOFF: u32 = 0u;
+
+struct QuadFragment {
+    hit: bool,
+    // Linear or encoded RGB, and the opacity here: 0 where the splat misses the pixel.
+    color: vec4<f32>,
+    depth_key: u32,
+}
+
+fn quad_fragment(i: u32, pixel: vec2<u32>) -> QuadFragment {
+    var tilt = Tilt(vec4<f32>(0.0));
+    if SHAPE == SHAPE_ORIENTED {
+        tilt = tilts[i];
+    }
+    let coverage = cover(splats[i], tilt, pixel, view);
+    var color = colors[i];
+    if FALLOFF == FALLOFF_GAUSSIAN {
+        color.a *= exp(-2.0 * coverage.rho * coverage.rho);
+    }
+    color.a = select(0.0, color.a, coverage.hit);
+    return QuadFragment(coverage.hit, color, depth_key(coverage.depth));
+}

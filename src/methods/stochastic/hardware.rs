@@ -1,0 +1,339 @@
+//! The samples' passes over the splats as their paper has them: by multisampled rasterisation (`raster = "hardware"`).
+//!
+//! A stratum is two draws of all splats. In the first one the depth test keeps the nearest fragment of each sample among
+//! those whose mask has the sample; the second one compares every fragment with what the samples of its pixel hold, and sums
+//! by blending. Splats are drawn in canonical order, so that the depth test settles ties by index, and sums come in the same
+//! order every time.
+
+use super::{Batch, Kind, Sampler, WindowJob, batches};
+use crate::camera::{Camera, Projection};
+use crate::gpu::{
+    Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
+    Targets, Variant,
+};
+use crate::methods::Error;
+use crate::methods::abuffer::record_nothing;
+use crate::methods::bands::Window;
+use crate::methods::renderer::{Facts, Target, Timeline};
+use crate::passes::compose;
+use crate::passes::project::Footprint;
+use crate::passes::raster::{QuadsGroup, Raster};
+use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of the draws; shaders/shared/stochastic_quad.wgsl says what the members are.
+    pub struct StratumPush {
+        first: u32,
+        key_low: u32,
+        key_high: u32,
+        word: u32,
+        samples: u32,
+        base: u32,
+        shift: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `stochastic/fold`; the shader says what the members are.
+    pub struct FoldPush {
+        width: u32,
+        pixels: u32,
+        stratum: u32,
+        samples: u32,
+        first: u32,
+        base: u32,
+        shift: u32,
+    }
+}
+
+pass! {
+    /// Total opacity of each pixel.
+    pub DrawAlpha(StratumPush) = "stochastic/draw-alpha" in "stochastic/draw_alpha" {
+        quads: Shared<QuadsGroup>,
+    }
+}
+
+pass! {
+    /// The nearest fragment of each sample.
+    pub DrawHeld(StratumPush) = "stochastic/draw-held" in "stochastic/draw_held" {
+        quads: Shared<QuadsGroup>,
+    }
+}
+
+pass! {
+    /// What is visible of each fragment, summed.
+    pub DrawSums(StratumPush) = "stochastic/draw-sums" in "stochastic/draw_sums" {
+        quads: Shared<QuadsGroup>,
+        depths: Texture<DepthSamples>,
+        indices: Texture<NumberSamples>,
+    }
+}
+
+pass! {
+    /// A stratum from its attachments into buffers.
+    pub Fold(FoldPush) = "stochastic/fold" {
+        held_depths: Texture<DepthSamples>,
+        drawn: Texture<Pixels>,
+        drawn_alpha: Texture<Pixels>,
+        sums: ReadWrite<[f32; 4]>,
+        exact: ReadWrite<f32>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// The variant of `stochastic/fold`.
+pub fn fold_variant(kind: Kind) -> Variant {
+    kind.of(Variant::plain())
+}
+
+/// How depth keys become depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HeldDepths {
+    base: u32,
+    shift: u32,
+}
+
+impl HeldDepths {
+    /// Where all depths are positive, 126 octaves of them, beginning 40 before the near plane: none is lost. Only tilted
+    /// discs in orthographic views reach depths of both signs, and lose the key's last two bits.
+    pub fn new(camera: &Camera, footprint: Footprint) -> Self {
+        let near = camera.near as f32;
+        let orthographic = matches!(camera.projection, Projection::Orthographic { .. });
+        if near <= 0.0 || (orthographic && footprint == Footprint::Oriented) {
+            return Self { base: 0, shift: 2 };
+        }
+        let least = near.to_bits().saturating_sub(40 << 23).max(f32::MIN_POSITIVE.to_bits());
+        Self { base: least | 1 << 31, shift: 0 }
+    }
+}
+
+/// One stratum of a batch.
+#[derive(Clone, Copy)]
+struct Stratum {
+    batch: Batch,
+    /// Its number in the batch.
+    number: u32,
+    depths: HeldDepths,
+}
+
+impl Stratum {
+    /// Samples that count.
+    fn samples(&self) -> u32 {
+        (self.batch.left - self.number * STRATUM).min(STRATUM)
+    }
+
+    fn push(&self, seed: u64) -> StratumPush {
+        let [key_low, key_high] = random::key(seed);
+        let stratum = self.batch.before / STRATUM + self.number;
+        let HeldDepths { base, shift } = self.depths;
+        StratumPush {
+            first: 0,
+            key_low,
+            key_high: key_high.wrapping_add(stratum / STRATA_OF_A_CALL),
+            word: stratum % STRATA_OF_A_CALL,
+            samples: self.samples(),
+            base,
+            shift,
+        }
+    }
+
+    fn fold_push(&self, job: &WindowJob<'_>) -> FoldPush {
+        let HeldDepths { base, shift } = self.depths;
+        FoldPush {
+            width: size(job.bin.raster.window)[0],
+            pixels: job.pixels() as u32,
+            stratum: self.number,
+            samples: self.samples(),
+            first: u32::from(self.batch.before + self.number == 0),
+            base,
+            shift,
+        }
+    }
+}
+
+fn size([x0, y0, x1, y1]: Window) -> [u32; 2] {
+    [x1 - x0, y1 - y0]
+}
+
+/// Whether a window shows anything.
+pub fn is_seen(raster: &Raster<'_>) -> bool {
+    raster.stats.iter().any(|s| s.visible > 0)
+}
+
+/// What is drawn into, kept from frame to frame: 52 bytes per pixel.
+pub struct Attachments {
+    depths: KeptAttachment,
+    indices: KeptAttachment,
+    sums: KeptAttachment,
+    alphas: KeptAttachment,
+}
+
+impl Default for Attachments {
+    fn default() -> Self {
+        Self {
+            depths: KeptAttachment::new("sample depths", Format::Depth, SAMPLES),
+            indices: KeptAttachment::new("sample indices", Format::Number, SAMPLES),
+            sums: KeptAttachment::new("stratum sums", Format::Color, 1),
+            alphas: KeptAttachment::new("total opacity", Format::Number, 1),
+        }
+    }
+}
+
+impl Attachments {
+    fn reserve(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        for image in [&mut self.depths, &mut self.indices, &mut self.sums, &mut self.alphas] {
+            image.reserve(device, size)?;
+        }
+        Ok(())
+    }
+
+    /// Frees them.
+    pub(super) fn release(&mut self) {
+        for image in [&mut self.depths, &mut self.indices, &mut self.sums, &mut self.alphas] {
+            image.release();
+        }
+    }
+}
+
+impl Sampler {
+    /// Renders a window into the target by the rasteriser.
+    pub fn draw(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        depths: HeldDepths,
+        target: &Target,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<(), Error> {
+        let window = job.bin.raster.window;
+        self.reserve_drawing(device, job)?;
+        let mut recorder = device.recorder()?;
+        if is_seen(&job.bin.raster) {
+            facts.bands += 1;
+            if job.kind().exact {
+                let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
+                self.record_alpha(&mut recorder, job, push)?;
+            }
+            for batch in batches(job.settings.samples) {
+                for number in 0..batch.left.div_ceil(STRATUM) {
+                    self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
+                }
+                self.record_gather(&mut recorder, job, batch, target)?;
+                timeline.add(recorder.submit("stochastic/draw-held and draw-sums")?);
+                job.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                recorder = device.recorder()?;
+            }
+            self.record_resolve(&mut recorder, job, target)?;
+        } else {
+            record_nothing(&mut recorder, target, window)?;
+            recorder.fill("image/clear", self.spread.get().all(), 0)?;
+        }
+        target.record_read_back(&mut recorder, job.pixels())?;
+        timeline.add(recorder.submit("stochastic/resolve")?);
+        Ok(())
+    }
+
+    fn reserve_drawing(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        self.keys.release();
+        self.indices.release();
+        self.reserve_sums(device, job)?;
+        self.attachments.reserve(device, size(job.bin.raster.window))
+    }
+
+    fn record_alpha<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stratum: Stratum,
+    ) -> Result<(), Error> {
+        let color = Some((self.attachments.alphas.get(), Blend::Cover));
+        let targets = Targets { color, depth: None, clear: Some(0.0) };
+        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+        job.bin.raster.draw(recorder, &draw_variant(job), targets, |quads| DrawAlpha { quads }, push)?;
+        Ok(())
+    }
+
+    fn record_stratum<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stratum: Stratum,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let Attachments { depths, indices, sums, alphas } = &self.attachments;
+        let (depths, indices, drawn) = (depths.get(), indices.get(), sums.get());
+        let (raster, variant) = (job.bin.raster, draw_variant(job));
+        let push = |first| StratumPush { first, ..stratum.push(job.seed) };
+        let held = Targets { color: Some((indices, Blend::Replace)), depth: Some(depths), clear: Some(f32::MAX) };
+        raster.draw(recorder, &variant, held, |quads| DrawHeld { quads }, push)?;
+        let summed = Targets { color: Some((drawn, Blend::Add)), depth: None, clear: Some(0.0) };
+        raster.draw(recorder, &variant, summed, |quads| DrawSums { quads, depths, indices }, push)?;
+        let fold = Fold {
+            held_depths: depths,
+            drawn,
+            // Without correction total opacity was never drawn; something must be bound in its place.
+            drawn_alpha: if job.kind().exact { alphas.get() } else { drawn },
+            sums: self.sums.get().all(),
+            exact: self.exact.get().all(),
+            depths: target.depths(),
+        };
+        let push = stratum.fold_push(job);
+        let run = Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(fold_variant(job.kind()));
+        recorder.run(&fold, &run)?;
+        Ok(())
+    }
+}
+
+fn draw_variant(job: &WindowJob<'_>) -> Variant {
+    compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff)
+}
+
+/// Bytes that a pass must at least read and write in its `runs`: `quads` those of all splats, `pixels` those of the image.
+pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) -> Option<u64> {
+    // Depths and indices of the samples, and a color.
+    let (held, color) = (32, 16);
+    match name {
+        "stochastic/draw-alpha" => Some(runs * quads + pixels * 4),
+        "stochastic/draw-held" => Some(runs * quads + strata * pixels * held),
+        "stochastic/draw-sums" => Some(runs * quads + strata * pixels * (held + color)),
+        "stochastic/fold" => Some(strata * pixels * (held / 2 + 2 * color + 4)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn the_depth_test_tells_all_positive_depths_apart() {
+        let camera = |projection, near| {
+            Camera::look_at(DVec3::ZERO, DVec3::Z, DVec3::Y, projection, near, 1e6).expect("a valid camera")
+        };
+        let perspective = Projection::Perspective { fov_y: 1.0 };
+        let orthographic = Projection::Orthographic { height: 1.0 };
+        let near = 0.5f32.to_bits() | 1 << 31;
+        for footprint in [Footprint::Disc, Footprint::Oriented] {
+            let found = HeldDepths::new(&camera(perspective, 0.5), footprint);
+            assert_eq!(found, HeldDepths { base: near - (40 << 23), shift: 0 });
+        }
+        // 2⁻¹⁰⁰ is 26 octaves above the smallest.
+        let tiny = HeldDepths::new(&camera(perspective, 0.5f64.powi(100)), Footprint::Disc);
+        assert_eq!(tiny, HeldDepths { base: 0x8080_0000, shift: 0 });
+        assert_eq!(HeldDepths::new(&camera(orthographic, 0.5), Footprint::Disc).shift, 0);
+        for (near, footprint) in [(0.5, Footprint::Oriented), (0.0, Footprint::Disc), (-3.0, Footprint::Disc)] {
+            assert_eq!(HeldDepths::new(&camera(orthographic, near), footprint), HeldDepths { base: 0, shift: 2 });
+        }
+    }
+
+    #[test]
+    fn drawing_takes_no_more_memory_than_the_windows_leave() {
+        for spread in [false, true] {
+            let drawn = 52 + 16 * Kind { exact: true, spread }.sums(super::super::MOST_STRATA);
+            assert!(drawn + 4 + if spread { 32 } else { 0 } <= super::super::pixel_bytes(spread));
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The samples' two passes over the splats in compute shaders, tile by tile.
+
+use super::{Batch, Kind, Sampler, WindowJob};
+use crate::gpu::{Dispatch, Recorder, Run, Variant};
+use crate::methods::Error;
+use crate::methods::renderer::Target;
+use crate::passes::bin::{self, FoldPush, FoldingGroup, OrderedTiles};
+use crate::passes::compose;
+use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of both passes; shaders/shared/stochastic.wgsl says what the members are.
+    pub struct StochasticPush {
+        columns: u32,
+        tiles: u32,
+        runs: u32,
+        nearest: u32,
+        segment: u32,
+        pixels: u32,
+        before: u32,
+        left: u32,
+        key_low: u32,
+        key_high: u32,
+    }
+}
+
+pass! {
+    /// What each sample holds.
+    pub Visibility(StochasticPush) = "stochastic/visibility" {
+        tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
+        held_keys: ReadWrite<[u32; 4]>,
+        held_indices: ReadWrite<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// What is visible of each fragment.
+    pub Accumulate(StochasticPush) = "stochastic/accumulate" {
+        tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
+        held_keys: Read<[u32; 4]>,
+        held_indices: Read<[u32; 4]>,
+        sums: ReadWrite<[f32; 4]>,
+        exact: ReadWrite<f32>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
+/// from what earlier ones left.
+pub fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
+    bin::region_variant(shape, later, subgroup)
+        .constant("STRATA", strata)
+        .each("stratum", strata)
+        .each("pair", strata / STRATA_OF_A_CALL)
+}
+
+impl Sampler {
+    /// Records both passes over all splats for some strata.
+    pub(super) fn record_tiles<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        tiles: OrderedTiles<'a>,
+        batch: Batch,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let cloud = job.bin.raster.cloud;
+        let (held_keys, held_indices) = (self.keys.get().all(), self.indices.get().all());
+        let folding = tiles.folding(cloud.view());
+        let visibility = Visibility { tiles: folding, rectangles: tiles.rectangles, held_keys, held_indices };
+        let accumulate = Accumulate {
+            tiles: folding,
+            rectangles: tiles.rectangles,
+            held_keys,
+            held_indices,
+            sums: self.sums.get().all(),
+            exact: self.exact.get().all(),
+            depths: target.depths(),
+        };
+        let shape = compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff);
+        let binned = tiles.binned;
+        let runs = |segment: u32| {
+            let push = push(job, binned.fold_push(segment), batch);
+            (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
+        };
+        let dispatch = || Run::new(Dispatch::Groups(u64::from(binned.tiles()) * u64::from(bin::BLOCKS)));
+        for segment in 0..binned.segments() {
+            let (push, variant) = runs(segment);
+            recorder.run(&visibility, &dispatch().push(&push).variant(variant))?;
+        }
+        // All strata have the same exact A: the first ones find it.
+        let kind = Kind { exact: job.kind().exact && batch.before == 0, ..job.kind() };
+        for segment in 0..binned.segments() {
+            let (push, variant) = runs(segment);
+            recorder.run(&accumulate, &dispatch().push(&push).variant(kind.of(variant)))?;
+        }
+        Ok(())
+    }
+}
+
+fn push(job: &WindowJob<'_>, fold: FoldPush, Batch { before, left, .. }: Batch) -> StochasticPush {
+    let FoldPush { columns, tiles, runs, nearest, segment } = fold;
+    let [key_low, key_high] = random::key(job.seed);
+    let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
+    let pixels = job.pixels() as u32;
+    StochasticPush { columns, tiles, runs, nearest, segment, pixels, before, left, key_low, key_high }
+}
