@@ -2,6 +2,7 @@
 
 mod cli {
     mod bad;
+    mod compare;
     mod failures;
     mod measure;
     mod render;
@@ -259,97 +260,6 @@ fn wrong_scenes_and_parameters_exit_with_2() {
     assert_refused(&folder, &["scene", "garden", "-o", "d", "--set", "points=many"], 2, &["expected KEY=NUMBER"]);
     assert_refused(&folder, &["scene", "garden", "-o", "d", "--set", "pints=3"], 2, &["pints"]);
     assert_refused(&folder, &["scene", "garden"], 2, &["--output"]);
-}
-
-#[test]
-fn compare_measures_and_draws_the_difference() {
-    let folder = folder();
-    write_picture(&folder.path().join("a.exr"), 2, 0.0);
-    write_picture(&folder.path().join("b.exr"), 2, 0.5);
-    let (code, json, stderr) = run(&folder, &["compare", "a.exr", "b.exr", "--json", "-o", "d.png"]);
-    assert_eq!((code, stderr.as_str()), (0, ""));
-    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["rmse", "psnr", "ssim", "flip", "max", "above_1_255"]);
-    // One channel of twelve differs by 0.5.
-    assert!((value["rmse"].as_f64().unwrap() - (0.25f64 / 12.0).sqrt()).abs() < 1e-12);
-    assert_eq!(value["max"], serde_json::json!({ "value": 0.5, "x": 1, "y": 0 }));
-    assert_eq!((&value["above_1_255"], &value["ssim"]), (&0.25.into(), &serde_json::Value::Null));
-    let difference = pellucid::output::read_image(&folder.path().join("d.png")).unwrap();
-    assert_eq!(difference.pixels[..2], [[0.0; 3], [1.0, 0.0, 0.0]]);
-
-    let (_, json, _) = run(&folder, &["compare", "a.exr", "a.exr", "--json"]);
-    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!((&value["rmse"], &value["psnr"]), (&0.0.into(), &serde_json::Value::Null));
-    let (_, text, _) = run(&folder, &["compare", "a.exr", "b.exr"]);
-    assert!(text.contains("max          0.500000000 at (1, 0)") && !text.contains("ssim"), "{text}");
-}
-
-#[test]
-fn compare_fails_above_a_limit_and_only_then() {
-    let folder = folder();
-    write_picture(&folder.path().join("a.exr"), 2, 0.0);
-    write_picture(&folder.path().join("b.exr"), 2, 0.5);
-    let status = |limit: &str| run(&folder, &["compare", "a.exr", "b.exr", "--fail-above", limit]);
-    // RMSE 0.1443, PSNR 16.8, largest 0.5, one pixel of four.
-    for (passes, fails) in [
-        ("rmse=0.145", "rmse=0.144"),
-        ("psnr=17", "psnr=16"),
-        ("max=0.5", "max=0.49"),
-        ("above_1_255=0.25", "above_1_255=0.2"),
-    ] {
-        assert_eq!(status(passes).0, 0, "{passes}");
-        let (code, stdout, stderr) = status(fails);
-        assert_eq!(code, 1, "{fails}");
-        assert!(stderr.starts_with("error: ") && stderr.contains("above the allowed"), "{stderr}");
-        assert!(stdout.contains("rmse"), "the figures are printed all the same");
-    }
-    let both = ["compare", "a.exr", "b.exr", "--fail-above", "max=1", "--fail-above", "rmse=0"];
-    assert_eq!(run(&folder, &both).0, 1, "any limit counts");
-}
-
-#[test]
-fn compare_refuses_what_can_not_be_compared() {
-    let folder = folder();
-    write_picture(&folder.path().join("a.png"), 2, 0.0);
-    write_picture(&folder.path().join("wide.png"), 3, 0.0);
-    fs::write(folder.path().join("p.json"), "{}").unwrap();
-    fs::write(folder.path().join("broken.png"), "no png").unwrap();
-    assert_refused(&folder, &["compare", "a.png", "wide.png"], 1, &["a.png has 2 × 2", "wide.png has 3 × 2"]);
-    assert_refused(&folder, &["compare", "a.png", "no.png"], 1, &["no.png"]);
-    assert_refused(&folder, &["compare", "a.png", "broken.png"], 1, &["broken.png"]);
-    assert_refused(&folder, &["compare", "a.png", "a.tif"], 2, &["a.tif", "unknown image format"]);
-    assert_refused(&folder, &["compare", "a.png", "p.json"], 2, &["two of a kind"]);
-    assert_refused(&folder, &["compare", "p.json", "p.json"], 1, &["p.json", "not a profile"]);
-    let limit = |limit: &'static str| ["compare", "a.png", "a.png", "--fail-above", limit];
-    assert_refused(&folder, &limit("nonsense=1"), 2, &["unknown metric", "rmse"]);
-    assert_refused(&folder, &limit("ssim=1"), 2, &["ssim is not in this version"]);
-    assert_refused(&folder, &limit("rmse"), 2, &["METRIC=VALUE"]);
-    assert_refused(&folder, &limit("rmse=nan"), 2, &["METRIC=VALUE"]);
-    assert_refused(&folder, &["compare", "a.png", "a.png", "-o", "d.exr"], 2, &["d.exr"]);
-}
-
-#[test]
-fn two_profiles_are_compared_pass_by_pass() {
-    let folder = folder();
-    let profile = |name: &str, count_ms: f64| {
-        let text = format!(
-            r#"{{"version": 1, "frames": [{{"gpu_ms": 4, "wall_ms": 5, "passes": [{{"name": "abuffer/count", "gpu_ms": {count_ms}, "invocations": 1, "bytes": 2}}]}}]}}"#
-        );
-        fs::write(folder.path().join(name), text).unwrap();
-    };
-    profile("a.json", 2.0);
-    profile("b.json", 3.0);
-    let (code, text, _) = run(&folder, &["compare", "a.json", "b.json"]);
-    assert_eq!(code, 0);
-    let row: Vec<_> = text.lines().find(|line| line.contains("abuffer/count")).unwrap().split_whitespace().collect();
-    assert_eq!(row, ["abuffer/count", "2.000", "3.000", "1.500"]);
-    let (_, json, _) = run(&folder, &["compare", "a.json", "b.json", "--json"]);
-    let value: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!((&value["passes"][0]["ratio"], &value["frame"]["ratio"]), (&1.5.into(), &1.0.into()));
-    let status = |limit| run(&folder, &["compare", "a.json", "b.json", "--fail-above", limit]).0;
-    assert_eq!((status("abuffer/count=1.5"), status("abuffer/count=1.4"), status("frame=1.0")), (0, 1, 0));
-    assert_refused(&folder, &["compare", "a.json", "b.json", "--fail-above", "no=1"], 2, &["no pass", "no"]);
 }
 
 #[cfg(unix)]

@@ -4,67 +4,59 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::Result;
 use pellucid::metrics::{self, Comparison};
 use pellucid::output::{self, LinearImage, read_image};
-use pellucid::{Result, scene};
 use serde_json::json;
 
 use super::compare_profiles;
-use super::talk::{Talk, print, print_json, say};
+use super::limit::{Limit, Slower, usage};
+use super::talk::{Talk, print, print_json};
 
 /// How much the difference picture is brightened.
 const AMPLIFY: f64 = 10.0;
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {
-    /// A picture (.png, .exr) or a profile (.json).
+    /// A picture (.png, .exr) or a profile (.json): the reference.
     a: PathBuf,
-    /// Another of the same kind.
+    /// Another of the same kind, which is measured against it.
     b: PathBuf,
     /// Pictures: write the absolute difference of the linear values, 10 times as bright, as PNG.
     #[arg(short, long, value_name = "DIFF.png")]
     output: Option<PathBuf>,
-    /// Print JSON. Pictures: {rmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}, where the psnr of equal pictures
-    /// and whatever is infinite are null, as are ssim and flip in this version. Profiles: {frame, passes}.
+    /// Print JSON. Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}, where whatever is infinite is
+    /// null, as the psnr of equal pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high],
+    /// share, verdict}, null where it is unknown.
     #[arg(long)]
     json: bool,
-    /// Exit with status 1 if the metric is above the value; repeatable. Pictures: rmse, psnr, max, above_1_255. Profiles:
-    /// the ratio B/A of a pass by its name, or of `frame`.
+    /// Exit with status 1 if the metric is above the value; repeatable. Pictures: rmse, nmse, psnr, ssim, flip, max,
+    /// above_1_255. Profiles: the ratio B/A of a pass by its name, or of `frame`.
     #[arg(long, value_name = "METRIC=VALUE")]
     fail_above: Vec<String>,
+    /// Exit with status 1 if the metric is below the value; repeatable. For psnr and ssim, which are larger the closer the
+    /// pictures are; all others are smaller.
+    #[arg(long, value_name = "METRIC=VALUE")]
+    fail_below: Vec<String>,
+    /// Profiles: exit with status 1 if the frame, or a pass of at least 1% of it, takes more than RATIO times as long in B
+    /// beyond the noise; repeatable. PASS=RATIO looks at one pass, however short. Beyond the noise: the whole interval of B/A
+    /// is above, which lies between the opposite ends of the medians' 95% confidence intervals by order statistics (with 5
+    /// frames, the fewest that do: the fastest of B over the slowest of A). Alternate the runs of A and B, and put the
+    /// frames of each together, for noise between runs to count.
+    #[arg(long, value_name = "[PASS=]RATIO")]
+    fail_slower: Vec<String>,
 }
 
-/// A metric and the largest value it may have.
-pub struct Limit {
-    pub metric: String,
-    pub value: f64,
-}
-
-impl Limit {
-    fn parse(text: &str) -> Result<Self, scene::Error> {
-        let problem = || scene::Error::Usage(format!("--fail-above {text}: expected METRIC=VALUE, as in rmse=0.01"));
-        // From the right: the names of passes may hold anything but end before the number.
-        let (metric, value) = text.rsplit_once('=').ok_or_else(problem)?;
-        let value = value.trim().parse().ok().filter(|value: &f64| !value.is_nan()).ok_or_else(problem)?;
-        Ok(Self { metric: metric.trim().to_owned(), value })
-    }
-
-    /// Whether a measured value is above the limit, which is then said on standard error.
-    pub fn is_broken_by(&self, measured: f64) -> bool {
-        let broken = measured > self.value;
-        if broken {
-            say(format_args!("error: {} is {measured}, above the allowed {}", self.metric, self.value));
-        }
-        broken
-    }
-}
-
-const METRICS: [&str; 4] = ["rmse", "psnr", "max", "above_1_255"];
+/// The metrics of pictures that have a limit.
+const METRICS: [&str; 7] = ["rmse", "nmse", "psnr", "ssim", "flip", "max", "above_1_255"];
 
 fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
     match metric {
         "rmse" => Some(comparison.rmse),
+        "nmse" => Some(comparison.nmse),
         "psnr" => Some(comparison.psnr),
+        "ssim" => Some(comparison.ssim),
+        "flip" => Some(comparison.flip),
         "max" => Some(comparison.max.value),
         "above_1_255" => Some(comparison.above_1_255),
         _ => None,
@@ -72,21 +64,21 @@ fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
 }
 
 pub fn run(args: CompareArgs, _talk: Talk) -> Result<ExitCode> {
-    let limits = args.fail_above.iter().map(|text| Limit::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let limits = Limit::all(&args.fail_above, &args.fail_below)?;
+    let slower = args.fail_slower.iter().map(|text| Slower::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let within = match (is_profile(&args.a), is_profile(&args.b)) {
         (true, true) if args.output.is_some() => {
             return Err(usage("-o: two profiles have no difference picture"));
         }
-        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits)?,
+        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower)?,
+        (false, false) if !slower.is_empty() => {
+            return Err(usage("--fail-slower: pictures have no passes; it is for two profiles"));
+        }
         (false, false) => pictures(&args, &limits)?,
         _ => return Err(usage("a picture and a profile can't be compared; give two of a kind")),
     };
     Ok(if within { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-pub fn usage(problem: impl Into<String>) -> pellucid::Error {
-    scene::Error::Usage(problem.into()).into()
 }
 
 /// Compares two pictures; false if a limit is broken.
@@ -110,16 +102,10 @@ fn pictures(args: &CompareArgs, limits: &[Limit]) -> Result<bool> {
 }
 
 fn check_metrics(limits: &[Limit]) -> Result<()> {
-    for Limit { metric, .. } in limits {
-        if ["ssim", "flip"].contains(&metric.as_str()) {
-            let known = METRICS.join(", ");
-            return Err(usage(format!("--fail-above {metric}: {metric} is not in this version; it has: {known}")));
-        }
-        if !METRICS.contains(&metric.as_str()) {
-            return Err(usage(format!("--fail-above {metric}: unknown metric; there are: {}", METRICS.join(", "))));
-        }
+    match limits.iter().find(|limit| !METRICS.contains(&limit.metric.as_str())) {
+        Some(limit) => Err(limit.unusable(&format!("unknown metric; there are: {}", METRICS.join(", ")))),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn check_difference_target(path: &Path) -> Result<()> {
@@ -142,20 +128,27 @@ fn sizes_differ(args: &CompareArgs, a: &LinearImage, b: &LinearImage) -> output:
 }
 
 fn report(comparison: &Comparison, json: bool) -> Result<()> {
-    let Comparison { rmse, psnr, max, above_1_255 } = comparison;
+    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
     if json {
         // JSON has no infinity: serde_json writes null for it.
         return print_json(&json!({
             "rmse": rmse,
+            "nmse": nmse,
             "psnr": psnr,
-            "ssim": null,
-            "flip": null,
+            "ssim": ssim,
+            "flip": flip,
             "max": { "value": max.value, "x": max.x, "y": max.y },
             "above_1_255": above_1_255,
         }));
     }
-    print(&format!(
-        "rmse         {rmse:.9}\npsnr         {psnr:.3} dB\nmax          {:.9} at ({}, {})\nabove_1_255  {above_1_255:.9}\n",
-        max.value, max.x, max.y
-    ))
+    let lines = [
+        format!("rmse         {rmse:.9}"),
+        format!("nmse         {nmse:.9}"),
+        format!("psnr         {psnr:.3} dB"),
+        format!("ssim         {ssim:.9}"),
+        format!("flip         {flip:.9}"),
+        format!("max          {:.9} at ({}, {})", max.value, max.x, max.y),
+        format!("above_1_255  {above_1_255:.9}"),
+    ];
+    print(&(lines.join("\n") + "\n"))
 }

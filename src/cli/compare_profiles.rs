@@ -1,4 +1,4 @@
-//! Two profiles side by side: the median time of each pass, and the ratio.
+//! Two profiles side by side: the median time of each pass, the ratio, and whether it is more than noise.
 
 use std::path::Path;
 
@@ -6,7 +6,8 @@ use pellucid::{Result, output};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::compare::{Limit, usage};
+use super::limit::{Limit, Slower};
+use super::noise::{MIN_TIMES, Times, Verdict};
 use super::talk::{print, print_json};
 
 /// The part of a profile that is compared.
@@ -27,47 +28,93 @@ struct Pass {
     gpu_ms: Option<f64>,
 }
 
-/// A pass, or the whole frame, in both profiles. `None`: not there or never measured.
+/// A pass, or the whole frame, in both profiles; no times where it isn't there or never measured.
 #[derive(Debug, PartialEq)]
 struct Row {
     name: String,
-    a_ms: Option<f64>,
-    b_ms: Option<f64>,
+    a: Times,
+    b: Times,
+    /// Of the frame, in [0, 1], in the profile where it is larger.
+    share: Option<f64>,
 }
 
 impl Row {
-    /// B over A.
+    /// Median of B over that of A.
     fn ratio(&self) -> Option<f64> {
-        Some(self.b_ms? / self.a_ms?)
+        Some(self.b.median()? / self.a.median()?)
+    }
+
+    /// The ends between which the ratio is to be expected.
+    fn interval(&self) -> Option<[f64; 2]> {
+        self.b.ratio_interval(&self.a)
+    }
+
+    fn verdict(&self) -> Option<Verdict> {
+        self.interval().map(Verdict::of)
+    }
+
+    /// Whether it is long enough to raise an alarm that doesn't ask for it by name.
+    fn counts(&self) -> bool {
+        self.share.is_none_or(|share| share >= MIN_SHARE)
     }
 }
 
 /// The name under which the whole frame is listed and limited.
 const FRAME: &str = "frame";
 
+/// Passes below this share of the frame are judged, but fail nothing unless they are named.
+const MIN_SHARE: f64 = 0.01;
+
 /// Compares two profiles; false if a limit is broken.
-pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit]) -> Result<bool> {
+pub fn run(a: &Path, b: &Path, json: bool, limits: &[Limit], slower: &[Slower]) -> Result<bool> {
     let rows = rows(&read(a)?, &read(b)?);
-    let mut within = true;
     let mut ratios = Vec::new();
     for limit in limits {
-        let Some(row) = rows.iter().find(|row| row.name == limit.metric) else {
-            return Err(usage(format!("--fail-above {}: there is no pass of this name", limit.metric)));
-        };
-        let Some(ratio) = row.ratio() else {
-            return Err(usage(format!("--fail-above {}: not measured in both profiles", limit.metric)));
-        };
+        let row = find(&rows, &limit.metric).ok_or_else(|| limit.unusable("there is no pass of this name"))?;
+        let ratio = row.ratio().ok_or_else(|| limit.unusable("not measured in both profiles"))?;
         ratios.push((limit, ratio));
+    }
+    let mut intervals = Vec::new();
+    for limit in slower {
+        intervals.extend(judged(&rows, limit)?.into_iter().map(|judged| (limit, judged)));
     }
     if json {
         print_json(&to_json(&rows))?;
     } else {
         print(&to_text(&rows))?;
     }
-    for (limit, ratio) in ratios {
-        within &= !limit.is_broken_by(ratio);
+    // Every limit is looked at, so that all broken ones are named.
+    let broken = ratios.iter().filter(|(limit, ratio)| limit.is_broken_by(*ratio)).count()
+        + intervals.iter().filter(|(limit, (name, interval))| limit.is_broken_by(name, *interval)).count();
+    Ok(broken == 0)
+}
+
+fn find<'a>(rows: &'a [Row], name: &str) -> Option<&'a Row> {
+    rows.iter().find(|row| row.name == name)
+}
+
+/// The names and intervals that a limit looks at.
+///
+/// # Errors
+/// A pass that isn't there. No noise to be told, be it of the pass or, where no pass is named, of the frame.
+fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])>> {
+    let name = limit.pass.as_deref().unwrap_or(FRAME);
+    let row = find(rows, name).ok_or_else(|| limit.unusable("there is no pass of this name"))?;
+    let interval = row.interval().ok_or_else(|| limit.unusable(&too_few(row)))?;
+    if limit.pass.is_some() {
+        return Ok(vec![(&row.name, interval)]);
     }
-    Ok(within)
+    let counting = rows.iter().filter(|row| row.counts());
+    Ok(counting.filter_map(|row| Some((row.name.as_str(), row.interval()?))).collect())
+}
+
+fn too_few(row: &Row) -> String {
+    format!(
+        "no noise estimate: it takes {MIN_TIMES} frames of each profile (--frames), and `{}` was measured in {} of A and {} of B",
+        row.name,
+        row.a.count(),
+        row.b.count()
+    )
 }
 
 fn read(path: &Path) -> Result<Profile, output::Error> {
@@ -86,13 +133,18 @@ fn rows(a: &Profile, b: &Profile) -> Vec<Row> {
             names.push(&pass.name);
         }
     }
-    let whole = |profile: &Profile| median(profile.frames.iter().filter_map(|frame| frame.gpu_ms).collect());
-    let frame = Row { name: FRAME.to_owned(), a_ms: whole(a), b_ms: whole(b) };
-    let passes = names.into_iter().map(|name| Row {
-        name: name.to_owned(),
-        a_ms: median(pass_times(a, name)),
-        b_ms: median(pass_times(b, name)),
-    });
+    let whole = |profile: &Profile| Times::new(profile.frames.iter().filter_map(|frame| frame.gpu_ms).collect());
+    let (whole_a, whole_b) = (whole(a), whole(b));
+    let share = |pass: &Times, frame: &Times| Some(pass.median()? / frame.median()?);
+    let passes: Vec<Row> = names
+        .into_iter()
+        .map(|name| {
+            let (a, b) = (Times::new(pass_times(a, name)), Times::new(pass_times(b, name)));
+            let share = [share(&a, &whole_a), share(&b, &whole_b)].into_iter().flatten().reduce(f64::max);
+            Row { name: name.to_owned(), a, b, share }
+        })
+        .collect();
+    let frame = Row { name: FRAME.to_owned(), a: whole_a, b: whole_b, share: Some(1.0) };
     std::iter::once(frame).chain(passes).collect()
 }
 
@@ -105,31 +157,65 @@ fn pass_times(profile: &Profile, name: &str) -> Vec<f64> {
     profile.frames.iter().filter_map(of_frame).collect()
 }
 
-/// The middle value, or the mean of the middle two.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let upper = *values.get(middle)?;
-    if values.len() % 2 == 1 { Some(upper) } else { Some(0.5 * (values.get(middle - 1)? + upper)) }
-}
-
 fn to_json(rows: &[Row]) -> serde_json::Value {
-    let row = |row: &Row| json!({ "name": row.name, "a_ms": row.a_ms, "b_ms": row.b_ms, "ratio": row.ratio() });
+    let row = |row: &Row| {
+        json!({
+            "name": row.name,
+            "a_ms": row.a.median(),
+            "b_ms": row.b.median(),
+            "ratio": row.ratio(),
+            "interval": row.interval(),
+            "share": row.share,
+            "verdict": row.verdict().map(Verdict::name),
+        })
+    };
     let (frame, passes) = rows.split_at(1.min(rows.len()));
     json!({ "frame": frame.first().map(row), "passes": passes.iter().map(row).collect::<Vec<_>>() })
 }
 
 fn to_text(rows: &[Row]) -> String {
     let mut table = comfy_table::Table::new();
-    table.load_style(comfy_table::presets::NOTHING).set_header(["pass", "A ms", "B ms", "B/A"]);
+    let header = ["pass", "A ms", "B ms", "share", "B/A", "interval", "verdict"];
+    table.load_style(comfy_table::presets::NOTHING).set_header(header);
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
     for row in rows {
-        table.add_row([row.name.clone(), number(row.a_ms), number(row.b_ms), number(row.ratio())]);
+        table.add_row([
+            row.name.clone(),
+            number(row.a.median()),
+            number(row.b.median()),
+            row.share.map_or("-".to_owned(), |share| format!("{:.1}%", 100.0 * share)),
+            number(row.ratio()),
+            row.interval().map_or("-".to_owned(), |[low, high]| format!("{low:.3}–{high:.3}")),
+            verdict_text(row),
+        ]);
     }
-    for column in table.column_iter_mut().skip(1) {
+    for column in table.column_iter_mut().skip(1).take(header.len() - 2) {
         column.set_cell_alignment(comfy_table::CellAlignment::Right);
     }
-    table.trim_fmt() + "\n"
+    let notes: String = notes(rows).iter().map(|note| format!("{note}\n")).collect();
+    format!("{}\n{notes}", table.trim_fmt())
+}
+
+fn verdict_text(row: &Row) -> String {
+    match row.verdict() {
+        None if row.a.count() == 0 && row.b.count() > 0 => "only in B".to_owned(),
+        None if row.b.count() == 0 && row.a.count() > 0 => "only in A".to_owned(),
+        None => "-".to_owned(),
+        Some(verdict) if row.counts() => verdict.name().to_owned(),
+        Some(verdict) => format!("({})", verdict.name()),
+    }
+}
+
+/// What the table doesn't say by itself.
+fn notes(rows: &[Row]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(row) = find(rows, FRAME).filter(|row| row.interval().is_none()) {
+        notes.push(too_few(row));
+    }
+    if rows.iter().any(|row| row.verdict().is_some() && !row.counts()) {
+        notes.push("in parentheses: less than 1% of the frame; --fail-slower looks at it only by name".to_owned());
+    }
+    notes
 }
 
 #[cfg(test)]
@@ -154,9 +240,13 @@ mod tests {
             "{\"gpu_ms\": 3, \"passes\": [{\"name\": \"y\", \"gpu_ms\": null}]}, {\"gpu_ms\": 6, \"passes\": []}",
         );
         let rows = rows(&a, &b);
-        let row = |name: &str, a_ms, b_ms| Row { name: name.into(), a_ms, b_ms };
+        let row = |name: &str, a: &[f64], b: &[f64], share| {
+            let [a, b] = [a, b].map(|times| Times::new(times.to_vec()));
+            Row { name: name.into(), a, b, share }
+        };
+        let count = row("x/count", &[3.0, 5.0, 10.0], &[], Some(5.0 / 6.0));
+        assert_eq!(rows, [row(FRAME, &[4.0, 6.0, 11.0], &[3.0, 6.0], Some(1.0)), count, row("y", &[], &[], None)]);
         // The median of two frames of 3 and 6 is 4.5.
-        assert_eq!(rows, [row(FRAME, Some(6.0), Some(4.5)), row("x/count", Some(5.0), None), row("y", None, None)]);
         assert_eq!(rows[0].ratio(), Some(0.75));
         assert_eq!(rows[1].ratio(), None);
     }

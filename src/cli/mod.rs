@@ -5,6 +5,8 @@ mod compare_profiles;
 mod devices;
 mod info;
 mod input;
+mod limit;
+mod noise;
 mod plan;
 mod profile;
 mod render;
