@@ -20,7 +20,19 @@ tr:nth-child(even) td { background: #f6f6f6; }
 .text { text-align: left; }
 .long { white-space: normal; text-align: left; }
 summary { cursor: pointer; font-weight: 600; margin: .3rem 0; }
+[hidden] { display: none !important; }
+.sortable th button { all: unset; cursor: pointer; white-space: nowrap; }
+.sortable th button:hover { text-decoration: underline; }
+.sortable th button:focus-visible { outline: 2px solid #0072b2; outline-offset: 2px; }
+.sortable th button::after { content: \"▲\"; visibility: hidden; font-size: .7em; margin-left: .2em; }
+.sortable th[aria-sort=ascending] button::after, .sortable th[aria-sort=descending] button::after { visibility: visible; }
+.sortable th[aria-sort=descending] button::after { content: \"▼\"; }
+.sortable th:first-child, .sortable td:first-child { position: sticky; left: 0; background: #fff; }
+tr.marked td, .sortable tr.marked td:first-child { background: #fdf3d8; }
 ";
+
+/// Nothing may be loaded; what the page carries may be shown and run.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +62,10 @@ pub fn page(title: &str, body: &Markup) -> String {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
+                // Without it browsers ask the server of a page for an icon.
+                link rel="icon" href="data:,";
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
@@ -80,6 +95,76 @@ pub fn table(columns: &[Column], rows: &[Vec<String>]) -> Markup {
     }
 }
 
+/// A cell of a table that can be sorted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// What is shown.
+    pub text: String,
+    /// What rows are sorted by; NaN, and words, by the text.
+    pub value: f64,
+}
+
+impl Cell {
+    /// A word.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self { text: text.into(), value: f64::NAN }
+    }
+
+    /// A number as `show` writes it.
+    pub fn number(value: f64, show: impl Fn(f64) -> String) -> Self {
+        Self { text: show(value), value }
+    }
+
+    fn key(&self) -> String {
+        match self.value {
+            value if value.is_nan() => self.text.clone(),
+            // As JavaScript reads it.
+            value if value.is_infinite() => if value > 0.0 { "Infinity" } else { "-Infinity" }.to_owned(),
+            value => value.to_string(),
+        }
+    }
+}
+
+/// A row of a table that can be sorted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// As many as there are columns.
+    pub cells: Vec<Cell>,
+    /// Whether it stands out.
+    pub is_marked: bool,
+}
+
+/// A table that a click on the head of a column sorts, with [`sorting`] on the page.
+pub fn sortable(columns: &[Column], lines: &[Line]) -> Markup {
+    let class = |column: &Column| column.is_text.then_some("text");
+    html! {
+        div.wide {
+            table.sortable {
+                thead { tr { @for column in columns { th scope="col" class=[class(column)] { (column.title) } } } }
+                tbody {
+                    @for line in lines {
+                        tr class=[line.is_marked.then_some("marked")] {
+                            @for (cell, column) in line.cells.iter().zip(columns) {
+                                td class=[class(column)] data-value=(cell.key()) { (cell.text) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What makes [`sortable`] tables sort: once, at the end of a page.
+pub fn sorting() -> Markup {
+    script(include_str!("sort.js"))
+}
+
+/// A script of the page's own, which must not hold `</script`.
+pub fn script(text: &str) -> Markup {
+    html! { script { (PreEscaped(text)) } }
+}
+
 /// Names and what they stand for.
 pub fn facts(rows: &[(&str, String)]) -> Markup {
     html! {
@@ -97,9 +182,37 @@ pub fn figure(svg: &str, description: &str, caption: &Markup) -> Markup {
     }
 }
 
+/// Three significant digits.
+pub fn digits(value: f64) -> String {
+    if !(value.abs() > 0.0 && value.is_finite()) {
+        return value.to_string();
+    }
+    let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.places$}")
+}
+
+/// Thousands apart.
+pub fn grouped(value: u64) -> String {
+    let text = value.to_string();
+    let head = text.len() % 3;
+    let mut groups: Vec<&str> = Vec::new();
+    if head > 0 {
+        groups.push(&text[..head]);
+    }
+    groups.extend((head..text.len()).step_by(3).map(|at| &text[at..at + 3]));
+    // A narrow space that doesn't break.
+    groups.join("\u{202f}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!([0.0, 0.012345, 1.0, 12.345, 1234.5].map(digits), ["0", "0.0123", "1.00", "12.3", "1234"]);
+        assert_eq!([0, 999, 1000, 16_777_216].map(grouped), ["0", "999", "1\u{202f}000", "16\u{202f}777\u{202f}216"]);
+    }
 
     #[test]
     fn what_is_shown_is_escaped() {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::{Cell, Settings, Skipped, Slope, Sweep, Workload, page};
 use crate::gpu::DeviceInfo;
 use crate::output::{self, write_atomically};
-use crate::report::plot::{Axis, Figure, Panel, Point, Series};
+use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series};
 
 /// A sweep with what it takes to understand it.
 #[derive(Debug, Clone)]
@@ -167,24 +167,27 @@ impl Report<'_> {
             let series = names.iter().enumerate().map(|(name, method)| {
                 let point = |cell: &&Cell| {
                     let [y, low, high] = values(cell);
-                    Point { x: cell.layers.into(), y, range: [low, high] }
+                    Point { range_y: [low, high], ..Point::new(cell.layers.into(), y) }
                 };
                 let points = self.sweep.series(workload, side, method).iter().map(point).collect();
                 let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (workload, side, *method));
                 let note = |s: &Slope| format!("slope {:.2}", s.law.exponent);
                 Series { name, points, note: slope.map(note).unwrap_or_default() }
             });
-            Panel { title: format!("{}, {side} × {side} pixels", workload.name()), series: series.collect() }
+            let title = format!("{}, {side} × {side} pixels", workload.name());
+            Panel { title, series: series.collect(), front: Vec::new() }
         };
         let sides = || self.settings.sides.iter().copied();
         let axis = Axis { label: "layers per pixel", floor: 0.0, binary: true };
         Figure {
             x: axis,
             y: Axis { binary: false, ..axis },
-            proportional: if slopes.is_empty() { "" } else { "in proportion to the layers" },
+            guide: (!slopes.is_empty()).then_some(Guide { name: "in proportion to the layers", exponent: 1.0 }),
+            front: "",
+            panel: PANEL,
             columns: self.settings.sides.len(),
             panels: Workload::ALL.iter().flat_map(|workload| sides().map(|side| panel(*workload, side))).collect(),
-            names,
+            names: names.into_iter().map(str::to_owned).collect(),
         }
     }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::files::Report;
 use super::{Cell, Slope, Workload};
-use crate::report::page::{Column, facts, figure, page, table};
+use crate::report::page::{Column, digits, facts, figure, grouped, page, table};
 
 /// Errors below are drawn at this value: an error of 0 has no place on a logarithmic axis.
 pub(super) const ERROR_FLOOR: f64 = 1e-9;
@@ -260,37 +260,4 @@ fn places(report: &Report<'_>) -> impl Iterator<Item = (Workload, u32)> {
 
 fn size(side: u32) -> String {
     format!("{side} × {side}")
-}
-
-/// Three significant digits.
-fn digits(value: f64) -> String {
-    if !(value.abs() > 0.0 && value.is_finite()) {
-        return value.to_string();
-    }
-    let places = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{value:.places$}")
-}
-
-/// Thousands apart.
-fn grouped(value: u64) -> String {
-    let text = value.to_string();
-    let head = text.len() % 3;
-    let mut groups: Vec<&str> = Vec::new();
-    if head > 0 {
-        groups.push(&text[..head]);
-    }
-    groups.extend((head..text.len()).step_by(3).map(|at| &text[at..at + 3]));
-    // A narrow space that doesn't break.
-    groups.join("\u{202f}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_readable() {
-        assert_eq!([0.0, 0.012345, 1.0, 12.345, 1234.5].map(digits), ["0", "0.0123", "1.00", "12.3", "1234"]);
-        assert_eq!([0, 999, 1000, 16_777_216].map(grouped), ["0", "999", "1\u{202f}000", "16\u{202f}777\u{202f}216"]);
-    }
 }

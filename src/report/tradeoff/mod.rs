@@ -1,7 +1,14 @@
 //! Accuracy against time: every applicable method and setting on one scene, against the exact image of the same image
 //! formation; what lies on the Pareto front; how the error of stochastic methods falls with their samples.
 
+mod figures;
+mod files;
+mod page;
+mod pictures;
+
 use serde::{Deserialize, Serialize};
+
+pub use files::write;
 
 use super::fit::PowerLaw;
 use super::stress::Spread;

@@ -1,0 +1,126 @@
+//! Where the labels of points go: near their markers, over nothing else.
+
+/// Height of a label in pixels.
+const HEIGHT: i32 = 14;
+/// Pixels that a character takes, a wide one of a wide font.
+const CHARACTER: i32 = 7;
+/// Half of a marker's side in pixels, with a little air.
+const MARKER: i32 = 6;
+
+/// Left, top, right and bottom in pixels.
+type Rectangle = [i32; 4];
+
+/// A place in pixels.
+type Place = (i32, i32);
+
+/// A panel and what is drawn in it already.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Space {
+    frame: Rectangle,
+    taken: Vec<Rectangle>,
+    lines: Vec<[Place; 2]>,
+}
+
+impl Space {
+    /// Labels stay within the frame.
+    pub(super) fn new(frame: Rectangle) -> Self {
+        Self { frame, ..Self::default() }
+    }
+
+    /// No label will lie over this.
+    pub(super) fn take(&mut self, rectangle: Rectangle) {
+        self.taken.push(rectangle);
+    }
+
+    /// No label will lie over this marker.
+    pub(super) fn take_marker(&mut self, (x, y): Place) {
+        self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
+    }
+
+    /// Labels rather lie elsewhere.
+    pub(super) fn avoid(&mut self, line: [Place; 2]) {
+        self.lines.push(line);
+    }
+
+    /// The middle of the left end of a text that labels a marker, and its place is taken; `None` where there is no room.
+    pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Place> {
+        let width = CHARACTER * text.chars().count() as i32;
+        let candidates = [8, 14, 22].into_iter().flat_map(|away| {
+            let side = away * 3 / 4;
+            let (left, middle, right) = (x - width, x - width / 2, x);
+            [
+                (right + away, y),
+                (right + side, y - side - HEIGHT / 3),
+                (middle, y - away - HEIGHT / 2),
+                (right + side, y + side + HEIGHT / 3),
+                (middle, y + away + HEIGHT / 2),
+                (left - away, y),
+                (left - side, y - side - HEIGHT / 3),
+                (left - side, y + side + HEIGHT / 3),
+            ]
+        });
+        let free = candidates.enumerate().filter_map(|(order, place)| {
+            let (left, top) = (place.0, place.1 - HEIGHT / 2);
+            let rectangle = [left, top, left + width, top + HEIGHT];
+            // A line behind a label costs as much as being five places worse.
+            let crossed = self.lines.iter().filter(|line| crosses(rectangle, line)).count();
+            self.is_free(rectangle).then_some((order + 5 * crossed, place, rectangle))
+        });
+        let (_, place, rectangle) = free.min_by_key(|(cost, ..)| *cost)?;
+        self.take(rectangle);
+        Some(place)
+    }
+
+    fn is_free(&self, [left, top, right, bottom]: Rectangle) -> bool {
+        let frame = self.frame;
+        let is_within = left >= frame[0] && top >= frame[1] && right <= frame[2] && bottom <= frame[3];
+        let overlaps = |other: &Rectangle| left < other[2] && other[0] < right && top < other[3] && other[1] < bottom;
+        is_within && !self.taken.iter().any(overlaps)
+    }
+}
+
+/// Whether a line enters a rectangle, to 3 pixels.
+fn crosses([left, top, right, bottom]: Rectangle, [from, to]: &[Place; 2]) -> bool {
+    let (dx, dy) = (i64::from(to.0) - i64::from(from.0), i64::from(to.1) - i64::from(from.1));
+    let steps = dx.abs().max(dy.abs()) / 3 + 1;
+    (0..=steps).any(|step| {
+        let x = i64::from(from.0) + dx * step / steps;
+        let y = i64::from(from.1) + dy * step / steps;
+        (i64::from(left)..=i64::from(right)).contains(&x) && (i64::from(top)..=i64::from(bottom)).contains(&y)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_lie_over_nothing() {
+        let mut space = Space::new([0, 0, 200, 100]);
+        for marker in [(100, 50), (110, 50)] {
+            space.take_marker(marker);
+        }
+        let taken = space.taken.len();
+        let places: Vec<_> =
+            ["64", "128", "256", "512"].iter().filter_map(|text| space.place((100, 50), text)).collect();
+        assert_eq!(places.len(), 4);
+        for (index, a) in space.taken.iter().enumerate().skip(taken) {
+            assert!(a[0] >= 0 && a[1] >= 0 && a[2] <= 200 && a[3] <= 100, "{a:?}");
+            for b in &space.taken[..index] {
+                assert!(a[0] >= b[2] || b[0] >= a[2] || a[1] >= b[3] || b[1] >= a[3], "{a:?} over {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_right_side_is_taken_unless_a_line_or_the_frame_is_there() {
+        let space = Space::new([0, 0, 200, 100]);
+        let right = space.clone().place((100, 50), "8").unwrap();
+        assert_eq!(right, (108, 50));
+        let mut crossed = space.clone();
+        crossed.avoid([(100, 50), (200, 50)]);
+        assert_ne!(crossed.place((100, 50), "8").unwrap().1, 50);
+        assert!(space.clone().place((195, 50), "8").unwrap().0 < 195);
+        assert_eq!(Space::new([0, 0, 20, 20]).place((10, 10), "a long label"), None);
+    }
+}
