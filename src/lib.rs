@@ -73,6 +73,7 @@ pub mod color;
 pub mod error;
 #[allow(unsafe_code)]
 pub mod gpu;
+pub mod identity;
 pub mod image;
 pub mod io;
 pub mod methods;
