@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
+# layers and a browser as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
 # Does nothing, at once, where nothing is missing.
 set -euo pipefail
 
@@ -80,6 +80,11 @@ has_layers() {
     return 1
 }
 
+# The names that tests/tradeoff_page/browser.rs looks for.
+has_browser() {
+    [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
+} >/dev/null
+
 # Fills `names` and `packages` with what is missing.
 find_missing() {
     names=() packages=()
@@ -90,6 +95,9 @@ find_missing() {
     fi
     if $for_tests && ! has_layers; then
         names+=("the Vulkan validation layers (VK_LAYER_KHRONOS_validation)") packages+=(vulkan-validationlayers)
+    fi
+    if $for_tests && ! has_browser; then
+        names+=("a browser (Chromium or Chrome; or name it in CHROME)") packages+=(chromium)
     fi
 }
 

@@ -19,15 +19,19 @@ th { border-bottom: 1px solid #888; vertical-align: bottom; }
 tr:nth-child(even) td { background: #f6f6f6; }
 .text { text-align: left; }
 .long { white-space: normal; text-align: left; }
+sup { line-height: 0; }
 summary { cursor: pointer; font-weight: 600; margin: .3rem 0; }
 [hidden] { display: none !important; }
+.sortable th { position: relative; }
 .sortable th button { all: unset; cursor: pointer; white-space: nowrap; }
 .sortable th button:hover { text-decoration: underline; }
 .sortable th button:focus-visible { outline: 2px solid #0072b2; outline-offset: 2px; }
-.sortable th button::after { content: \"▲\"; visibility: hidden; font-size: .7em; margin-left: .2em; }
+.sortable th button::after { content: \"▲\"; visibility: hidden; position: absolute; font-size: .6em; }
 .sortable th[aria-sort=ascending] button::after, .sortable th[aria-sort=descending] button::after { visibility: visible; }
 .sortable th[aria-sort=descending] button::after { content: \"▼\"; }
 .sortable th:first-child, .sortable td:first-child { position: sticky; left: 0; background: #fff; }
+.sortable th, .sortable td { padding-left: .35rem; padding-right: .55rem; }
+.sortable tr:nth-child(even) td:first-child { background: #f6f6f6; }
 tr.marked td, .sortable tr.marked td:first-child { background: #fdf3d8; }
 ";
 

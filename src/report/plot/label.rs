@@ -6,12 +6,28 @@ const HEIGHT: i32 = 14;
 const CHARACTER: i32 = 7;
 /// Half of a marker's side in pixels, with a little air.
 const MARKER: i32 = 6;
+/// The same for a ring, whose corners are empty.
+const RING: i32 = 8;
 
 /// Left, top, right and bottom in pixels.
-type Rectangle = [i32; 4];
+pub(super) type Rectangle = [i32; 4];
 
 /// A place in pixels.
 type Place = (i32, i32);
+
+/// Labels further from their marker than this are tied to it by a line.
+const NEAR: i32 = 14;
+
+/// Where a label goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Placed {
+    /// The middle of the text's left end.
+    pub text: Place,
+    /// What the text takes up.
+    pub rectangle: Rectangle,
+    /// Where a line from the marker ends; `None` where the label is so near that it needs none.
+    pub tie: Option<Place>,
+}
 
 /// A panel and what is drawn in it already.
 #[derive(Debug, Clone, Default)]
@@ -37,15 +53,20 @@ impl Space {
         self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
     }
 
+    /// No label will lie over this ring around a marker.
+    pub(super) fn take_ring(&mut self, (x, y): Place) {
+        self.take([x - RING, y - RING, x + RING, y + RING]);
+    }
+
     /// Labels rather lie elsewhere.
     pub(super) fn avoid(&mut self, line: [Place; 2]) {
         self.lines.push(line);
     }
 
-    /// The middle of the left end of a text that labels a marker, and its place is taken; `None` where there is no room.
-    pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Place> {
+    /// Where a text goes that labels a marker; the place is taken then. `None` where there is no room.
+    pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Placed> {
         let width = CHARACTER * text.chars().count() as i32;
-        let candidates = [8, 14, 22].into_iter().flat_map(|away| {
+        let candidates = [8, 12, 18, 26, 36].into_iter().flat_map(|away| {
             let side = away * 3 / 4;
             let (left, middle, right) = (x - width, x - width / 2, x);
             [
@@ -62,13 +83,16 @@ impl Space {
         let free = candidates.enumerate().filter_map(|(order, place)| {
             let (left, top) = (place.0, place.1 - HEIGHT / 2);
             let rectangle = [left, top, left + width, top + HEIGHT];
-            // A line behind a label costs as much as being five places worse.
+            // A line behind a label costs as much as being twelve places worse.
             let crossed = self.lines.iter().filter(|line| crosses(rectangle, line)).count();
-            self.is_free(rectangle).then_some((order + 5 * crossed, place, rectangle))
+            self.is_free(rectangle).then_some((order + 12 * crossed, place, rectangle))
         });
         let (_, place, rectangle) = free.min_by_key(|(cost, ..)| *cost)?;
         self.take(rectangle);
-        Some(place)
+        let [left, top, right, bottom] = rectangle;
+        let tie = (x.clamp(left, right), y.clamp(top, bottom));
+        let is_far = (tie.0 - x).abs().max((tie.1 - y).abs()) > NEAR;
+        Some(Placed { text: place, rectangle, tie: is_far.then_some(tie) })
     }
 
     fn is_free(&self, [left, top, right, bottom]: Rectangle) -> bool {
@@ -116,11 +140,15 @@ mod tests {
     fn the_right_side_is_taken_unless_a_line_or_the_frame_is_there() {
         let space = Space::new([0, 0, 200, 100]);
         let right = space.clone().place((100, 50), "8").unwrap();
-        assert_eq!(right, (108, 50));
+        assert_eq!((right.text, right.rectangle, right.tie), ((108, 50), [108, 43, 115, 57], None));
         let mut crossed = space.clone();
         crossed.avoid([(100, 50), (200, 50)]);
-        assert_ne!(crossed.place((100, 50), "8").unwrap().1, 50);
-        assert!(space.clone().place((195, 50), "8").unwrap().0 < 195);
+        assert_ne!(crossed.place((100, 50), "8").unwrap().text.1, 50);
+        assert!(space.clone().place((195, 50), "8").unwrap().text.0 < 195);
+        let mut full = space;
+        full.take([80, 30, 120, 70]);
+        let far = full.place((100, 50), "8").unwrap();
+        assert_eq!((far.text, far.tie), ((126, 50), Some((126, 50))));
         assert_eq!(Space::new([0, 0, 20, 20]).place((10, 10), "a long label"), None);
     }
 }

@@ -60,6 +60,8 @@ pub struct Panel {
     /// By ascending x: points (x, y) that nothing beats, of which each gets a ring. The line through them falls in steps
     /// and parts what is beaten from what was not reached. Empty for none.
     pub front: Vec<[f64; 2]>,
+    /// Whether it has the figure's guide.
+    pub is_guided: bool,
 }
 
 /// An axis.
@@ -73,7 +75,7 @@ pub struct Axis {
     pub binary: bool,
 }
 
-/// A straight line below the last point of each panel's first series, for the eye to compare slopes with.
+/// A straight line below the last point of a panel's first series, for the eye to compare slopes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
     /// What the legend calls it.
@@ -91,7 +93,7 @@ pub struct Figure {
     pub y: Axis,
     /// Names of the series.
     pub names: Vec<String>,
-    /// A dashed line in each panel.
+    /// A dashed line in panels that want it.
     pub guide: Option<Guide>,
     /// What the legend calls the line through a front.
     pub front: &'static str,
@@ -192,7 +194,9 @@ impl Figure {
             .light_line_style(RGBColor(240, 240, 240))
             .draw()?;
         let at = |px: f64, py: f64| chart.backend_coord(&(x.of(px), y.of(py)));
-        if let Some(line) = self.guide.and_then(|guide| guide_line(guide.exponent, panel, &x, &y)) {
+        if let Some(line) =
+            self.guide.filter(|_| panel.is_guided).and_then(|guide| guide_line(guide.exponent, panel, &x, &y))
+        {
             draw_dashed(root, line.map(|(x, y)| chart.backend_coord(&(x, y))))?;
         }
         let (columns, lines) = chart.plotting_area().get_pixel_range();
@@ -221,17 +225,24 @@ impl Figure {
         }
         for place in &front {
             root.draw(&Circle::new(*place, 9, INK.stroke_width(1)))?;
+            space.take_ring(*place);
         }
         for line in lines_drawn.iter().flat_map(|line| line.windows(2)) {
             space.avoid([line[0], line[1]]);
         }
-        for point in panel.series.iter().flat_map(|series| &series.points) {
-            if !point.label.is_empty()
-                && point.is_finite()
-                && let Some(place) = space.place(at(point.x, point.y), &point.label)
-            {
-                root.draw(&Text::new(point.label.clone(), place, text_style(12)))?;
+        let points = panel.series.iter().flat_map(|series| &series.points);
+        let mut labelled: Vec<_> = points.filter(|point| !point.label.is_empty() && point.is_finite()).collect();
+        // The long ones while there is room.
+        labelled.sort_by_key(|point| std::cmp::Reverse(point.label.chars().count()));
+        for point in labelled {
+            let marker = at(point.x, point.y);
+            let Some(placed) = space.place(marker, &point.label) else { continue };
+            if let Some(end) = placed.tie {
+                root.draw(&PathElement::new([marker, end], INK.stroke_width(1)))?;
             }
+            let [left, top, right, bottom] = placed.rectangle;
+            root.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.mix(0.75).filled()))?;
+            root.draw(&Text::new(point.label.clone(), placed.text, text_style(12)))?;
         }
         if panel.series.iter().all(|series| series.points.is_empty()) {
             let place = (columns.start + 8, lines.start + 12);
@@ -332,7 +343,7 @@ fn guide_line(exponent: f64, panel: &Panel, x: &Scale, y: &Scale) -> Option<[(f6
     // Until the panel's left, lower or upper end.
     let bound = if exponent > 0.0 { y.range.start } else { y.range.end };
     let run = (end.0 - x.range.start).min((end.1 - bound) / rise);
-    (run > 0.0).then(|| [(end.0 - run, end.1 - run * rise), end])
+    (run > 0.0).then_some([(end.0 - run, end.1 - run * rise), end])
 }
 
 fn color(index: usize) -> RGBColor {
@@ -518,8 +529,8 @@ mod tests {
     fn a_figure_holds_its_texts_and_a_marker_for_each_point() {
         let point = |x: f64| Point { range_y: [2.0 * x, 4.0 * x], label: format!("{x} MiB"), ..Point::new(x, 3.0 * x) };
         let series = Series { note: "slope 1.00".into(), ..series(0, [1.0, 4.0, 16.0].map(point)) };
-        let panel = Panel { title: "stack".into(), series: vec![series], front: Vec::new() };
-        let empty = Panel { title: "mosaic".into(), series: Vec::new(), front: Vec::new() };
+        let panel = Panel { title: "stack".into(), series: vec![series], front: Vec::new(), is_guided: true };
+        let empty = Panel { title: "mosaic".into(), series: Vec::new(), front: Vec::new(), is_guided: true };
         let svg = figure(vec![panel, empty]).svg().unwrap();
         let texts = ["stack", "mosaic", "layers", "time in ms", "abuffer", "slope 1.00", "nothing measured", "16"];
         for text in texts.into_iter().chain(["1 MiB", "4 MiB", "16 MiB"]) {
@@ -533,7 +544,8 @@ mod tests {
     #[test]
     fn what_is_not_a_number_is_left_out_and_a_front_gets_rings() {
         let points = [Point::new(1.0, 2.0), Point::new(f64::NAN, 1.0), Point::new(4.0, f64::INFINITY)];
-        let panel = Panel { title: String::new(), series: vec![series(0, points)], front: vec![[1.0, 2.0]] };
+        let panel =
+            Panel { title: String::new(), series: vec![series(0, points)], front: vec![[1.0, 2.0]], is_guided: true };
         let svg = figure(vec![panel]).svg().unwrap();
         // Marker and ring, here and in the legend.
         assert_eq!(svg.matches("<circle").count(), 2 + 2);
@@ -561,7 +573,8 @@ mod tests {
         let (x, y) = (Scale::new(TWO, [1.0, 1024.0].into_iter()), Scale::new(TEN, [0.1, 1000.0].into_iter()));
         for (exponent, last) in [(1.0, 1000.0), (-0.5, 1.0), (-0.5, 300.0)] {
             let point = Point::new(1024.0, last);
-            let panel = Panel { title: String::new(), series: vec![series(0, [point])], front: Vec::new() };
+            let panel =
+                Panel { title: String::new(), series: vec![series(0, [point])], front: Vec::new(), is_guided: true };
             let [from, to] = guide_line(exponent, &panel, &x, &y).unwrap();
             let (factor_x, factor_y) = (2f64.powf(to.0 - from.0), 10f64.powf(to.1 - from.1));
             assert!((factor_x.powf(exponent) / factor_y - 1.0).abs() < 1e-9, "{factor_x} and {factor_y}");

@@ -175,7 +175,7 @@ impl Report<'_> {
                 Series { name, points, note: slope.map(note).unwrap_or_default() }
             });
             let title = format!("{}, {side} × {side} pixels", workload.name());
-            Panel { title, series: series.collect(), front: Vec::new() }
+            Panel { title, series: series.collect(), front: Vec::new(), is_guided: true }
         };
         let sides = || self.settings.sides.iter().copied();
         let axis = Axis { label: "layers per pixel", floor: 0.0, binary: true };

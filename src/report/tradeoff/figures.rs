@@ -2,12 +2,15 @@
 
 use super::{Convergence, Errors, Row, Tradeoff};
 use crate::output;
+use crate::report::fit::PowerLaw;
 use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series};
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
 pub(super) const RMSE_FLOOR: f64 = 1e-7;
 /// The same for FLIP, which grows faster than small differences do.
 pub(super) const FLIP_FLOOR: f64 = 1e-6;
+/// A power law that explains less of the variance than this is none.
+pub(super) const LAW_R_SQUARED: f64 = 0.95;
 /// Device time below is drawn here, in ms.
 const TIME_FLOOR: f64 = 1e-3;
 /// Width of all panels of a row together, in pixels.
@@ -40,6 +43,11 @@ pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
 pub(super) fn short(setting: &str) -> String {
     let parts = setting.split_whitespace().map(|part| part.strip_prefix("method.").unwrap_or(part));
     parts.collect::<Vec<_>>().join(" ")
+}
+
+/// With a minus as long as a digit, to a number of places.
+pub(super) fn signed(value: f64, places: usize) -> String {
+    format!("{value:.places$}").replace('-', "−")
 }
 
 /// The rows of one method that differ in one setting, by ascending step; or one row without a step.
@@ -109,6 +117,7 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
         title: String::new(),
         series: ladders(report).iter().map(series).collect(),
         front: front(report.rows.iter().map(|row| [row.gpu_ms.median, error(&row.errors)])),
+        is_guided: false,
     };
     Figure {
         x: Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, binary: false },
@@ -172,17 +181,19 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
     });
     let series = |ladder: &Ladder<'_>| {
         let method = &ladder.rows[0].method;
-        let law = |c: &&Convergence| c.method == *method && c.key == key(ladder);
+        let is_law = |law: &PowerLaw| law.r_squared >= LAW_R_SQUARED;
+        let law = |c: &&Convergence| c.method == *method && c.key == key(ladder) && is_law(&c.rmse);
         let fitted = report.convergence.iter().find(law);
         Series {
             name: index(&names, method),
             points: ladder.rows.iter().map(|row| Point::new(step(row), row.errors.rmse)).collect(),
-            note: fitted.map(|law| format!("slope {:.2}", law.rmse.exponent)).unwrap_or_default(),
+            note: fitted.map(|law| format!("slope {}", signed(law.rmse.exponent, 2))).unwrap_or_default(),
         }
     };
     let panel = |title: &String| {
         let of_key = ladders.iter().filter(|ladder| key(ladder) == *title);
-        Panel { title: title.clone(), series: of_key.map(series).collect(), front: Vec::new() }
+        let is_guided = of_key.clone().any(|ladder| ladder.rows[0].stochastic);
+        Panel { title: title.clone(), series: of_key.map(series).collect(), front: Vec::new(), is_guided }
     };
     let panels: Vec<_> = keys.iter().map(panel).collect();
     let guide = Guide { name: "slope −1/2", exponent: -0.5 };
@@ -210,7 +221,7 @@ fn bias(report: &Tradeoff) -> Option<Figure> {
         let series = vec![series(0, |r| r.noise), series(1, |r| r.bias), series(2, |r| r.bias_floor)];
         let title = format!("{} over {key} {}", ladder.rows[0].method, ladder.rest);
         let has_points = repeats().next().is_some();
-        has_points.then(|| Panel { title: title.trim_end().to_owned(), series, front: Vec::new() })
+        has_points.then(|| Panel { title: title.trim_end().to_owned(), series, front: Vec::new(), is_guided: false })
     };
     let panels: Vec<_> = ladders(report).into_iter().filter_map(panel).collect();
     let names = ["noise of one image", "bias", "floor of the bias"].map(str::to_owned).to_vec();

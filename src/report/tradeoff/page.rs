@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::figures::{Drawn, FLIP_FLOOR, RMSE_FLOOR, bias_floor, short};
+use super::figures::{Drawn, FLIP_FLOOR, LAW_R_SQUARED, RMSE_FLOOR, bias_floor, short, signed};
 use super::pictures::Pictures;
 use super::{DIFFERENCE_GAIN, Row, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, figure, grouped, page, script, sortable, sorting, table};
@@ -12,7 +12,7 @@ const MIB: f64 = (1 << 20) as f64;
 const STYLE: &str = "
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1rem; margin: 1rem 0; }
 .pair figure { margin: 0; }
-.stack { position: relative; --cut: 50%; background: #000; touch-action: none; cursor: ew-resize; user-select: none; }
+.stack { position: relative; --cut: 50%; background: #000; touch-action: pan-y; cursor: ew-resize; user-select: none; }
 .stack.still { cursor: default; }
 .stack img { display: block; width: 100%; height: auto; pointer-events: none; }
 .stack img.above { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--cut)); }
@@ -48,7 +48,8 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
         @for drawn in of(figures, &["bias.svg"]) { (shown(drawn, report)) }
         (bias(report))
         h2 { "All settings" }
-        p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round." }
+        p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "
+            "“from–to” is sorted by its width over the median. “% off” are the pixels with a channel off by more than 1/255." }
         (rows(report))
         h2 { "Pictures" }
         (compared(report, pictures))
@@ -67,10 +68,10 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
 fn about(report: &Tradeoff) -> Markup {
     let reference = &report.reference;
     let checked = format!(
-        "{}; {} of its pixels, chosen at random, are within {:.1e} of the float64 reference",
+        "{}; {} of its pixels, chosen at random, are within {} of the float64 reference",
         reference.method,
         grouped(reference.checked_pixels as u64),
-        reference.largest_error,
+        error(reference.largest_error),
     );
     facts(&[
         ("scene", report.scene.clone()),
@@ -98,7 +99,12 @@ fn sittings(count: u32) -> String {
 }
 
 fn error(value: f64) -> String {
-    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+    if value == 0.0 || value >= 1e-3 { digits(value) } else { scientific(value) }
+}
+
+/// Two digits and a power of ten.
+fn scientific(value: f64) -> String {
+    format!("{value:.1e}").replace('-', "−")
 }
 
 fn front(report: &Tradeoff) -> Markup {
@@ -109,7 +115,7 @@ fn front(report: &Tradeoff) -> Markup {
         Column::number("RMSE"),
         Column::number("FLIP"),
         Column::number("largest error"),
-        Column::number("pixels off by > 1/255"),
+        Column::number("% of pixels off by > 1/255"),
         Column::number("peak MiB"),
     ];
     let mut rows: Vec<&Row> = report.rows.iter().filter(|row| row.front).collect();
@@ -129,8 +135,13 @@ fn front(report: &Tradeoff) -> Markup {
     table(&columns, &rows.iter().map(row).collect::<Vec<_>>())
 }
 
+/// A share in percent, to the thousandth.
 fn percent(share: f64) -> String {
-    if share == 0.0 { "0 %".to_owned() } else { format!("{} %", digits(100.0 * share)) }
+    match 100.0 * share {
+        0.0 => "0".to_owned(),
+        percent if percent < 0.001 => "< 0.001".to_owned(),
+        percent => digits(percent),
+    }
 }
 
 fn of<'a>(figures: &'a [Drawn], names: &'a [&str]) -> impl Iterator<Item = &'a Drawn> {
@@ -161,7 +172,8 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
         },
         "convergence.svg" => html! {
             b { "RMSE over what is turned. " }
-            "Independent samples fall in parallel to the dashed line. RMSE below " (power(RMSE_FLOOR))
+            "Independent samples fall in parallel to the dashed line. Slopes are given where a power law explains "
+            (100.0 * LAW_R_SQUARED) " % of the variance. RMSE below " (power(RMSE_FLOOR))
             " is drawn there."
         },
         _ => html! {
@@ -187,9 +199,9 @@ fn convergence(report: &Tradeoff) -> Markup {
         vec![
             c.method.clone(),
             c.key.clone(),
-            format!("{:.3}", c.rmse.exponent),
+            signed(c.rmse.exponent, 3),
             format!("{:.3}", c.rmse.r_squared),
-            format!("{:.3}", c.over_time.exponent),
+            signed(c.over_time.exponent, 3),
             format!("{:.3}", c.over_time.r_squared),
             c.rows.to_string(),
         ]
@@ -250,8 +262,7 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::text("setting"),
         Column::text("front"),
         Column::number("ms"),
-        Column::number("min ms"),
-        Column::number("max ms"),
+        Column::number("from–to"),
         Column::number("wall ms"),
         Column::number("frames"),
         Column::number("seeds"),
@@ -262,7 +273,7 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::number("SSIM"),
         Column::number("FLIP"),
         Column::number("largest"),
-        Column::number("> 1/255"),
+        Column::number("% off"),
     ];
     let line = |row: &Row| {
         let ms = |value| Cell::number(value, digits);
@@ -274,8 +285,10 @@ fn rows(report: &Tradeoff) -> Markup {
             Cell::text(short(&row.setting)),
             Cell::text(if row.front { "front" } else { "" }),
             ms(row.gpu_ms.median),
-            ms(row.gpu_ms.min),
-            ms(row.gpu_ms.max),
+            // Sorted by how far times are spread.
+            Cell::number((row.gpu_ms.max - row.gpu_ms.min) / row.gpu_ms.median, |_| {
+                format!("{}–{}", digits(row.gpu_ms.min), digits(row.gpu_ms.max))
+            }),
             ms(row.wall_ms.median),
             count(row.frames as f64),
             row.repeats.map_or(Cell::text(""), |repeats| count(repeats.seeds.into())),
@@ -285,7 +298,7 @@ fn rows(report: &Tradeoff) -> Markup {
             Cell::number(errors.psnr.unwrap_or(f64::INFINITY), |db| {
                 if db.is_finite() { format!("{db:.1}") } else { "∞".to_owned() }
             }),
-            Cell::number(errors.ssim, |ssim| format!("{ssim:.5}")),
+            Cell::number(errors.ssim, |ssim| format!("{ssim:.4}")),
             small(errors.flip),
             small(errors.max),
             Cell::number(errors.above_1_255, percent),
@@ -315,13 +328,15 @@ fn about_row(row: &Row) -> String {
     )
 }
 
-/// The picture of a row over the reference, and the difference. The row with the largest error is chosen at first, and
+/// The picture of a row over the reference, and the difference. The row with the median error is chosen at first, and
 /// stays where no script runs.
 fn compared(report: &Tradeoff, pictures: &Pictures) -> Markup {
-    let worst =
-        (0..report.rows.len()).max_by(|a, b| report.rows[*a].errors.rmse.total_cmp(&report.rows[*b].errors.rmse));
-    let Some(worst) = worst else { return html! { p { "No setting was measured." } } };
-    let [picture, difference] = pictures.rows[worst];
+    let mut by_error: Vec<usize> = (0..report.rows.len()).collect();
+    by_error.sort_by(|a, b| report.rows[*a].errors.rmse.total_cmp(&report.rows[*b].errors.rmse));
+    let Some(&chosen) = by_error.get(by_error.len() / 2) else {
+        return html! { p { "No setting was measured." } };
+    };
+    let [picture, difference] = pictures.rows[chosen];
     let [width, height] = pictures.size;
     let mut kinds: [Vec<usize>; 2] = std::array::from_fn(|kind| pictures.rows.iter().map(|row| row[kind]).collect());
     for kind in &mut kinds {
@@ -338,8 +353,8 @@ fn compared(report: &Tradeoff, pictures: &Pictures) -> Markup {
     };
     html! {
         p { (scale) }
-        p { label for="setting" { "Setting " } (choices(report, pictures, worst)) }
-        p #chosen aria-live="polite" { (about_row(&report.rows[worst])) }
+        p { label for="setting" { "Setting " } (choices(report, pictures, chosen)) }
+        p #chosen aria-live="polite" { (about_row(&report.rows[chosen])) }
         div.pair {
             figure {
                 div.stack #over {
