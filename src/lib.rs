@@ -68,6 +68,7 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+pub mod choice;
 pub mod cloud;
 pub mod color;
 pub mod error;

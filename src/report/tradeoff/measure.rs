@@ -7,6 +7,7 @@ use glam::Vec3;
 use indicatif::ProgressBar;
 
 use super::partial::{Measured, Partial, Timed, Trial};
+use super::renderers::Renderers;
 use super::repeats::Seeds;
 use super::settings::{Ladders, Occasion, Setting, formation, settings};
 use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, summary};
@@ -335,7 +336,7 @@ impl Run<'_> {
 }
 
 /// All errors of an image.
-pub(crate) fn errors(reference: &LinearImage, image: &LinearImage) -> Errors {
+fn errors(reference: &LinearImage, image: &LinearImage) -> Errors {
     let all = metrics::compare(reference, image).expect("both are frames of one size");
     Errors {
         rmse: all.rmse,
@@ -353,33 +354,5 @@ impl Timed {
         let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
         let passes = profile.passes.iter().map(|pass| (pass.name.to_owned(), ms(pass.gpu))).collect();
         Self { sitting, gpu_ms: ms(profile.gpu()), wall_ms: ms(profile.wall), passes }
-    }
-}
-
-/// Renderers whose buffers last from round to round.
-struct Renderers {
-    device: Device,
-    /// One for each method if memory allows, so that none finds its buffers freed by another; else one for all.
-    each: bool,
-    by_name: BTreeMap<&'static str, Renderer>,
-}
-
-impl Renderers {
-    fn new(device: &Device, peaks: impl Iterator<Item = (&'static str, u64)>) -> Self {
-        let mut most = BTreeMap::new();
-        for (name, peak) in peaks {
-            let greatest: &mut u64 = most.entry(name).or_default();
-            *greatest = peak.max(*greatest);
-        }
-        let each = most.values().sum::<u64>() <= device.limits().heap_bytes / 2;
-        Self { device: device.clone(), each, by_name: BTreeMap::new() }
-    }
-
-    fn of(&mut self, name: &'static str) -> Result<&mut Renderer, methods::Error> {
-        let name = if self.each { name } else { "" };
-        if !self.by_name.contains_key(name) {
-            self.by_name.insert(name, Renderer::new(&self.device)?);
-        }
-        Ok(self.by_name.get_mut(name).expect("just made"))
     }
 }

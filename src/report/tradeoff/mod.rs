@@ -7,6 +7,7 @@ mod measure;
 mod page;
 mod partial;
 mod pictures;
+pub(crate) mod renderers;
 mod repeats;
 pub mod settings;
 mod summary;
