@@ -26,7 +26,8 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
     add(bytemuck::cast_slice(normals.as_deref().unwrap_or_default()));
     add(bytemuck::cast_slice(file_order));
     // Debug output of floats is exact.
-    let settings = format!("{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {background:?}");
+    let settings =
+        format!("{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {background:?}");
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
     for text in [&settings, formation, &program] {
         add(text.as_bytes());

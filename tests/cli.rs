@@ -2,11 +2,13 @@
 
 mod cli {
     mod bad;
+    mod choice;
     mod compare;
     mod failures;
     mod measure;
     mod render;
     mod stress;
+    mod tradeoff;
 }
 
 use std::fs;

@@ -22,7 +22,12 @@ pub(super) fn by_error(trials: &mut Trials<'_>, all: &[Setting], most: f64) -> R
     }
     let fits = |setting: &&Setting| trials.figures(setting).is_some_and(|figures| figures.rmse <= most);
     let fitting: Vec<&Setting> = all.iter().filter(fits).collect();
-    if fitting.is_empty() { Ok(most_accurate(trials, all.iter())) } else { trials.fastest(&fitting) }
+    if !fitting.is_empty() {
+        return trials.fastest(&fitting);
+    }
+    let found = most_accurate(trials, all.iter()).map(|(setting, _)| setting);
+    let found: Vec<&Setting> = found.iter().collect();
+    trials.fastest(&found)
 }
 
 /// The most accurate setting of which a frame takes at most `budget` ms; if there is none, the fastest of those tried.
@@ -48,7 +53,7 @@ pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> 
             }
         }
     }
-    // A median of two frames is not to be trusted: what it found is timed again until what is found stays.
+    // Two frames are not to be trusted: what they found is timed again until what is found stays.
     loop {
         let fits = |setting: &&Setting| trials.figures(setting).is_some_and(|figures| figures.gpu_ms <= budget);
         let Some((found, figures)) = most_accurate(trials, all.iter().filter(fits)) else { break };
@@ -62,10 +67,7 @@ pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> 
 }
 
 /// The most accurate of those measured, of equally accurate ones the fastest.
-fn most_accurate<'a>(
-    trials: &Trials<'_>,
-    settings: impl Iterator<Item = &'a Setting>,
-) -> Option<(Setting, Figures)> {
+fn most_accurate<'a>(trials: &Trials<'_>, settings: impl Iterator<Item = &'a Setting>) -> Option<(Setting, Figures)> {
     let measured = settings.filter_map(|setting| Some((setting, trials.figures(setting)?)));
     let key = |figures: &Figures| (figures.rmse.max(EXACT), figures.gpu_ms);
     let best = measured.min_by(|(_, a), (_, b)| {

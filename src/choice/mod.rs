@@ -18,11 +18,11 @@ use serde_json::{Value, json};
 
 use crate::Result;
 use crate::gpu::Device;
-use crate::methods::Frame;
+use crate::methods::{self, Frame};
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::report::tradeoff::settings::{Ladders, Setting, settings};
-use crate::scene::Method;
+use crate::scene::{self, Method};
 use trials::Trials;
 
 /// RMSE up to this is rounding: settings below it are equally accurate, and the fastest of them is taken.
@@ -121,17 +121,18 @@ pub fn choose(
         (None, budget) => climb::by_time(&mut trials, &all, budget.unwrap_or(f64::INFINITY))?,
     };
     trials.store();
-    let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.last_refusal()))?;
+    let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
     let warning = unfulfilled(wish, figures);
     let Setting { method, text, .. } = setting;
     let (known, frames) = (trials.known(), trials.frames);
     Ok(Choice { method, setting: text, figures, wish, warning, known, frames })
 }
 
-fn none(only: Option<&str>, refusal: Option<String>) -> crate::Error {
-    let why = refusal.unwrap_or_else(|| "it is not one of those that draw these discs".to_owned());
-    let name = only.unwrap_or("any");
-    crate::scene::Error::Usage(format!("--method {name}: nothing to choose from: {why}")).into()
+/// Why nothing could be chosen.
+fn none(only: Option<&str>, refusal: Option<methods::Error>) -> crate::Error {
+    let unknown =
+        || scene::Error::Usage(format!("{}: it does not draw the discs of this scene", only.unwrap_or("any")));
+    refusal.map_or_else(|| unknown().into(), Into::into)
 }
 
 /// What of a wish the chosen setting misses.
@@ -142,9 +143,9 @@ fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures) -> Option<String> 
         (Some(most), _, _) => {
             Some(format!("no setting has an RMSE of at most {most}: the most accurate one is taken, with {rmse:.1e}"))
         }
-        (None, Some(most), Some(error)) => {
-            Some(format!("no setting with an RMSE of at most {error} takes at most {most} ms: this one takes {gpu_ms:.1} ms"))
-        }
+        (None, Some(most), Some(error)) => Some(format!(
+            "no setting with an RMSE of at most {error} takes at most {most} ms: this one takes {gpu_ms:.1} ms"
+        )),
         (None, Some(most), None) => {
             Some(format!("no setting takes at most {most} ms: the fastest one is taken, with {gpu_ms:.1} ms"))
         }

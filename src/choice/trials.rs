@@ -1,13 +1,13 @@
 //! Frames that are rendered to choose, and what is known from earlier ones.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use indicatif::ProgressBar;
 use serde::{Deserialize, Serialize};
 
 use super::{Figures, Subject};
 use crate::gpu::Device;
-use crate::methods::{Frame, Rendered, Renderer, Stop};
+use crate::methods::{self, Frame, Rendered, Renderer, Stop};
 use crate::output::{LinearImage, linear};
 use crate::passes::project::DeviceCloud;
 use crate::profile::median;
@@ -34,14 +34,19 @@ struct Record {
 }
 
 impl Record {
+    /// With the median time; of few frames the least, since whatever disturbs one makes it slower.
     fn figures(&self) -> Figures {
-        Figures { rmse: self.rmse, gpu_ms: median(self.gpu_ms.clone()) }
+        let gpu_ms = if self.is_settled() { median(self.gpu_ms.clone()) } else { self.least() };
+        Figures { rmse: self.rmse, gpu_ms }
     }
 
-    /// Whether more frames would tell more.
+    fn least(&self) -> f64 {
+        self.gpu_ms.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether more frames would tell little more.
     fn is_settled(&self) -> bool {
-        let least = self.gpu_ms.iter().copied().fold(f64::INFINITY, f64::min);
-        self.gpu_ms.len() >= if least > 1e3 { SLOW_FRAMES } else { FRAMES }
+        self.gpu_ms.len() >= if self.least() > 1e3 { SLOW_FRAMES } else { FRAMES }
     }
 }
 
@@ -63,8 +68,9 @@ pub(super) struct Trials<'a> {
     frame: Frame,
     key: String,
     known: Known,
-    /// Why settings could not be rendered.
-    refusals: BTreeMap<String, String>,
+    /// Settings that could not be rendered, and why the last of them could not.
+    refused: BTreeSet<String>,
+    pub refusal: Option<methods::Error>,
     renderer: Renderer,
     /// Rendered once anything has to be compared with it.
     reference: Option<LinearImage>,
@@ -88,9 +94,20 @@ impl<'a> Trials<'a> {
         let known: Option<Known> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;
         let (is_new, known) = (known.is_none(), known.unwrap_or_default());
-        let (refusals, reference) = (BTreeMap::new(), None);
-        let mut trials =
-            Self { device, cloud, subject, progress, frame, key, known, refusals, renderer, reference, frames: 0 };
+        let mut trials = Self {
+            device,
+            cloud,
+            subject,
+            progress,
+            frame,
+            key,
+            known,
+            refused: BTreeSet::new(),
+            refusal: None,
+            renderer,
+            reference: None,
+            frames: 0,
+        };
         if is_new {
             trials.reference()?;
         }
@@ -117,11 +134,6 @@ impl<'a> Trials<'a> {
         self.known.records.len()
     }
 
-    /// Why the last setting that could not be rendered was not.
-    pub fn last_refusal(&self) -> Option<String> {
-        self.refusals.values().last().cloned()
-    }
-
     /// The figures of a setting that was measured.
     pub fn figures(&self, setting: &Setting) -> Option<Figures> {
         self.known.records.get(&setting.key()).map(Record::figures)
@@ -130,7 +142,7 @@ impl<'a> Trials<'a> {
     /// The figures of a setting, measured now unless they are known; `None` if it can't be rendered. `best`: the time of the
     /// best setting so far; what is much slower gets one frame after that which pays for buffers and shaders, else two.
     pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
-        if self.figures(setting).is_none() && !self.refusals.contains_key(&setting.key()) {
+        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
             self.progress.set_message(format!("choosing the method: {}", setting.key()));
             match self.first_frames(setting, best) {
                 Ok(record) => {
@@ -138,7 +150,8 @@ impl<'a> Trials<'a> {
                     self.known.records.insert(setting.key(), record);
                 }
                 Err(crate::Error::Render(error)) if error.is_refusal() => {
-                    self.refusals.insert(setting.key(), error.to_string());
+                    self.refused.insert(setting.key());
+                    self.refusal = Some(error);
                 }
                 Err(error) => return Err(error),
             }
@@ -147,10 +160,10 @@ impl<'a> Trials<'a> {
     }
 
     fn first_frames(&mut self, setting: &Setting, best: Option<f64>) -> Result<Record> {
-        self.reference()?;
         let first = self.render(setting.method)?;
         let image = linear(&first.image, self.subject.background, self.frame.color);
         self.renderer.recycle(first.image);
+        self.reference()?;
         let reference = self.reference.as_ref().expect("rendered above");
         let rmse = metrics::rmse(&reference.pixels, &image.pixels);
         let peak_device_bytes = first.facts.peak_device_bytes;
@@ -168,8 +181,9 @@ impl<'a> Trials<'a> {
     }
 
     fn render(&mut self, method: Method) -> Result<Rendered> {
+        let rendered = self.renderer.render(self.cloud, &Frame { method, ..self.frame })?;
         self.frames += 1;
-        Ok(self.renderer.render(self.cloud, &Frame { method, ..self.frame })?)
+        Ok(rendered)
     }
 
     fn reference(&mut self) -> Result<()> {

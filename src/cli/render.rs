@@ -101,12 +101,7 @@ fn choose(
     ));
     let (name, figures) = (choice.method.name(), choice.figures);
     let chosen = format!("{name} {}", choice.setting);
-    talk.note(format_args!(
-        "{}: RMSE {:.2e}, {:.2} ms on the device",
-        chosen.trim_end(),
-        figures.rmse,
-        figures.gpu_ms
-    ));
+    talk.note(format_args!("{}: RMSE {:.2e}, {:.2} ms on the device", chosen.trim_end(), figures.rmse, figures.gpu_ms));
     if let Some(warning) = &choice.warning {
         talk.warn(warning);
     }

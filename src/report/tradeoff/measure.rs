@@ -178,9 +178,7 @@ impl Run<'_> {
         let times: Vec<(f64, f64)> = before
             .iter()
             .filter(|other| other.series == setting.series)
-            .filter_map(|other| {
-                Some((other.effort?, self.partial.content.settings.get(&other.key())?.trial.seconds))
-            })
+            .filter_map(|other| Some((other.effort?, self.partial.content.settings.get(&other.key())?.trial.seconds)))
             .collect();
         let seconds = predict(&times, setting.effort?)?;
         (seconds > most).then(|| {

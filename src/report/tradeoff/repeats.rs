@@ -46,7 +46,8 @@ impl Seeds {
 
     /// The errors over the seeds: root mean squares of rmse, means of the others; psnr is that of the rmse.
     pub fn errors(&self) -> Errors {
-        let mean = |value: fn(&Errors) -> f64| self.errors.iter().map(value).sum::<f64>() / f64::from(self.count.max(1));
+        let mean =
+            |value: fn(&Errors) -> f64| self.errors.iter().map(value).sum::<f64>() / f64::from(self.count.max(1));
         let rmse = mean(|e| e.rmse * e.rmse).sqrt();
         Errors {
             rmse,

@@ -25,8 +25,7 @@ impl Ladders {
     /// For a first look and for CI.
     pub const QUICK: Self = Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8] };
     /// What is chosen from.
-    pub const FINE: Self =
-        Self { samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096], ..Self::FULL };
+    pub const FINE: Self = Self { samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096], ..Self::FULL };
 }
 
 /// What decides which settings make sense.

@@ -81,7 +81,8 @@ pub(super) fn convergence(settings: &[Setting], rows: &[Row]) -> Vec<Convergence
             .collect();
         let over_steps: Vec<_> = ladder.iter().map(|(step, row)| (*step, row.errors.rmse)).collect();
         let over_time: Vec<_> = ladder.iter().map(|(_, row)| (row.gpu_ms.median, row.errors.rmse)).collect();
-        if let (true, Some(rmse), Some(over_time)) = (ladder.len() >= 3, power_law(&over_steps), power_law(&over_time)) {
+        if let (true, Some(rmse), Some(over_time)) = (ladder.len() >= 3, power_law(&over_steps), power_law(&over_time))
+        {
             let rest = short(&first.text).replace(&format!("{key}={value}"), "");
             let key = format!("{key} {}", rest.trim()).trim_end().to_owned();
             let method = first.method.name().to_owned();
