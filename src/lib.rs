@@ -69,11 +69,13 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+pub mod choice;
 pub mod cloud;
 pub mod color;
 pub mod error;
 #[allow(unsafe_code)]
 pub mod gpu;
+pub mod identity;
 pub mod image;
 pub mod io;
 pub mod methods;

@@ -2,6 +2,7 @@
 
 mod cli {
     mod bad;
+    mod choice;
     #[cfg(unix)]
     mod ci;
     mod compare;
@@ -9,6 +10,7 @@ mod cli {
     mod measure;
     mod render;
     mod stress;
+    mod tradeoff;
 }
 
 use std::fs;

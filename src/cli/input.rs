@@ -95,6 +95,11 @@ impl Resolved {
 }
 
 impl InputArgs {
+    /// The method that was asked for by `--method`; `auto` asks for none.
+    pub fn asked_method(&self) -> Option<&str> {
+        self.method.as_deref().filter(|name| *name != "auto")
+    }
+
     /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
     pub fn default_output(&self) -> PathBuf {
         let stem = self.inputs.first().and_then(|input| input.file_stem());

@@ -14,6 +14,7 @@ mod scene;
 mod session;
 mod stress;
 mod talk;
+mod tradeoff;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,6 +47,8 @@ enum Command {
     Profile(profile::ProfileArgs),
     /// Measure what layers of transparency cost every method: time, memory, error.
     Stress(stress::StressArgs),
+    /// Measure what accuracy costs in time: every method and setting on one scene, against the exact image.
+    Tradeoff(tradeoff::TradeoffArgs),
     /// Print which passes a frame would have, and why.
     Plan(plan::PlanArgs),
     /// Print what point-cloud files hold.
@@ -98,6 +101,7 @@ pub fn run() -> Result<ExitCode> {
         Command::Render(args) => render::run(args, talk),
         Command::Profile(args) => profile::run(args, talk),
         Command::Stress(args) => stress::run(args, talk),
+        Command::Tradeoff(args) => tradeoff::run(args, talk),
         Command::Plan(args) => plan::run(args, talk),
         Command::Info(args) => info::run(args, talk),
         Command::Scene(args) => scene::run(args, talk),

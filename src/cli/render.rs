@@ -4,13 +4,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use indicatif::ProgressBar;
 use pellucid::Result;
+use pellucid::choice::{self, Choice, Subject, Wish};
 use pellucid::methods::Stop;
 use pellucid::output::{self, WriteOptions};
+use pellucid::report::tradeoff::settings::formation;
 
-use super::input::{InputArgs, prepare};
+use super::input::{InputArgs, Resolved, prepare};
 use super::session::Session;
-use super::talk::Talk;
+use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -33,6 +36,78 @@ pub struct RenderArgs {
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
     #[arg(long)]
     transparent: bool,
+    #[command(flatten)]
+    choice: ChoiceArgs,
+}
+
+/// The method by what it must keep to.
+#[derive(Debug, Args)]
+struct ChoiceArgs {
+    /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
+    /// over the background, against abuffer. With --method only its settings. A scene file's method says only which discs.
+    #[arg(long, value_name = "E", value_parser = not_negative)]
+    max_error: Option<f64>,
+    /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the
+    /// device (the median, as in `tradeoff`). If none does, the fastest. With --max-error the error counts, and a warning
+    /// says if the time does not fit.
+    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    budget: Option<f64>,
+    /// With --max-error or --budget: measure again what is known of this scene on this device.
+    #[arg(long)]
+    recalibrate: bool,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "expected a number from 0".into())
+}
+
+impl ChoiceArgs {
+    /// What is wished for, if anything is that makes sense for the scene's method.
+    fn wish(&self, resolved: &Resolved, talk: Talk) -> Option<Wish> {
+        let wish = Wish { max_error: self.max_error, budget_ms: self.budget };
+        if self.recalibrate && !wish.is_any() {
+            talk.warn("--recalibrate has no effect without --max-error or --budget");
+        }
+        let method = resolved.scene.method;
+        if wish.is_any() && formation(&method).is_err() {
+            talk.warn(format_args!(
+                "--max-error and --budget have no effect on method {}: no other one draws its image",
+                method.name()
+            ));
+            return None;
+        }
+        Some(wish).filter(Wish::is_any)
+    }
+}
+
+/// Chooses by the wish, and says what.
+fn choose(
+    args: &RenderArgs,
+    wish: Wish,
+    session: &mut Session,
+    resolved: &Resolved,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<Choice> {
+    stage(progress, "choosing the method");
+    let (points, background, only) = (&resolved.points, resolved.scene.image.background, args.input.asked_method());
+    let subject = Subject { points, frame: session.frame, background, only };
+    let choice =
+        choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
+    stage(progress, "rendering");
+    talk.detail(format_args!(
+        "chosen among {} measured settings; frames rendered for it now: {}",
+        choice.known, choice.frames
+    ));
+    let (name, figures) = (choice.method.name(), choice.figures);
+    let chosen = format!("{name} {}", choice.setting);
+    talk.note(format_args!("{}: RMSE {:.2e}, {:.2} ms on the device", chosen.trim_end(), figures.rmse, figures.gpu_ms));
+    if let Some(warning) = &choice.warning {
+        talk.warn(warning);
+    }
+    session.frame.method = choice.method;
+    session.why = "chosen by what was measured on this scene".to_owned();
+    Ok(choice)
 }
 
 pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
@@ -50,17 +125,29 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let resolved = prepare(&args.input, talk, &progress)?;
     let stop = if png { Stop::EightBit { transparent: args.transparent } } else { Stop::Exact };
     let counted = args.aov || args.measure.profile.is_some();
-    let mut session = Session::open(&args.device, &resolved, counted, stop, &progress)?;
+    let wish = args.choice.wish(&resolved, talk);
+    // An error was measured of every bit.
+    let stop = if wish.is_some() { Stop::Exact } else { stop };
+    let (mut session, choice) = match wish {
+        None => (Session::open(&args.device, &resolved, counted, stop, &progress)?, None),
+        Some(wish) => {
+            let mut session = Session::upload(&args.device, &resolved, counted, stop, &progress)?;
+            let choice = choose(&args, wish, &mut session, &resolved, &progress, talk)?;
+            (session, Some(choice))
+        }
+    };
     session.renderer.progress = progress.clone();
     session.describe(talk);
     let mut rendered = session.render()?;
     progress.finish_and_clear();
     Session::describe_frame(&rendered, talk);
+    let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
+    metadata.extend(choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())));
     let options = WriteOptions {
         background: resolved.scene.image.background,
         color: resolved.scene.image.color,
         transparent: args.transparent,
-        metadata: resolved.metadata(session.frame.method.name(), &session.device.info().name),
+        metadata,
     };
     // Lists may have been counted, but for the profile's histogram only.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };

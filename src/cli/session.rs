@@ -24,8 +24,25 @@ pub struct Session {
 }
 
 impl Session {
-    /// Opens the device, decides the method and uploads the points.
+    /// Opens the device, uploads the points and decides the method.
     pub fn open(
+        args: &DeviceArgs,
+        resolved: &Resolved,
+        fragments: bool,
+        stop: Stop,
+        progress: &ProgressBar,
+    ) -> Result<Self> {
+        let mut session = Self::upload(args, resolved, fragments, stop, progress)?;
+        // On a device that was not met before, `auto` measures it first.
+        stage(progress, "choosing the method");
+        let Self { renderer, cloud, frame, .. } = &mut session;
+        (session.frame.method, session.why) = plan::choose(renderer, cloud, &resolved.points, frame)?;
+        stage(progress, "rendering");
+        Ok(session)
+    }
+
+    /// Opens the device and uploads the points; the method is still the scene's.
+    pub fn upload(
         args: &DeviceArgs,
         resolved: &Resolved,
         fragments: bool,
@@ -35,7 +52,7 @@ impl Session {
         stage(progress, "uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
-        let mut frame = Frame {
+        let frame = Frame {
             camera: resolved.camera,
             size: resolved.scene.image.size,
             shading: resolved.scene.shading,
@@ -47,14 +64,9 @@ impl Session {
             seed: resolved.seed,
             max_error: None,
         };
-        let mut renderer = Renderer::new(&device)?;
-        let mut cloud = renderer.upload(&resolved.points)?;
-        // On a device that was not met before, `auto` measures it first.
-        stage(progress, "choosing the method");
-        let (method, why) = plan::choose(&mut renderer, &mut cloud, &resolved.points, &frame)?;
-        frame.method = method;
-        stage(progress, "rendering");
-        Ok(Self { device, renderer, cloud, frame, why })
+        let renderer = Renderer::new(&device)?;
+        let cloud = renderer.upload(&resolved.points)?;
+        Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 
     /// Says on which device what is rendered, and how.

@@ -59,7 +59,7 @@ fn method_names() -> PossibleValuesParser {
     Method::transparent().iter().map(Method::name).collect::<Vec<_>>().into()
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x > 0.0).ok_or_else(|| "expected a number of seconds above 0".into())
 }
 
@@ -111,7 +111,7 @@ pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
 }
 
 /// Refuses a folder that could not be made in the end.
-fn check_folder(folder: &Path) -> Result<()> {
+pub fn check_folder(folder: &Path) -> Result<()> {
     if !folder.exists() || folder.is_dir() {
         return Ok(());
     }

@@ -32,6 +32,13 @@ impl Talk {
         }
     }
 
+    /// What somebody asked to be told, unless they want nothing to be said.
+    pub fn note(self, note: impl Display) {
+        if !self.quiet {
+            say(note);
+        }
+    }
+
     /// A detail for those who asked for more.
     pub fn detail(self, detail: impl Display) {
         if self.verbose {

@@ -131,3 +131,16 @@ pub enum Error {
         height: u32,
     },
 }
+
+impl Error {
+    /// Whether this is something that one method with its settings can't do here, while another may: not a device that
+    /// failed, nor a frame that none could render.
+    pub fn is_refusal(&self) -> bool {
+        use crate::gpu::Error::{OutOfMemory, TooLarge};
+        match self {
+            Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
+            Self::ImageSize { .. } => false,
+            _ => true,
+        }
+    }
+}

@@ -175,6 +175,16 @@ pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result
     write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
 }
 
+/// An image over a background (linear RGB) in linear light: what the R, G and B of an EXR hold.
+pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
+    let options = WriteOptions { background, color, transparent: false, metadata: Vec::new() };
+    let mut pixels = image.composed(self::background(&options));
+    if color == ColorSpace::Encoded {
+        pixels.iter_mut().for_each(|pixel| *pixel = pixel.map(color::decode_srgb));
+    }
+    LinearImage { width: image.width, height: image.height, pixels }
+}
+
 /// The background in the space of the image's values.
 fn background(options: &WriteOptions) -> Vec3 {
     match options.color {

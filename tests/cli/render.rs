@@ -24,7 +24,7 @@ fn png(path: &Path) -> (png::ColorType, Vec<u8>, BTreeMap<String, String>) {
 }
 
 /// Channels by name, and the text attributes, of an EXR.
-fn exr(path: &Path) -> (BTreeMap<String, Vec<f32>>, BTreeMap<String, String>) {
+pub fn exr(path: &Path) -> (BTreeMap<String, Vec<f32>>, BTreeMap<String, String>) {
     let picture = read_first_flat_layer_from_file(path).unwrap();
     let channels = picture.layer_data.channel_data.list.iter();
     let channels = channels.map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect())).collect();

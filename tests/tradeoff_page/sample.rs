@@ -73,6 +73,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
         points: 1_204_331,
         fragments: 41_873_902,
         max_list: 64,
+        sittings: 1,
         reference: Reference {
             method: "abuffer".into(),
             picture: "reference.png".into(),

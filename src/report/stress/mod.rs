@@ -13,7 +13,7 @@
 
 mod files;
 mod page;
-mod sweep;
+pub(super) mod sweep;
 
 use serde::{Deserialize, Serialize};
 

@@ -3,22 +3,15 @@
 use std::time::Duration;
 
 use indicatif::ProgressBar;
-use rand::{SeedableRng, seq};
-use rand_pcg::Pcg64;
 
-use super::{Cell, Deviation, Pass, Settings, Skipped, Spread, Sweep, Workload};
+use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
 use crate::Result;
 use crate::camera::Camera;
-use crate::gpu::{self, Device};
-use crate::image::Image;
+use crate::gpu::Device;
 use crate::methods::{self, Frame, FrameProfile, Rendered, Renderer, Stop};
 use crate::points::Points;
-use crate::reference::abuffer::{Composite, composite, lists_at};
-use crate::reference::shading::shade;
-use crate::scene::{self, Discs, Method, Scene, procedural};
-
-/// Pixels that are compared with the reference; of a smaller image all.
-const SAMPLE: usize = 256;
+use crate::report::truth::Truth;
+use crate::scene::{self, Method, Scene, procedural};
 
 /// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
 const NOISE_SECONDS: f64 = 0.01;
@@ -111,7 +104,7 @@ impl Place {
             }
         }
         device.check_validation()?;
-        let truth = Truth::new(&points, &camera, self.side, settings.seed);
+        let truth = Truth::new(&points, &frame(Method::ABuffer(Default::default())), settings.seed);
         sweep.cells.extend(runs.into_iter().map(|run| self.cell(points.len(), run, &truth)));
         Ok(())
     }
@@ -189,18 +182,12 @@ struct Run {
 
 /// What a method can't do, in words; an error that ends all work stays one.
 fn refusal(error: methods::Error) -> Result<String> {
-    match error {
-        methods::Error::PixelOverBudget { .. }
-        | methods::Error::PixelOverflow { .. }
-        | methods::Error::TooManyPoints { .. }
-        | methods::Error::Gpu(gpu::Error::OutOfMemory { .. } | gpu::Error::TooLarge { .. }) => Ok(error.to_string()),
-        other => Err(other.into()),
-    }
+    if error.is_refusal() { Ok(error.to_string()) } else { Err(error.into()) }
 }
 
 /// Seconds of a frame of `layers` layers, from (layers, seconds) of the same method before: the last one grown by the
 /// power law through the last two, or in proportion to the layers. `None` without any.
-fn predict(times: &[(f64, f64)], layers: f64) -> Option<f64> {
+pub(in crate::report) fn predict(times: &[(f64, f64)], layers: f64) -> Option<f64> {
     let &(last, seconds) = times.last()?;
     let before = times.iter().rev().nth(1).filter(|(_, before)| *before > NOISE_SECONDS);
     let exponent = before.map_or(1.0, |(layers, before)| (seconds / before).ln() / (last / layers).ln());
@@ -217,39 +204,6 @@ fn passes(frames: &[FrameProfile]) -> Vec<Pass> {
     let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |p| p.name == name);
     let ms = |name| Spread::of(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
     names.into_iter().map(|name| Pass { name, gpu_ms: ms(name) }).collect()
-}
-
-/// Some pixels as the reference has them.
-struct Truth {
-    /// Row by row, ascending.
-    pixels: Vec<usize>,
-    values: Vec<Composite>,
-}
-
-impl Truth {
-    fn new(points: &Points, camera: &Camera, side: u32, seed: u64) -> Self {
-        let count = side as usize * side as usize;
-        let mut pixels = seq::index::sample(&mut Pcg64::seed_from_u64(seed), count, SAMPLE.min(count)).into_vec();
-        pixels.sort_unstable();
-        let colors = shade(points, camera, &Default::default(), Default::default());
-        let lists = lists_at(camera, [side; 2], points, &Discs::default(), &pixels);
-        Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
-    }
-
-    fn deviation(&self, image: &Image) -> Deviation {
-        let (mut max, mut squares) = (0f64, 0f64);
-        for (pixel, truth) in self.pixels.iter().zip(&self.values) {
-            let truth = truth.color.extend(truth.alpha).to_array();
-            for (channel, (value, truth)) in image.rgba[*pixel].iter().zip(truth).enumerate() {
-                // NaN must not pass as no difference.
-                let difference =
-                    Some((f64::from(*value) - truth).abs()).filter(|d| !d.is_nan()).unwrap_or(f64::INFINITY);
-                max = max.max(difference);
-                squares += if channel < 3 { difference * difference } else { 0.0 };
-            }
-        }
-        Deviation { max, rmse: (squares / (3 * self.pixels.len()) as f64).sqrt(), pixels: self.pixels.len() }
-    }
 }
 
 #[cfg(test)]
@@ -273,26 +227,6 @@ mod tests {
     fn what_a_method_can_not_do_is_a_reason_and_a_lost_device_is_an_error() {
         let reason = refusal(methods::Error::PixelOverflow { x: 3, y: 4 }).unwrap();
         assert!(reason.contains("pixel (3, 4)"), "{reason}");
-        assert!(refusal(gpu::Error::Lost { during: "a test".into() }.into()).is_err());
-    }
-
-    #[test]
-    fn a_wrong_pixel_shows_and_so_does_none_at_all() {
-        let white = Composite { color: glam::DVec3::ONE, alpha: 1.0, depth: 1.0 };
-        let truth = Truth { pixels: vec![0, 3], values: vec![white, white] };
-        let image = |rgba: [f32; 4]| Image {
-            width: 4,
-            height: 1,
-            rgba: vec![[1.0; 4], [0.0; 4], [0.0; 4], rgba],
-            depth: vec![1.0; 4],
-            fragments: None,
-            layers: None,
-            stderr: None,
-        };
-        assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
-        // One channel of six is off by 0.5; A counts for the largest difference alone.
-        let Deviation { max, rmse, .. } = truth.deviation(&image([1.0, 0.5, 1.0, 0.25]));
-        assert!(max == 0.75 && (rmse - (0.25f64 / 6.0).sqrt()).abs() < 1e-15);
-        assert_eq!(truth.deviation(&image([f32::NAN; 4])).max, f64::INFINITY);
+        assert!(refusal(crate::gpu::Error::Lost { during: "a test".into() }.into()).is_err());
     }
 }

@@ -182,7 +182,8 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
     let series = |ladder: &Ladder<'_>| {
         let method = &ladder.rows[0].method;
         let is_law = |law: &PowerLaw| law.r_squared >= LAW_R_SQUARED;
-        let law = |c: &&Convergence| c.method == *method && c.key == key(ladder) && is_law(&c.rmse);
+        let turned = format!("{} {}", key(ladder), ladder.rest);
+        let law = |c: &&Convergence| c.method == *method && c.key == turned.trim_end() && is_law(&c.rmse);
         let fitted = report.convergence.iter().find(law);
         Series {
             name: index(&names, method),

@@ -3,12 +3,20 @@
 
 mod figures;
 mod files;
+mod measure;
 mod page;
+mod partial;
 mod pictures;
+pub(crate) mod renderers;
+mod repeats;
+pub mod settings;
+mod summary;
 
 use serde::{Deserialize, Serialize};
 
 pub use files::write;
+pub use measure::{FRAME_SHARE, Options, Subject, run};
+pub use partial::discard;
 
 use super::fit::PowerLaw;
 use super::stress::Spread;
@@ -65,7 +73,7 @@ pub struct Row {
     pub frames: usize,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
-    /// Against the reference; for stochastic methods root mean squares (rmse, nmse) or means (the others) over the seeds.
+    /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the seeds.
     pub errors: Errors,
     /// Of stochastic methods.
     pub repeats: Option<Repeats>,
@@ -145,6 +153,8 @@ pub struct Tradeoff {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of them.
+    pub sittings: u32,
     /// What the errors are against.
     pub reference: Reference,
     /// What was measured, in the order of the settings' ladder.

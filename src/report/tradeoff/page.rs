@@ -83,7 +83,19 @@ fn about(report: &Tradeoff) -> Markup {
         ("driver", report.driver.clone()),
         ("pellucid", format!("{}, format {}", report.pellucid, report.version)),
         ("command", report.command.clone()),
+        ("measured", sittings(report.sittings)),
     ])
+}
+
+/// In how many runs; times of different ones were taken under conditions that may differ.
+fn sittings(count: u32) -> String {
+    if count < 2 {
+        return "in one run".to_owned();
+    }
+    format!(
+        "in {count} runs, since it was interrupted: in each of them all settings that were left took turns, but a median may \
+         hold frames of several runs, and two medians frames of different ones"
+    )
 }
 
 fn error(value: f64) -> String {

@@ -1,0 +1,356 @@
+//! Measures the settings of a scene on a device.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::Vec3;
+use indicatif::ProgressBar;
+
+use super::partial::{Measured, Partial, Timed, Trial};
+use super::renderers::Renderers;
+use super::repeats::Seeds;
+use super::settings::{Ladders, Occasion, Setting, formation, settings};
+use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, summary};
+use crate::gpu::Device;
+use crate::image::Image;
+use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
+use crate::metrics::{self, difference_picture};
+use crate::output::{self, LinearImage, linear, write_rgb_png};
+use crate::passes::project::DeviceCloud;
+use crate::points::Points;
+use crate::report::stress::sweep::predict;
+use crate::report::truth::Truth;
+use crate::scene::Method;
+use crate::{Result, identity};
+
+/// What is rendered.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// The scene's points.
+    pub points: &'a Points,
+    /// The frame. Its method says whose image formation is compared; blending never stops early.
+    pub frame: Frame,
+    /// Linear RGB.
+    pub background: Vec3,
+    /// The inputs as they were named.
+    pub scene: &'a str,
+}
+
+/// How much is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// The settings of the methods.
+    pub ladders: Ladders,
+    /// Names of methods; none: all.
+    pub only: Vec<String>,
+    /// About how long frames may be rendered, in seconds: half of it for times. A setting of which one frame is predicted to
+    /// take more than a [`FRAME_SHARE`]th is skipped.
+    pub seconds: f64,
+    /// Frames behind a median, if there is time, at least 1.
+    pub rounds: usize,
+    /// Images of a stochastic setting with seeds of their own, if there is time, at least 2.
+    pub seeds: u32,
+    /// The command line.
+    pub command: String,
+}
+
+/// See [`Options::seconds`].
+pub const FRAME_SHARE: f64 = 60.0;
+/// The images of a stochastic setting take at most one in so many parts of the time, beyond the two that it needs.
+const SEEDS_SHARE: f64 = 80.0;
+/// Part of the time for frames that are timed.
+const ROUNDS_SHARE: f64 = 0.5;
+
+/// Measures every setting that applies, and goes on where an interrupted run on the same scene and device stopped. What was
+/// measured is stored in `folder`, which is made if it isn't there, after every frame; so are the pictures. Once the report
+/// is written, [`super::discard`] removes what was stored. `progress` counts settings and frames.
+///
+/// # Errors
+/// A method of another image formation, a folder that can't be written to, a frame that the reference can't render, a lost
+/// device, a message of the validation layers. What one setting can't do is skipped instead.
+pub fn run(
+    device: &Device,
+    subject: &Subject<'_>,
+    options: &Options,
+    folder: &Path,
+    progress: &ProgressBar,
+) -> Result<Tradeoff> {
+    let discs = formation(&subject.frame.method)?;
+    std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
+    let frame = Frame { method: Method::ABuffer(discs), stop: Stop::Exact, fragments: false, ..subject.frame };
+    let identity = identity::of(subject.points, &frame, subject.background, &format!("{discs:?}"), device.info());
+    let partial = Partial::open(folder, identity);
+
+    let mut renderer = Renderer::new(device)?;
+    let mut cloud = renderer.upload(subject.points)?;
+    let rendered = renderer.render(&mut cloud, &frame)?;
+    drop(renderer);
+    let reference = linear(&rendered.image, subject.background, frame.color);
+    let facts = rendered.facts;
+    let occasion = Occasion::new(subject.points, discs, facts.max_list);
+    let mut run =
+        Run { device, subject, options, folder, progress, frame, partial, cloud, reference, skipped: Vec::new() };
+    run.keep_reference(&rendered.image)?;
+
+    let (mut settings, skipped) = settings(&occasion, &options.ladders);
+    let asked = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
+    settings.retain(|setting| asked(setting.method.name()));
+    run.skipped = skipped.into_iter().filter(|skipped| asked(&skipped.method)).collect();
+    progress.set_length(settings.len() as u64);
+    let mut taken = Vec::new();
+    for setting in settings {
+        progress.set_message(format!("errors, {}", setting.key()));
+        if run.trial(&setting, &taken)? {
+            taken.push(setting);
+        }
+        progress.inc(1);
+    }
+    run.rounds(&taken)?;
+    Ok(run.report(&taken, &facts))
+}
+
+struct Run<'a> {
+    device: &'a Device,
+    subject: &'a Subject<'a>,
+    options: &'a Options,
+    folder: &'a Path,
+    progress: &'a ProgressBar,
+    /// That of the reference.
+    frame: Frame,
+    partial: Partial,
+    cloud: DeviceCloud,
+    reference: LinearImage,
+    skipped: Vec<Skipped>,
+}
+
+impl Run<'_> {
+    fn linear(&self, image: &Image) -> LinearImage {
+        linear(image, self.subject.background, self.frame.color)
+    }
+
+    /// Writes the reference's picture and checks it against the float64 reference, once.
+    fn keep_reference(&mut self, image: &Image) -> Result<()> {
+        let picture = "reference.png".to_owned();
+        self.write_picture(&picture, &self.reference.pixels)?;
+        if self.partial.content.reference.is_none() {
+            self.progress.set_message("checking the reference in float64");
+            let deviation = Truth::new(self.subject.points, &self.frame, self.frame.seed).deviation(image);
+            let method = self.frame.method.name().to_owned();
+            let (checked_pixels, largest_error) = (deviation.pixels, deviation.max);
+            self.partial.content.reference = Some(Reference { method, picture, checked_pixels, largest_error });
+            self.partial.save()?;
+        }
+        Ok(())
+    }
+
+    fn write_picture(&self, name: &str, pixels: &[[f32; 3]]) -> Result<()> {
+        Ok(write_rgb_png(&self.folder.join(name), [self.reference.width, self.reference.height], pixels)?)
+    }
+
+    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
+    /// were not.
+    fn trial(&mut self, setting: &Setting, before: &[Setting]) -> Result<bool> {
+        if self.partial.content.settings.contains_key(&setting.key()) {
+            return Ok(true);
+        }
+        if let Some(reason) = self.too_slow(setting, before) {
+            self.skipped.push(setting.skipped(reason));
+            return Ok(false);
+        }
+        match self.first_frames(setting) {
+            Ok(trial) => {
+                self.device.check_validation()?;
+                self.partial.content.settings.insert(setting.key(), Measured { trial, frames: Vec::new() });
+                self.partial.save()?;
+                Ok(true)
+            }
+            Err(crate::Error::Render(error)) if error.is_refusal() => {
+                self.skipped.push(setting.skipped(error.to_string()));
+                Ok(false)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Why a frame of a setting would take too long, by the steps of its ladder before.
+    fn too_slow(&self, setting: &Setting, before: &[Setting]) -> Option<String> {
+        let most = self.options.seconds / FRAME_SHARE;
+        let times: Vec<(f64, f64)> = before
+            .iter()
+            .filter(|other| other.series == setting.series)
+            .filter_map(|other| Some((other.effort?, self.partial.content.settings.get(&other.key())?.trial.seconds)))
+            .collect();
+        let seconds = predict(&times, setting.effort?)?;
+        (seconds > most).then(|| {
+            format!(
+                "a frame would take about {seconds:.1} s by the settings before; of {} s in all one may take {most:.1} s",
+                self.options.seconds
+            )
+        })
+    }
+
+    fn frame_of(&self, setting: &Setting, image: u32) -> Frame {
+        // Wraps around like any seed would.
+        let seed = self.subject.frame.seed.wrapping_add(image.into());
+        Frame { method: setting.method, seed, ..self.frame }
+    }
+
+    /// Renders a setting with buffers that nothing else uses: memory, errors, pictures, and what a frame takes about.
+    fn first_frames(&mut self, setting: &Setting) -> Result<Trial> {
+        let mut renderer = Renderer::new(self.device)?;
+        let first = self.render(&mut renderer, setting, 0)?;
+        let image = self.linear(&first.image);
+        let [picture, difference] = self.pictures(setting, &image)?;
+        renderer.recycle(first.image);
+        // The first one paid for shaders and buffers.
+        let second = self.render(&mut renderer, setting, 1)?;
+        let seconds = second.profile.wall.as_secs_f64();
+        let errors = self.errors(&image);
+        let (errors, repeats) = if setting.is_stochastic() {
+            let mut seeds = Seeds::new(image.pixels.len());
+            seeds.add(&image.pixels, &self.reference.pixels, errors);
+            self.add(&mut seeds, &second.image);
+            renderer.recycle(second.image);
+            let allowed = (self.options.seconds / SEEDS_SHARE / seconds) as u32;
+            for number in 2..allowed.min(self.options.seeds) {
+                let rendered = self.render(&mut renderer, setting, number)?;
+                self.add(&mut seeds, &rendered.image);
+                renderer.recycle(rendered.image);
+            }
+            (seeds.errors(), Some(seeds.repeats()))
+        } else {
+            (errors, None)
+        };
+        Ok(Trial { peak_device_bytes: first.facts.peak_device_bytes, errors, repeats, picture, difference, seconds })
+    }
+
+    fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
+        let frame = self.frame_of(setting, image);
+        renderer.render(&mut self.cloud, &frame)
+    }
+
+    fn add(&self, seeds: &mut Seeds, image: &Image) {
+        let image = self.linear(image);
+        seeds.add(&image.pixels, &self.reference.pixels, self.errors(&image));
+    }
+
+    fn errors(&self, image: &LinearImage) -> Errors {
+        errors(&self.reference, image)
+    }
+
+    fn pictures(&self, setting: &Setting, image: &LinearImage) -> Result<[String; 2]> {
+        let names = [format!("{}.png", setting.stem()), format!("{}-difference.png", setting.stem())];
+        self.write_picture(&names[0], &image.pixels)?;
+        let difference = difference_picture(&self.reference.pixels, &image.pixels, DIFFERENCE_GAIN);
+        self.write_picture(&names[1], &difference)?;
+        Ok(names)
+    }
+
+    /// Times frames of all settings in turns, so that a machine that slows down slows them all. Those that are missing in each
+    /// round alone: what an earlier run timed stays.
+    fn rounds(&mut self, settings: &[Setting]) -> Result<()> {
+        let rounds = self.options.rounds;
+        let wanted = self.wanted(settings);
+        let missing = |run: &Self, setting: &Setting, round: usize| {
+            let due = (round + 1) * wanted[&setting.key()];
+            // Fewer frames than rounds are spread over them.
+            run.partial.content.settings[&setting.key()].frames.len() < (due + rounds / 2) / rounds
+        };
+        let due: Vec<&Setting> = settings.iter().filter(|setting| missing(self, setting, rounds - 1)).collect();
+        let frames = |run: &Self, s: &Setting| wanted[&s.key()] - run.partial.content.settings[&s.key()].frames.len();
+        let total: usize = due.iter().map(|setting| 1 + frames(self, setting)).sum();
+        self.progress.inc_length(total as u64);
+        let mut renderers = Renderers::new(self.device, due.iter().map(|s| (s.method.name(), self.peak(s))));
+        // Buffers and shaders.
+        for setting in &due {
+            self.progress.set_message(format!("warming up, {}", setting.key()));
+            let renderer = renderers.of(setting.method.name())?;
+            let rendered = self.render(renderer, setting, 0)?;
+            renderer.recycle(rendered.image);
+            self.progress.inc(1);
+        }
+        for round in 0..rounds {
+            for setting in &due {
+                if missing(self, setting, round) {
+                    self.progress.set_message(format!("times, {}", setting.key()));
+                    let renderer = renderers.of(setting.method.name())?;
+                    self.time(renderer, setting, round)?;
+                    self.progress.inc(1);
+                }
+            }
+        }
+        Ok(self.device.check_validation()?)
+    }
+
+    fn peak(&self, setting: &Setting) -> u64 {
+        self.partial.content.settings[&setting.key()].trial.peak_device_bytes
+    }
+
+    fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
+        let rendered = self.render(renderer, setting, round as u32)?;
+        let timed = Timed::new(&rendered.profile, self.partial.content.sittings);
+        renderer.recycle(rendered.image);
+        if let Some(measured) = self.partial.content.settings.get_mut(&setting.key()) {
+            measured.frames.push(timed);
+        }
+        Ok(self.partial.save()?)
+    }
+
+    /// How many frames of each setting are timed: as many as there are rounds, but fewer of those that take most, such that
+    /// all of them fit the time. It follows from the trials alone, so that an interrupted run comes to the same.
+    fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
+        let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
+        let costs: Vec<f64> = settings.iter().map(seconds).collect();
+        let counts = summary::frames(&costs, self.options.rounds, ROUNDS_SHARE * self.options.seconds);
+        settings.iter().map(Setting::key).zip(counts).collect()
+    }
+
+    fn report(self, settings: &[Setting], facts: &Facts) -> Tradeoff {
+        let Self { device, subject, options, partial, skipped, .. } = self;
+        let content = partial.content;
+        let row = |setting: &Setting| summary::row(setting, &content.settings[&setting.key()]);
+        let mut rows: Vec<Row> = settings.iter().map(row).collect();
+        summary::mark_front(&mut rows);
+        let convergence = summary::convergence(settings, &rows);
+        let info = device.info();
+        Tradeoff {
+            version: 1,
+            pellucid: env!("CARGO_PKG_VERSION").to_owned(),
+            command: options.command.clone(),
+            scene: subject.scene.to_owned(),
+            device: info.name.clone(),
+            driver: info.driver.clone(),
+            size: subject.frame.size,
+            points: subject.points.len() as u64,
+            fragments: facts.fragments,
+            max_list: facts.max_list,
+            sittings: content.sittings,
+            reference: content.reference.expect("kept before any setting was tried"),
+            rows,
+            skipped,
+            convergence,
+        }
+    }
+}
+
+/// All errors of an image.
+fn errors(reference: &LinearImage, image: &LinearImage) -> Errors {
+    let all = metrics::compare(reference, image).expect("both are frames of one size");
+    Errors {
+        rmse: all.rmse,
+        nmse: all.nmse,
+        psnr: Some(all.psnr).filter(|psnr| psnr.is_finite()),
+        ssim: all.ssim,
+        flip: all.flip,
+        max: all.max.value,
+        above_1_255: all.above_1_255,
+    }
+}
+
+impl Timed {
+    fn new(profile: &FrameProfile, sitting: u32) -> Self {
+        let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
+        let passes = profile.passes.iter().map(|pass| (pass.name.to_owned(), ms(pass.gpu))).collect();
+        Self { sitting, gpu_ms: ms(profile.gpu()), wall_ms: ms(profile.wall), passes }
+    }
+}

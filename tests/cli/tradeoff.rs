@@ -1,0 +1,208 @@
+//! `tradeoff`: its files, its front, and what an interrupted run leaves.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::{assert_refused, builtin, device, done, folder, has_device, inside, pellucid};
+
+const PARTIAL: &str = "report/tradeoff.partial.json";
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} of {value}"))
+}
+
+fn text<'a>(value: &'a Value, key: &str) -> &'a str {
+    value[key].as_str().unwrap_or_else(|| panic!("{key} of {value}"))
+}
+
+fn json(folder: &TempDir, name: &str) -> Option<Value> {
+    serde_json::from_slice(&fs::read(inside(folder, name)).ok()?).ok()
+}
+
+/// Flat discs in a few layers.
+fn tori(folder: &TempDir) -> String {
+    builtin(folder, "tori", &["points=1500"])
+}
+
+fn args(scene: &str) -> Vec<&str> {
+    let flat = ["--set", "method.shape=flat", "--set", "method.falloff=flat"];
+    [&["tradeoff", scene, "--size", "48x32", "-o", "report", "--quick", "--json"][..], &flat].concat()
+}
+
+fn assert_row(folder: &TempDir, row: &Value) {
+    let errors = &row["errors"];
+    let exact = ["abuffer", "linked-list", "sorted"].contains(&text(row, "method"))
+        || (text(row, "method"), text(row, "setting")) == ("peel", "");
+    assert_eq!(number(errors, "rmse") < 1e-6, exact, "{row}");
+    assert!(!exact || number(errors, "max") < 1e-5 && number(errors, "ssim") > 0.999_999, "{row}");
+    for time in ["gpu_ms", "wall_ms"] {
+        let [min, median, max] = ["min", "median", "max"].map(|key| number(&row[time], key));
+        assert!(0.0 < min && min <= median && median <= max, "{row}");
+    }
+    assert_eq!(row["frames"], 3, "{row}");
+    assert!(number(row, "peak_device_bytes") > 0.0 && !row["passes"].as_array().unwrap().is_empty());
+    assert_eq!(row["stochastic"], text(row, "method") == "stochastic");
+    if let Some(repeats) = row["repeats"].as_object() {
+        let [seeds, noise, floor] = ["seeds", "noise", "bias_floor"].map(|key| repeats[key].as_f64().unwrap());
+        assert!(seeds >= 2.0 && noise > 0.0 && (floor - noise / seeds.sqrt()).abs() < 1e-9 * noise, "{row}");
+    }
+    assert_eq!(row["repeats"].is_object(), row["stochastic"] == true);
+    for key in ["picture", "difference"] {
+        let picture = pellucid::output::read_image(&inside(folder, &format!("report/{}", text(row, key)))).unwrap();
+        assert_eq!((picture.width, picture.height), (48, 32));
+    }
+}
+
+/// Asserts that the front is what no row beats.
+fn assert_front(rows: &[Value]) {
+    let place = |row: &Value| (number(&row["gpu_ms"], "median"), number(&row["errors"], "rmse"));
+    for row in rows {
+        let (ms, rmse) = place(row);
+        let beats = |other: &Value| {
+            let (other_ms, other_rmse) = place(other);
+            other_ms <= ms && other_rmse <= rmse && (other_ms < ms || other_rmse < rmse)
+        };
+        assert_eq!(row["front"], !rows.iter().any(beats), "{row}");
+    }
+}
+
+#[test]
+fn a_report_holds_every_setting_once() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    let report: Value = serde_json::from_str(&done(&folder, &args(&scene))).unwrap();
+    assert_eq!(Some(&report), json(&folder, "report/tradeoff.json").as_ref());
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains(text(&report, "device")) && page.contains("<svg"));
+    assert!(!inside(&folder, PARTIAL).exists(), "nothing is left to go on with");
+
+    let rows = report["rows"].as_array().unwrap();
+    rows.iter().for_each(|row| assert_row(&folder, row));
+    assert_front(rows);
+    let key = |value: &Value| (text(value, "method").to_owned(), text(value, "setting").to_owned());
+    let skipped = report["skipped"].as_array().unwrap();
+    assert!(skipped.iter().all(|skipped| !text(skipped, "reason").is_empty()));
+    let mut keys: Vec<_> = rows.iter().chain(skipped).map(key).collect();
+    let count = keys.len();
+    keys.sort();
+    keys.dedup();
+    assert_eq!(keys.len(), count, "each setting once");
+    let names = ["abuffer", "linked-list", "sorted", "peel", "stochastic", "hybrid", "weighted", "average", "unsorted"];
+    for name in names.iter().chain(&["points", "squares", "circles"]) {
+        assert!(keys.iter().any(|(method, _)| method == name), "{name} is measured or listed as skipped: {keys:?}");
+    }
+    let reference = &report["reference"];
+    assert_eq!(reference["checked_pixels"], 256);
+    assert!(number(reference, "largest_error") < 1e-5, "{reference}");
+    assert!(number(&report, "fragments") > 500.0 && number(&report, "points") > 1000.0, "{report}");
+    assert_eq!(report["sittings"], 1);
+
+    let mut table = csv::Reader::from_path(inside(&folder, "report/tradeoff.csv")).unwrap();
+    let lines: Vec<BTreeMap<String, String>> = table.deserialize().map(Result::unwrap).collect();
+    assert_eq!(lines.len(), rows.len() + skipped.len());
+    for (line, row) in lines.iter().zip(rows) {
+        assert_eq!((line["method"].clone(), line["setting"].clone()), key(row));
+        let is = |column: &str, value: f64| (line[column].parse::<f64>().unwrap() - value).abs() <= 1e-12 * value;
+        assert!(is("gpu_ms_median", number(&row["gpu_ms"], "median")) && is("rmse", number(&row["errors"], "rmse")));
+    }
+}
+
+#[test]
+fn only_some_methods_and_opaque_points() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    // Opaque: circles draws the same image.
+    let options = ["--opacity", "1", "--only", "circles", "--only", "peel", "--seed", "3"];
+    let report: Value = serde_json::from_str(&done(&folder, &[args(&scene), options.to_vec()].concat())).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    assert!(rows.iter().all(|row| ["circles", "peel"].contains(&text(row, "method"))), "{rows:?}");
+    let circles = rows.iter().find(|row| row["method"] == "circles").unwrap();
+    assert!(number(&circles["errors"], "rmse") < 1e-6, "{circles}");
+}
+
+/// Starts a comparison and ends it once `settings` of them are stored.
+fn interrupt(folder: &TempDir, args: &[&str], settings: usize) -> Value {
+    let command = pellucid(folder, args);
+    let mut child = Command::new(command.get_program())
+        .args(command.get_args())
+        .args(device().map_or_else(Vec::new, |device| vec!["--device".to_owned(), device]))
+        .envs(command.get_envs().filter_map(|(key, value)| Some((key, value?))))
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    let stored = loop {
+        assert!(start.elapsed() < Duration::from_secs(300), "nothing is stored");
+        let stored = json(folder, PARTIAL);
+        let count = stored.as_ref().map_or(0, |stored| stored["settings"].as_object().unwrap().len());
+        if count >= settings {
+            break stored.unwrap();
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it was interrupted");
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    child.kill().unwrap();
+    child.wait().unwrap();
+    stored
+}
+
+#[test]
+fn an_interrupted_run_goes_on() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    let args = args(&scene);
+    let stored = interrupt(&folder, &args, 3);
+    let pictures: Vec<&str> =
+        stored["settings"].as_object().unwrap().values().map(|setting| text(&setting["trial"], "picture")).collect();
+    let modified = |name: &&str| fs::metadata(inside(&folder, &format!("report/{name}"))).unwrap().modified().unwrap();
+    let before: Vec<_> = pictures.iter().map(modified).collect();
+    assert!(!inside(&folder, "report/report.html").exists());
+
+    let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
+    assert_eq!(report["sittings"], 2);
+    assert_eq!(pictures.iter().map(modified).collect::<Vec<_>>(), before, "not rendered for their errors again");
+    let rows = report["rows"].as_array().unwrap();
+    rows.iter().for_each(|row| assert_row(&folder, row));
+    assert_front(rows);
+    for (key, setting) in stored["settings"].as_object().unwrap() {
+        let row = rows.iter().find(|row| format!("{} {}", text(row, "method"), text(row, "setting")).trim_end() == key);
+        assert_eq!(row.unwrap()["errors"], setting["trial"]["errors"], "{key}");
+    }
+    assert!(!inside(&folder, PARTIAL).exists());
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains("in 2 runs"));
+
+    // What is left of another scene is not taken for this one's.
+    interrupt(&folder, &args, 3);
+    let other = [&args[..], &["--seed", "9"]].concat();
+    let report: Value = serde_json::from_str(&done(&folder, &other)).unwrap();
+    assert_eq!(report["sittings"], 1);
+}
+
+#[test]
+fn wrong_requests_are_refused_before_any_work() {
+    let folder = folder();
+    let scene = tori(&folder);
+    fs::write(inside(&folder, "file"), "").unwrap();
+    assert_refused(&folder, &["tradeoff", &scene, "-o", "file"], 1, &["file"]);
+    assert_refused(&folder, &["tradeoff", &scene], 2, &["--output"]);
+    assert_refused(&folder, &["tradeoff", &scene, "-o", "new", "--only", "points"], 2, &["points", "abuffer"]);
+    assert_refused(&folder, &["tradeoff", &scene, "-o", "new", "--time", "0"], 2, &["seconds above 0"]);
+    let opaque = ["tradeoff", &scene, "-q", "-o", "new", "--method", "squares"];
+    assert_refused(&folder, &opaque, 2, &["squares draws opaque points", "--method auto"]);
+}
