@@ -73,6 +73,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,
+        max_error: None,
         seed: 0,
     };
     let start = Instant::now();
