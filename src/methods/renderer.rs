@@ -802,7 +802,15 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ => bin::least_bytes(name, runs, facts, splat),
+        _ => match frame.method {
+            Method::Stochastic(Stochastic { samples, alpha_correction: exact, .. })
+                if name.starts_with("stochastic/") =>
+            {
+                let kind = stochastic::Kind { exact, spread: frame.spread() };
+                stochastic::least_bytes(name, samples, kind, facts, pixels, splat)
+            }
+            _ => bin::least_bytes(name, runs, facts, splat),
+        },
     }
 }
 
