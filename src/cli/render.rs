@@ -29,8 +29,8 @@ pub struct RenderArgs {
     /// quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, and with peel the layers
-    /// that were blended, as `layers.Y`.
+    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel the layers that
+    /// were blended, as `layers.Y`, and with stochastic the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
     #[arg(long)]
     aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
@@ -152,6 +152,7 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     // Lists may have been counted, but for the profile's histogram only.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.filter(|_| args.aov);
+    rendered.image.stderr = rendered.image.stderr.filter(|_| args.aov);
     output::write_image(&output, &rendered.image, &options)?;
     rendered.image.fragments = rendered.image.fragments.or(counted);
     let mut profile = session.profile();

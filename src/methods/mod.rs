@@ -108,7 +108,7 @@ pub enum Error {
     },
     /// The device has no shuffles.
     #[error(
-        "method sorted needs subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+        "this method needs subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
     )]
     NoSubgroups {
         /// The device.

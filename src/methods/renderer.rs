@@ -835,12 +835,17 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ if name.starts_with("stochastic/") => {
-            let Method::Stochastic(Stochastic { samples, .. }) = frame.method else { return None };
-            let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
-            hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels)
-        }
-        _ => bin::least_bytes(name, runs, facts, splat),
+        _ => match frame.method {
+            Method::Stochastic(Stochastic { samples, alpha_correction: exact, .. })
+                if name.starts_with("stochastic/") =>
+            {
+                let kind = stochastic::Kind { exact, spread: frame.spread() };
+                let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
+                stochastic::least_bytes(name, samples, kind, facts, pixels, splat)
+                    .or_else(|| hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels))
+            }
+            _ => bin::least_bytes(name, runs, facts, splat),
+        },
     }
 }
 

@@ -240,6 +240,9 @@ fn the_plan_is_what_runs() {
         has(&sorted, "radix/scatter") && has(&sorted, "sorted/blend") && !has(&sorted, "abuffer/count"),
         "{sorted:?}"
     );
+    let sampled = ["--method", "stochastic", "--set", "method.samples=20"];
+    let sampled = assert_planned(&folder, &[&[&tori, "--size", "40x30"], &sampled[..]].concat());
+    assert!(has(&sampled, "stochastic/gather") && !has(&sampled, "sorted/blend"), "{sampled:?}");
     // Sums of one run and of more, several windows, large splats that need no lists of tiles, and a deep stack.
     for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&stack, "--size", "8x8"]] {
         for opacity in ["0.5", "1"] {

@@ -107,6 +107,28 @@ fn every_method_gives_its_picture() {
 }
 
 #[test]
+fn standard_errors_are_channels_and_the_seed_decides() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let render = |more: &[&str]| {
+        let args = ["render", &tori, "--size", "64x48", "--method", "stochastic", "--opacity", "0.5", "-o", "a.exr"];
+        done(&folder, &[&args[..], more].concat());
+        exr(&inside(&folder, "a.exr")).0
+    };
+    let (first, again, other) = (render(&["--aov"]), render(&["--aov"]), render(&["--aov", "--seed", "9"]));
+    for channel in ["R", "A", "stderr.R", "stderr.G", "stderr.B", "fragments.Y"] {
+        assert_eq!(first[channel], again[channel], "{channel}");
+    }
+    assert!(first["R"] != other["R"] && first["A"] == other["A"], "A is exact");
+    let most = first["stderr.R"].iter().copied().fold(0.0, f32::max);
+    assert!((0.01..0.5).contains(&most), "{most}");
+    assert!(!render(&[]).contains_key("stderr.R") && !render(&["--profile", "p.json"]).contains_key("stderr.R"));
+}
+
+#[test]
 fn peeled_layers_are_a_channel() {
     if !has_device() {
         return;

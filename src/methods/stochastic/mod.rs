@@ -114,6 +114,26 @@ pub fn batches(samples: u32) -> impl Iterator<Item = Batch> {
     })
 }
 
+/// Bytes that a pass must at least read and write for so many pixels of `samples` each; `splat` bytes of a splat, its color
+/// and record aside.
+pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: u64, splat: u64) -> Option<u64> {
+    let runs = batches(samples).count() as u64;
+    let strata: u64 = batches(samples).map(|b| u64::from(b.strata)).sum();
+    // Keys and indices; sums of each run and, for the spread, of each stratum.
+    let (held, sums) = (pixels * strata * 32, pixels * 16 * (runs + if kind.spread { strata } else { 0 }));
+    let exact = if kind.exact { pixels * 4 } else { 0 };
+    let walks = runs * (facts.tile_entries * 4 + facts.visible * (splat - 4 + 16 + 8));
+    let spread = if kind.spread { pixels * 32 } else { 0 };
+    match name {
+        "stochastic/visibility" => Some(walks + held),
+        // Depths are read but for the first run.
+        "stochastic/accumulate" => Some(walks + held + sums + exact + pixels * 4 * (2 * runs - 1)),
+        "stochastic/gather" => Some(sums + (pixels * 16 + spread) * (2 * runs - 1)),
+        "stochastic/resolve" => Some(pixels * 32 + exact + spread),
+        _ => None,
+    }
+}
+
 /// Device bytes per pixel of a window, without the tiles.
 pub fn pixel_bytes(spread: bool) -> u64 {
     let kind = Kind { exact: true, spread };
@@ -307,6 +327,23 @@ mod tests {
         // Root mean square: one pixel of two has all of the error.
         assert_eq!(more_samples(16, 4096, &[[0.1, 0.0, 0.0], [0.0; 3]], 0.0409), None);
         assert_eq!(more_samples(16, 4096, &[[0.1, 0.0, 0.0], [0.0; 3]], 0.0408), Some(32));
+    }
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { visible: 5, tile_entries: 20, ..Facts::default() };
+        let of = |name, samples, exact, spread| {
+            least_bytes(name, samples, Kind { exact, spread }, &facts, 10, 20).expect("a pass of stochastic")
+        };
+        // Of each pixel two strata; of each splat 16 bytes, color and record.
+        assert_eq!(of("stochastic/visibility", 8, false, false), 20 * 4 + 5 * 40 + 10 * 64);
+        assert_eq!(of("stochastic/accumulate", 8, true, false), 920 + 10 * (16 + 4 + 4));
+        // With the spread, the sums of the two strata, too.
+        assert_eq!(of("stochastic/accumulate", 8, false, true), 920 + 10 * (48 + 4));
+        assert_eq!(of("stochastic/gather", 8, true, false), 10 * (16 + 16));
+        assert_eq!(of("stochastic/gather", 8, true, true), 10 * (48 + 16 + 32));
+        assert_eq!(of("stochastic/resolve", 8, true, true), 10 * (32 + 4 + 32));
+        assert_eq!(least_bytes("sorted/blend", 8, Kind { exact: true, spread: false }, &facts, 10, 20), None);
     }
 
     #[test]
