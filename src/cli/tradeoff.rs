@@ -101,6 +101,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
         fragments: false,
         stop: Stop::Exact,
+        max_error: None,
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;
