@@ -2,12 +2,12 @@
 
 /// Height of a label in pixels.
 const HEIGHT: i32 = 14;
-/// Pixels that a character takes, a wide one of a wide font.
-const CHARACTER: i32 = 7;
+/// Pixels that a character takes in a wide font.
+const CHARACTER: i32 = 6;
 /// Half of a marker's side in pixels, with a little air.
 const MARKER: i32 = 6;
-/// The same for a ring, whose corners are empty.
-const RING: i32 = 8;
+/// The same for a ring.
+const RING: i32 = 9;
 
 /// Left, top, right and bottom in pixels.
 pub(super) type Rectangle = [i32; 4];
@@ -15,7 +15,7 @@ pub(super) type Rectangle = [i32; 4];
 /// A place in pixels.
 type Place = (i32, i32);
 
-/// Labels further from their marker than this are tied to it by a line.
+/// Labels further from their marker than this are tied to it by a line, and so are those as near to another one.
 const NEAR: i32 = 14;
 
 /// Where a label goes.
@@ -34,6 +34,7 @@ pub(super) struct Placed {
 pub(super) struct Space {
     frame: Rectangle,
     taken: Vec<Rectangle>,
+    markers: Vec<Place>,
     lines: Vec<[Place; 2]>,
 }
 
@@ -50,6 +51,7 @@ impl Space {
 
     /// No label will lie over this marker.
     pub(super) fn take_marker(&mut self, (x, y): Place) {
+        self.markers.push((x, y));
         self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
     }
 
@@ -85,14 +87,16 @@ impl Space {
             let rectangle = [left, top, left + width, top + HEIGHT];
             // A line behind a label costs as much as being twelve places worse.
             let crossed = self.lines.iter().filter(|line| crosses(rectangle, line)).count();
-            self.is_free(rectangle).then_some((order + 12 * crossed, place, rectangle))
+            // So does another marker that is as near to it.
+            let own = distance(rectangle, (x, y));
+            let is_rival = |marker: &&Place| **marker != (x, y) && distance(rectangle, **marker) <= own + NEAR / 4;
+            let rivals = self.markers.iter().filter(is_rival).count();
+            self.is_free(rectangle).then_some((order + 12 * (crossed + rivals), place, rectangle, rivals))
         });
-        let (_, place, rectangle) = free.min_by_key(|(cost, ..)| *cost)?;
+        let (_, place, rectangle, rivals) = free.min_by_key(|(cost, ..)| *cost)?;
         self.take(rectangle);
-        let [left, top, right, bottom] = rectangle;
-        let tie = (x.clamp(left, right), y.clamp(top, bottom));
-        let is_far = (tie.0 - x).abs().max((tie.1 - y).abs()) > NEAR;
-        Some(Placed { text: place, rectangle, tie: is_far.then_some(tie) })
+        let is_tied = rivals > 0 || distance(rectangle, (x, y)) > NEAR;
+        Some(Placed { text: place, rectangle, tie: is_tied.then_some(nearest(rectangle, (x, y))) })
     }
 
     fn is_free(&self, [left, top, right, bottom]: Rectangle) -> bool {
@@ -101,6 +105,17 @@ impl Space {
         let overlaps = |other: &Rectangle| left < other[2] && other[0] < right && top < other[3] && other[1] < bottom;
         is_within && !self.taken.iter().any(overlaps)
     }
+}
+
+/// The place of a rectangle that is nearest to another one.
+fn nearest([left, top, right, bottom]: Rectangle, (x, y): Place) -> Place {
+    (x.clamp(left, right), y.clamp(top, bottom))
+}
+
+/// How far a place is from a rectangle, along the axis where it is further.
+fn distance(rectangle: Rectangle, (x, y): Place) -> i32 {
+    let (nx, ny) = nearest(rectangle, (x, y));
+    (nx - x).abs().max((ny - y).abs())
 }
 
 /// Whether a line enters a rectangle, to 3 pixels.
@@ -137,10 +152,24 @@ mod tests {
     }
 
     #[test]
+    fn a_label_is_nearest_to_its_own_marker_or_tied_to_it() {
+        let mut space = Space::new([0, 0, 200, 100]);
+        let markers = [(60, 90), (100, 90), (118, 90)];
+        markers.into_iter().for_each(|marker| space.take_marker(marker));
+        for (marker, text) in markers.into_iter().zip(["a long label", "another one", "the third"]) {
+            let placed = space.place(marker, text).unwrap();
+            let own = distance(placed.rectangle, marker);
+            let others = markers.into_iter().filter(|other| *other != marker);
+            let is_nearest = others.map(|other| distance(placed.rectangle, other)).all(|other| other > own);
+            assert!(is_nearest || placed.tie.is_some(), "{text}: {placed:?}");
+        }
+    }
+
+    #[test]
     fn the_right_side_is_taken_unless_a_line_or_the_frame_is_there() {
         let space = Space::new([0, 0, 200, 100]);
         let right = space.clone().place((100, 50), "8").unwrap();
-        assert_eq!((right.text, right.rectangle, right.tie), ((108, 50), [108, 43, 115, 57], None));
+        assert_eq!((right.text, right.rectangle, right.tie), ((108, 50), [108, 43, 114, 57], None));
         let mut crossed = space.clone();
         crossed.avoid([(100, 50), (200, 50)]);
         assert_ne!(crossed.place((100, 50), "8").unwrap().text.1, 50);

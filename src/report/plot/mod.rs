@@ -241,7 +241,8 @@ impl Figure {
                 root.draw(&PathElement::new([marker, end], INK.stroke_width(1)))?;
             }
             let [left, top, right, bottom] = placed.rectangle;
-            root.draw(&Rectangle::new([(left, top), (right, bottom)], WHITE.mix(0.75).filled()))?;
+            // A line behind is faint there.
+            root.draw(&Rectangle::new([(left, top + 2), (right, bottom - 2)], WHITE.mix(0.75).filled()))?;
             root.draw(&Text::new(point.label.clone(), placed.text, text_style(12)))?;
         }
         if panel.series.iter().all(|series| series.points.is_empty()) {
@@ -556,9 +557,9 @@ mod tests {
     fn a_long_legend_goes_on_below() {
         let mut figure = figure(Vec::new());
         figure.names = (0..9).map(|index| format!("method number {index}")).collect();
-        let places: Vec<_> = figure.legend(760).into_iter().map(|(_, place)| place).collect();
-        assert!(places.iter().all(|(x, _)| *x + 66 + 8 * 15 <= 760), "{places:?}");
-        let unique: std::collections::BTreeSet<_> = places.iter().map(|(x, y)| (y, x)).collect();
+        let entries = figure.legend(760);
+        assert!(entries.iter().all(|(entry, (x, _))| *x + 66 + 8 * entry.name.len() as i32 <= 760), "{entries:?}");
+        let unique: std::collections::BTreeSet<_> = entries.iter().map(|(_, place)| place).collect();
         assert_eq!(unique.len(), 10);
     }
 
