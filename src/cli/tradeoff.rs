@@ -20,8 +20,8 @@ use super::talk::{Talk, counted, print, print_json, stage};
 
 const ABOUT: &str = "\
 What is compared: all methods that draw the scene's transparent discs, with the scene's shape and falloff. The exact ones; \
-peel with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 samples, with and without alpha correction; \
-weighted, average and unsorted. Where every point is opaque, circles too. A method that does not apply, a step beyond the \
+peel with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 samples, with and without alpha correction, and with \
+the rasteriser; weighted, average and unsorted. Where every point is opaque, circles too. A method that does not apply, a step beyond the \
 longest list, and a setting of which a frame would take too long are listed with the reason.
 
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \

@@ -196,9 +196,15 @@ fn approximate(occasion: &Occasion, ladders: &Ladders, settings: &mut Vec<Settin
     let discs = occasion.discs;
     let hybrid = |k: &u32| Setting::step(Method::Hybrid(Hybrid { discs, k: *k }), ("k", *k), "");
     climb(occasion, ladders.k.iter().map(hybrid), settings, skipped);
-    for alpha_correction in [true, false] {
-        let rest = if alpha_correction { "" } else { "method.alpha_correction=false" };
+    // The rasteriser takes samples in a way of its own.
+    let ways = [
+        (Raster::Auto, true, ""),
+        (Raster::Auto, false, "method.alpha_correction=false"),
+        (Raster::Hardware, true, "method.raster=hardware"),
+    ];
+    for (raster, alpha_correction, rest) in ways {
         let stochastic = |samples: &u32| {
+            let discs = Discs { raster, ..discs };
             let method = Method::Stochastic(Stochastic { discs, samples: *samples, alpha_correction });
             Setting::step(method, ("samples", *samples), rest)
         };
@@ -239,7 +245,7 @@ mod tests {
         let keys = keys(&occasion(5));
         let of = |name: &str| keys.iter().filter(|key| key.split(' ').next() == Some(name)).count();
         // 1, 2, 4, 8; and all layers.
-        assert_eq!((of("hybrid"), of("peel"), of("stochastic")), (4, 5, 12), "{keys:?}");
+        assert_eq!((of("hybrid"), of("peel"), of("stochastic")), (4, 5, 18), "{keys:?}");
         let (_, skipped) = settings(&occasion(5), &Ladders::FULL);
         let of = |name: &str| skipped.iter().filter(|skipped| skipped.method == name).count();
         assert_eq!((of("hybrid"), of("peel"), of("abuffer"), of("circles")), (2, 3, 1, 1), "{skipped:?}");

@@ -159,7 +159,7 @@ mod tests {
             .collect();
         let found = convergence(&settings, &rows);
         let keys: Vec<&str> = found.iter().map(|c| c.key.as_str()).collect();
-        assert_eq!(keys, ["samples", "samples alpha_correction=false"]);
+        assert_eq!(keys, ["samples", "samples alpha_correction=false", "samples raster=hardware"]);
         for law in found.iter().flat_map(|c| [c.rmse, c.over_time]) {
             assert!((law.exponent + 0.5).abs() < 1e-12, "{law:?}");
         }
