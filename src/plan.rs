@@ -4,7 +4,7 @@ use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
 use crate::methods::{Facts, Frame, Renderer, cost};
-use crate::passes::bin;
+use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
@@ -84,9 +84,13 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     match frame.method {
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
-        Method::Sorted(_) => plan.sorted(device, frame, facts, seen, why),
+        Method::Sorted(_) => plan.tiled("sorted/blend", device, frame, facts, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
-        Method::Stochastic(_) | Method::Hybrid(_) | Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => {}
+        Method::Hybrid(_) => plan.tiled("hybrid/accumulate", device, frame, facts, why),
+        Method::Weighted(_) => plan.tiled("weighted/accumulate", device, frame, facts, why),
+        Method::Average(_) => plan.tiled("average/accumulate", device, frame, facts, why),
+        Method::Unsorted(_) => plan.tiled("unsorted/accumulate", device, frame, facts, why),
+        Method::Stochastic(_) => {}
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
@@ -96,7 +100,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Some(_) => format!("{what}: {why}"),
         None => format!("no transparency: {why}"),
     };
-    plan.rest(&SORTED, &without("splats are not sorted"));
+    plan.rest(&ORDER, &without("splats are not sorted"));
+    plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -133,16 +138,9 @@ const ORDER: [&str; 10] = [
     "bin/summary",
     "bin/tile-store",
 ];
-/// The same, and what blends them.
-const SORTED: [&str; 11] = {
-    let mut all = ["sorted/blend"; 11];
-    let mut i = 0;
-    while i < ORDER.len() {
-        all[i] = ORDER[i];
-        i += 1;
-    }
-    all
-};
+/// The stages that go through tiles of ordered splats.
+const TILED: [&str; 5] =
+    ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
@@ -261,14 +259,19 @@ impl Plan {
     fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
         let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
-        let by_digit = format!("depths have {bits} bits: {digits} digit(s) of {digit}");
+        let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
+        let by = match frame.method.order() {
+            Order::Depth => "by depth",
+            Order::Index => "in canonical order",
+            Order::File => "in the order of the files",
+        };
         let zero = || "counters start at zero".to_owned();
         let reasons = [
-            format!("{why}: {} splats by depth", facts.visible),
+            format!("{why}: {} splats {by}", facts.visible),
             zero(),
             by_digit.clone(),
             by_digit,
-            "splats are read in order of depth".to_owned(),
+            "splats are read in this order".to_owned(),
             zero(),
             format!("{} counters of tiles and runs of splats", facts.tile_cells),
             "the longest list of a tile decides how often tiles are run".to_owned(),
@@ -281,22 +284,20 @@ impl Plan {
         counters.max(facts.tile_cells)
     }
 
-    /// The sort of splats, and what counts lists beside it where their lengths are asked for.
-    fn sorted(&mut self, device: &Device, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
+    /// The sort of splats, the stage that goes through their tiles, and what counts lists beside them where their lengths are
+    /// asked for.
+    fn tiled(&mut self, stage: &'static str, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let seen = facts.visible > 0;
         let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {
             self.scan(counters, "counters of digits and tiles");
         }
-        self.add(
-            "sorted/blend",
-            seen,
-            if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() },
-        );
+        self.add(stage, seen, if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() });
         let empty = facts.windows.saturating_sub(facts.bands);
         self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
-        self.rest(&SORTED, NOTHING);
+        self.rest(&ORDER, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
     }

@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, LongLists, Method, Peel, ScreenSplats};
+use pellucid::scene::{DiscShape, Discs, Hybrid, LongLists, Method, Peel, ScreenSplats};
 
 fn with_opacities(opacities: &[f32]) -> Vec<P> {
     let point = |(i, opacity): (usize, &f32)| P {
@@ -55,6 +55,10 @@ fn a_survey_finds_what_a_frame_meets() {
             Method::LinkedList(Discs::default()),
             Method::Sorted(Discs::default()),
             Method::Peel(Peel::default()),
+            Method::Hybrid(Hybrid::default()),
+            Method::Weighted(Discs::default()),
+            Method::Average(Discs::default()),
+            Method::Unsorted(Discs::default()),
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
@@ -111,6 +115,10 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             Method::LinkedList(in_place),
             Method::Sorted(Discs::default()),
             Method::Peel(Peel::default()),
+            Method::Hybrid(Hybrid::default()),
+            Method::Weighted(Discs::default()),
+            Method::Average(Discs::default()),
+            Method::Unsorted(Discs::default()),
         ] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);

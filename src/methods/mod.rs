@@ -1,6 +1,7 @@
 //! The methods: what each frame records, and the renderer that runs them over windows and bands of the image.
 
 pub mod abuffer;
+pub mod approximate;
 pub mod bands;
 pub mod cost;
 pub mod linked_list;
@@ -107,7 +108,7 @@ pub enum Error {
     },
     /// The device has no shuffles.
     #[error(
-        "method sorted needs subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+        "methods that go through tiles of splats (sorted, hybrid, weighted, average, unsorted) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
     )]
     NoSubgroups {
         /// The device.

@@ -6,6 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::abuffer::{ABuffer, Lists, Storing};
+use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
@@ -225,6 +226,7 @@ pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
     bins: Bins,
+    approximations: Approximations,
     opaque: Opaque,
     peeler: Peeler,
     tiles: Tiles,
@@ -246,6 +248,7 @@ impl Renderer {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
             bins: Bins::new(device)?,
+            approximations: Approximations::default(),
             opaque: Opaque::default(),
             peeler: Peeler::new(device)?,
             tiles: Tiles::new(device)?,
@@ -474,7 +477,11 @@ impl Renderer {
                     let job = sorted::WindowJob { bin, discs, color: frame.color, most_color, stop: frame.stop };
                     sorted::render(bins, device, &job, target, timeline, &mut facts)?
                 }
-                _ => return Err(Error::NotYet { method: frame.method.name() }),
+                method => {
+                    let kind = approximate::Kind::of(&method).ok_or(Error::NotYet { method: method.name() })?;
+                    let job = approximate::WindowJob { bin, discs, kind };
+                    self.approximations.render(bins, device, &job, target, timeline, &mut facts)?
+                }
             }
         };
         if outcome == Outcome::Done {
@@ -581,11 +588,8 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         method if method.is_tiled() => {
-            if frame.fragments {
-                abuffer::PIXEL_BYTES
-            } else {
-                bin::PIXEL_BYTES
-            }
+            let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
+            counted + approximate::pixel_bytes(&method)
         }
         _ => splat::PIXEL_BYTES,
     };
@@ -738,7 +742,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
-        _ => bin::least_bytes(name, runs, facts, splat),
+        _ => bin::least_bytes(name, runs, facts, splat)
+            .or_else(|| approximate::least_bytes(name, facts, &frame.method, oriented, pixels)),
     }
 }
 
