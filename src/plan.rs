@@ -85,10 +85,13 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
     match frame.method {
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
-        Method::Sorted(_) => plan.sorted(device, frame, facts, seen, why),
+        Method::Sorted(_) => plan.tiled("sorted/blend", device, frame, facts, why),
         Method::Peel(peel) => plan.peel(device, frame, facts, wide_atomics, peel.layers, why),
         Method::Stochastic(settings) => plan.stochastic(device, frame, facts, &settings, seen, why),
-        Method::Hybrid(_) | Method::Weighted(_) | Method::Average(_) | Method::Unsorted(_) => {}
+        Method::Hybrid(_) => plan.tiled("hybrid/accumulate", device, frame, facts, why),
+        Method::Weighted(_) => plan.tiled("weighted/accumulate", device, frame, facts, why),
+        Method::Average(_) => plan.tiled("average/accumulate", device, frame, facts, why),
+        Method::Unsorted(_) => plan.tiled("unsorted/accumulate", device, frame, facts, why),
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
@@ -98,9 +101,10 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Some(_) => format!("{what}: {why}"),
         None => format!("no transparency: {why}"),
     };
-    plan.rest(&SORTED, &without("splats are not sorted"));
+    plan.rest(&ORDER, &without("splats are not sorted"));
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
+    plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -137,16 +141,9 @@ const ORDER: [&str; 10] = [
     "bin/summary",
     "bin/tile-store",
 ];
-/// The same, and what blends them.
-const SORTED: [&str; 11] = {
-    let mut all = ["sorted/blend"; 11];
-    let mut i = 0;
-    while i < ORDER.len() {
-        all[i] = ORDER[i];
-        i += 1;
-    }
-    all
-};
+/// The stages that go through tiles of ordered splats.
+const TILED: [&str; 5] =
+    ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
 /// The passes of stochastic transparency, without those that it shares.
 const STOCHASTIC: [&str; 4] =
     ["stochastic/visibility", "stochastic/accumulate", "stochastic/gather", "stochastic/resolve"];
@@ -295,22 +292,20 @@ impl Plan {
         counters.max(facts.tile_cells)
     }
 
-    /// The sort of splats, and what counts lists beside it where their lengths are asked for.
-    fn sorted(&mut self, device: &Device, frame: &Frame, facts: &Facts, seen: bool, why: &str) {
+    /// The sort of splats, the stage that goes through their tiles, and what counts lists beside them where their lengths are
+    /// asked for.
+    fn tiled(&mut self, stage: &'static str, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let seen = facts.visible > 0;
         let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {
             self.scan(counters, "counters of digits and tiles");
         }
-        self.add(
-            "sorted/blend",
-            seen,
-            if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() },
-        );
+        self.add(stage, seen, if seen { format!("{} window(s) with splats", facts.bands) } else { NOTHING.to_owned() });
         let empty = facts.windows.saturating_sub(facts.bands);
         self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
-        self.rest(&SORTED, NOTHING);
+        self.rest(&ORDER, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
     }
@@ -335,7 +330,8 @@ impl Plan {
         let empty = facts.windows.saturating_sub(facts.bands);
         self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
         self.rest(&STOCHASTIC, "the rasteriser takes the samples");
-        self.rest(&SORTED, &format!("splats are blended in no order: {why}"));
+        self.rest(&ORDER, &format!("splats are blended in no order: {why}"));
+        self.rest(&TILED, &format!("samples are taken: {why}"));
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("samples, not lists: {why}"));
     }
@@ -364,7 +360,8 @@ impl Plan {
         }
         let empty = facts.windows.saturating_sub(facts.bands);
         self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
-        self.rest(&SORTED, &format!("splats are blended in no order: {why}"));
+        self.rest(&ORDER, &format!("splats are blended in no order: {why}"));
+        self.rest(&TILED, &format!("samples are taken: {why}"));
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("samples, not lists: {why}"));
     }

@@ -6,7 +6,7 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, LongLists, Method, Peel, Raster, ScreenSplats, Stochastic};
+use pellucid::scene::{DiscShape, Discs, Hybrid, LongLists, Method, Peel, Raster, ScreenSplats, Stochastic};
 
 /// Six samples of each pixel, by the rasteriser.
 fn in_hardware() -> Stochastic {
@@ -63,6 +63,10 @@ fn a_survey_finds_what_a_frame_meets() {
             Method::Peel(Peel::default()),
             Method::Stochastic(Stochastic::default()),
             Method::Stochastic(in_hardware()),
+            Method::Hybrid(Hybrid::default()),
+            Method::Weighted(Discs::default()),
+            Method::Average(Discs::default()),
+            Method::Unsorted(Discs::default()),
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
@@ -121,6 +125,10 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             Method::Peel(Peel::default()),
             Method::Stochastic(Stochastic::default()),
             Method::Stochastic(in_hardware()),
+            Method::Hybrid(Hybrid::default()),
+            Method::Weighted(Discs::default()),
+            Method::Average(Discs::default()),
+            Method::Unsorted(Discs::default()),
         ] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);

@@ -2,8 +2,9 @@
 
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
+use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::stochastic::hardware;
-use pellucid::methods::{abuffer, linked_list, peel, points, sorted, splat, stochastic};
+use pellucid::methods::{abuffer, approximate, linked_list, peel, points, sorted, splat, stochastic};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Projecting};
@@ -88,6 +89,28 @@ fn stochastic_variants() -> Vec<(Variant, stochastic::Kind, u32)> {
     strata.flat_map(|tile| kinds.map(|[exact, spread]| of(tile.clone(), exact, spread))).collect()
 }
 
+/// Shapes and falloffs with the runs of the approximations, one and the first and second of two.
+fn fold_variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+    let shapes = [Footprint::Disc, Footprint::Oriented];
+    let falloffs = [Falloff::Flat, Falloff::Gaussian];
+    let shapes = shapes.iter().flat_map(|s| falloffs.map(|f| compose::shape_variant(*s, f)));
+    let runs = shapes.flat_map(|shape| [(0, 1), (0, 2), (1, 2)].map(|(number, of)| (shape.clone(), number, of)));
+    let sized =
+        runs.flat_map(|(shape, number, of)| SUBGROUPS.map(|subgroup| (shape.clone(), OneRun { number, of, subgroup })));
+    sized.flat_map(|(shape, run)| of(shape, run)).collect()
+}
+
+fn sum_variants() -> Vec<Variant> {
+    fold_variants(|shape, run| vec![approximate::sum_variant(shape, run)])
+}
+
+/// The variants of `hybrid` over oriented discs, in one round and in several.
+fn round_variants() -> Vec<Variant> {
+    let rounds = [(1, false, true), (8, false, false), (8, true, false), (3, true, true)];
+    let rounds = rounds.map(|(slots, behind, tail)| Round { slots, behind, tail });
+    fold_variants(|shape, run| rounds.map(|round| approximate::round_variant(shape.clone(), run, round)).to_vec())
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
@@ -153,6 +176,11 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<hardware::DrawHeld>(&mut seen, draw_variants());
     check::<hardware::DrawSums>(&mut seen, draw_variants());
     check::<hardware::Fold>(&mut seen, stochastic().map(|(_, kind, _)| hardware::fold_variant(kind)));
+    check::<approximate::Weighted>(&mut seen, sum_variants());
+    check::<approximate::Average>(&mut seen, sum_variants());
+    check::<approximate::Unsorted>(&mut seen, sum_variants());
+    check::<approximate::HybridFlat>(&mut seen, sum_variants());
+    check::<approximate::HybridOriented>(&mut seen, round_variants());
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
@@ -171,6 +199,8 @@ fn every_compute_shader_has_the_common_workgroup() {
             "sorted/blend" => blend_variants().remove(0),
             "stochastic/visibility" | "stochastic/accumulate" => stochastic_variants().remove(0).0,
             "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
+            "approximate/hybrid_oriented" => round_variants().remove(0),
+            other if other.starts_with("approximate/") => sum_variants().remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
@@ -194,6 +224,7 @@ fn every_compute_shader_has_the_common_workgroup() {
             ]
             .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
+            let by_subgroup = by_subgroup || stem.starts_with("approximate/");
             let wanted = if by_subgroup { SUBGROUPS[0] } else { wanted };
             assert_eq!(workgroup, [wanted, 1, 1], "{stem}");
         }

@@ -30,7 +30,8 @@ fn key(i: u32) -> u32 {
     if ORDER == ORDER_INDEX {
         return 0u;
     }
-    return points[i].w;
+    // The last one of the files comes first.
+    return push.none - 1u - points[i].w;
 }
 
 @compute @workgroup_size(WG_SIZE)

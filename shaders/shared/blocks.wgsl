@@ -1,6 +1,6 @@
 // A tile in the hands of one subgroup: BLOCKS x BLOCKS blocks of 8 x 8 pixels, of each of which every invocation holds the
 // same few. Splats are taken one per invocation; a ballot says which of them may touch a block, and these are handed to
-// all invocations one by one by shuffles.
+// all invocations one by one by shuffles. The stage binds `view`.
 #import splat
 
 // Side of a block, pixels of a block that an invocation holds, blocks of a tile in x and y.
@@ -18,16 +18,26 @@ fn place(lane: u32, i: u32) -> vec2<u32> {
     return vec2<u32>(within % SIDE, within / SIDE) + block_corner(i / HELD);
 }
 
-// Whether a splat may touch a block. A disc lies within its radius around its centre, give or take rounding; an oriented
-// one does not quite in perspective, and is handed to every block.
-fn touches(splat: Splat, low: vec2<u32>) -> bool {
-    if SHAPE == SHAPE_ORIENTED {
-        return true;
+// How far a splat may reach from its centre, in pixels: a disc its radius. An oriented one lies within a ball of that radius,
+// which perspective stretches: the offset of a point u on it is f (u.xy - c.xy / z u.z) / (z + u.z).
+fn reach_of(splat: Splat, view: View) -> f32 {
+    if SHAPE != SHAPE_ORIENTED || view.orthographic != 0u {
+        return splat.radius;
     }
+    let of_depth = splat.radius / view.focal.x;
+    let axis = (vec2<f32>(center_pixel(splat)) + vec2<f32>(splat.fraction_x, splat.fraction_y) - 0.5 * vec2<f32>(view.size)) / view.focal.x;
+    let stretched = splat.radius * sqrt(1.0 + dot(axis, axis)) / (1.0 - of_depth);
+    // Close to the eye it may be seen anywhere.
+    return select(1e9, stretched, of_depth < 0.9);
+}
+
+// Whether a splat may touch a block, give or take rounding.
+fn touches(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * f32(SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
+    let radius = reach_of(splat, view);
     // The pixel of the centre lies at most 0.71 away.
-    let reach = max(splat.radius, 0.75) + 1e-5 * (splat.radius + abs(middle.x) + abs(middle.y));
+    let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
     return dot(outside, outside) <= reach * reach;
 }

@@ -28,6 +28,8 @@
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
 override TAKEN: u32 = 1u;
 override LATER: u32 = 0u;
+// Subgroups that share a tile: 1, or one for each block where the stage holds much for each pixel.
+override SHARED: u32 = 1u;
 const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 
@@ -91,7 +93,8 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(subgroup_invocation_id) lane: u32,
 ) {
-    let tile = workgroup_index(workgroup, groups);
+    let group = workgroup_index(workgroup, groups);
+    let tile = group / SHARED;
     if tile >= push.tiles {
         return;
     }
@@ -101,7 +104,7 @@ fn main(
     if LATER != 0u && start >= end {
         return;
     }
-    let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE;
+    let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE + block_corner(group % SHARED);
 #each held     begin({held}u, corner + place(lane, {held}u));
     for (var next = start; next < end; next += SUBGROUP) {
         let present = next + lane < end;

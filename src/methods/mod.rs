@@ -1,6 +1,7 @@
 //! The methods: what each frame records, and the renderer that runs them over windows and bands of the image.
 
 pub mod abuffer;
+pub mod approximate;
 pub mod bands;
 pub mod cost;
 pub mod linked_list;
@@ -29,12 +30,6 @@ pub enum Outcome {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A method of a later commit.
-    #[error("method {method} is not there yet")]
-    NotYet {
-        /// Its name.
-        method: &'static str,
-    },
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
@@ -108,7 +103,7 @@ pub enum Error {
     },
     /// The device has no shuffles.
     #[error(
-        "this method needs subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
     )]
     NoSubgroups {
         /// The device.

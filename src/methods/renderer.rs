@@ -6,6 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::abuffer::{ABuffer, Lists, Storing};
+use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
@@ -237,6 +238,7 @@ pub struct Renderer {
     device: Device,
     abuffer: ABuffer,
     bins: Bins,
+    approximations: Approximations,
     opaque: Opaque,
     peeler: Peeler,
     sampler: Sampler,
@@ -259,6 +261,7 @@ impl Renderer {
             device: device.clone(),
             abuffer: ABuffer::new(device)?,
             bins: Bins::new(device)?,
+            approximations: Approximations::default(),
             opaque: Opaque::default(),
             peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
@@ -540,7 +543,11 @@ impl Renderer {
                         self.sampler.render(bins, device, &job, target, timeline, &mut facts)?
                     }
                 }
-                _ => return Err(Error::NotYet { method: frame.method.name() }),
+                method => {
+                    let kind = approximate::Kind::of(&method).expect("a method that goes through tiles");
+                    let job = approximate::WindowJob { bin, discs, kind };
+                    self.approximations.render(bins, device, &job, target, timeline, &mut facts)?
+                }
             }
         };
         if outcome == Outcome::Done {
@@ -678,11 +685,8 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         method if method.is_tiled() => {
-            if frame.fragments {
-                abuffer::PIXEL_BYTES
-            } else {
-                bin::PIXEL_BYTES
-            }
+            let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
+            counted + approximate::pixel_bytes(&method)
         }
         _ => splat::PIXEL_BYTES,
     };
@@ -844,7 +848,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
                 stochastic::least_bytes(name, samples, kind, facts, pixels, splat)
                     .or_else(|| hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels))
             }
-            _ => bin::least_bytes(name, runs, facts, splat),
+            _ => bin::least_bytes(name, runs, facts, splat)
+                .or_else(|| approximate::least_bytes(name, facts, &frame.method, oriented, pixels)),
         },
     }
 }

@@ -23,7 +23,7 @@ pub enum Order {
     Depth,
     /// By index: the canonical one, which costs no sort to speak of.
     Index,
-    /// As they stand in the files.
+    /// As they stand in the files, the last one first: over-blending front to back.
     File,
 }
 
@@ -187,6 +187,8 @@ pub const PIXEL_BYTES: u64 = 4;
 const TILE_SIDE: u32 = 16;
 /// Side of a block of pixels, `SIDE` in WGSL.
 const BLOCK_SIDE: u32 = 8;
+/// Blocks of a tile.
+const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
 /// Tiles along the side of a block of tiles that one subgroup walks, where splats meet very many.
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
@@ -275,6 +277,11 @@ impl Binned {
     /// Tiles of the window.
     pub fn tiles(&self) -> u32 {
         self.binning.tiles() as u32
+    }
+
+    /// Blocks of all tiles.
+    pub fn blocks(&self) -> u64 {
+        self.binning.tiles() * u64::from(BLOCKS)
     }
 
     /// The subgroup size of stages that go through the tiles.
@@ -757,8 +764,14 @@ pub fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
 }
 
-/// Blocks of a tile: workgroups of such a stage for each.
-pub const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
+/// The same where each block of a tile has a subgroup of its own ([`Binned::blocks`]): for stages that hold much for each pixel.
+pub fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+    let mut variant = fold_variant(shape, later, subgroup).with("SHARED", BLOCKS);
+    for (_, count) in &mut variant.counts {
+        *count /= BLOCKS;
+    }
+    variant
+}
 
 /// The variant of stages that go through ordered tiles.
 pub fn gather_variant(subgroup: u32) -> Variant {
@@ -767,13 +780,12 @@ pub fn gather_variant(subgroup: u32) -> Variant {
 
 /// What shaders/shared/blocks.wgsl needs, and how many of a tile's splats a run takes.
 fn blocks(variant: Variant, subgroup: u32) -> Variant {
-    let blocks = (TILE_SIDE / BLOCK_SIDE).pow(2);
     variant
         .with("TAKEN", SEGMENT)
         .constant("TILE_SIDE", TILE_SIDE)
         .subgroup(subgroup)
-        .each("block", blocks)
-        .each("held", blocks * BLOCK_SIDE * BLOCK_SIDE / subgroup)
+        .each("block", BLOCKS)
+        .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! Hand-worked cases in `tests/reference/` check the references, the references check the device.
 
 pub mod abuffer;
+pub mod approximate;
 pub mod coverage;
 pub mod peel;
 pub mod scan;

@@ -20,22 +20,13 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
     for (key, place) in table.keys().filter(|(key, _)| *key != "name" && !belongs(name, key)) {
         warnings.push(format!("{place}: method {name:?} does not use `{key}` (a key of {})", owners(key).join(", ")));
     }
-    Ok(match name {
+    let method = match name {
         "points" => Method::Points,
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
         "linked-list" => Method::LinkedList(discs(table)?),
-        "sorted" => {
-            let discs = discs(table)?;
-            if let (Raster::Hardware, Some(node)) = (discs.raster, table.get("raster")) {
-                let place = &node.place;
-                warnings.push(format!(
-                    "{place}: method \"sorted\" always works in compute shaders: `raster` has no effect"
-                ));
-            }
-            Method::Sorted(discs)
-        }
+        "sorted" => Method::Sorted(discs(table)?),
         "peel" => Method::Peel(peel(table)?),
         "stochastic" => Method::Stochastic(stochastic(table)?),
         "hybrid" => Method::Hybrid(hybrid(table)?),
@@ -43,7 +34,13 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "average" => Method::Average(discs(table)?),
         "unsorted" => Method::Unsorted(discs(table)?),
         _ => Method::Auto(discs(table)?),
-    })
+    };
+    let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
+    if let (true, true, Some(node)) = (hardware, method.is_tiled(), table.get("raster")) {
+        let place = &node.place;
+        warnings.push(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));
+    }
+    Ok(method)
 }
 
 fn name<'a>(table: &Table<'a>) -> Result<&'a str, Error> {

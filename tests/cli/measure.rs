@@ -249,6 +249,17 @@ fn the_plan_is_what_runs() {
             assert_planned(&folder, &[&args[..], &["--opacity", opacity, "--method", "sorted"]].concat());
         }
     }
+    for method in ["hybrid", "weighted", "average", "unsorted"] {
+        let stage = format!("{method}/accumulate");
+        for (args, more) in [
+            ([&tori, "--size", "40x30"], &["--set", "method.shape=oriented"][..]),
+            ([&tori, "--memory-budget", "400KiB"], &[]),
+            ([&stack, "--size", "8x8"], &["--set", "method.falloff=gaussian"]),
+        ] {
+            let planned = assert_planned(&folder, &[&args[..], &["--method", method], more].concat());
+            assert!(has(&planned, &stage) && !has(&planned, "sorted/blend"), "{planned:?}");
+        }
+    }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
     fs::write(inside(&folder, "away.toml"), away).unwrap();
@@ -256,6 +267,9 @@ fn the_plan_is_what_runs() {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--opacity", opacity]);
     }
     for method in ["points", "peel"] {
+        assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
+    }
+    for method in ["hybrid", "weighted", "average", "unsorted"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
     let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);

@@ -58,6 +58,7 @@ fn assert_close(got: f64, want: f64, tolerance: f64) {
 }
 
 mod abuffer_lists;
+mod approximations;
 mod compositing;
 mod coverage;
 mod margins;

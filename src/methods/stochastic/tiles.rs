@@ -86,7 +86,7 @@ impl Sampler {
             let push = push(job, binned.fold_push(segment), batch);
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
         };
-        let dispatch = || Run::new(Dispatch::Groups(u64::from(binned.tiles()) * u64::from(bin::BLOCKS)));
+        let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
         for segment in 0..binned.segments() {
             let (push, variant) = runs(segment);
             recorder.run(&visibility, &dispatch().push(&push).variant(variant))?;

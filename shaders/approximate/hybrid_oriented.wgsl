@@ -1,0 +1,126 @@
+// hybrid/accumulate for oriented discs, whose order differs from pixel to pixel: the nearest fragments are kept in a few slots by
+// insertion, and what falls out of them is the tail. Where k is larger than the number of slots, further rounds keep the
+// nearest of those behind the last one of the round before, and only the last round has a tail.
+// Reference: reference::approximate::hybrid.
+#import splat
+#import tile_state
+
+struct Push {
+    columns: u32,
+    tiles: u32,
+    runs: u32,
+    nearest: u32,
+    segment: u32,
+}
+
+// Rank of the last fragment that earlier rounds composed.
+@group(0) @binding(10) var<storage, read_write> lasts: array<vec2<u32>>;
+// What a run leaves to the next: that rank, and rank and color of each slot.
+@group(0) @binding(11) var<storage, read_write> slots: array<vec4<u32>>;
+var<immediate> push: Push;
+
+// 1: earlier rounds left a front in the image.
+override BEHIND: u32 = 0u;
+// 1: the round that has a tail.
+override TAIL: u32 = 0u;
+
+// Depth key, and index: what breaks ties.
+alias Rank = vec2<u32>;
+const NO_RANK = Rank(NOTHING, NOTHING);
+
+struct Slot {
+    rank: Rank,
+    color: vec4<f32>,
+}
+
+// The nearest fragments of this round, in order.
+struct Slots {
+    last: Rank,
+#each slot     slot{slot}: Slot,
+}
+
+#each held var<private> state{held}: State;
+#each held var<private> slots{held}: Slots;
+
+fn before(a: Rank, b: Rank) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+
+fn empty_slots() -> Slots {
+    var s: Slots;
+    s.last = Rank(0u, 0u);
+#each slot     s.slot{slot} = Slot(NO_RANK, vec4<f32>(0.0));
+    return s;
+}
+
+fn kept_slots(p: u32) -> Slots {
+    let first = p * (1u + 2u * SLOTS);
+    var s: Slots;
+    s.last = slots[first].xy;
+#each slot     s.slot{slot} = Slot(slots[first + 1u + 2u * {slot}u].xy, bitcast<vec4<f32>>(slots[first + 2u + 2u * {slot}u]));
+    return s;
+}
+
+fn keep_slots(p: u32, s: Slots) {
+    let first = p * (1u + 2u * SLOTS);
+    slots[first] = vec4<u32>(s.last, 0u, 0u);
+#each slot     slots[first + 1u + 2u * {slot}u] = vec4<u32>(s.slot{slot}.rank, 0u, 0u);
+#each slot     slots[first + 2u + 2u * {slot}u] = bitcast<vec4<u32>>(s.slot{slot}.color);
+}
+
+fn begin(i: u32, pixel: vec2<u32>) {
+    var state = empty_state();
+    var s = empty_slots();
+    if all(pixel < view.window.zw) {
+        let p = window_index(pixel, view.window);
+        if LATER != 0u {
+            state = kept_state(p);
+            s = kept_slots(p);
+        } else if BEHIND != 0u {
+            state.front = image[p];
+            state.key = depth_key(depths[p]);
+            s.last = lasts[p];
+        }
+    }
+#each held     if i == {held}u { state{held} = state; slots{held} = s; }
+}
+
+fn visit(i: u32, pixel: vec2<u32>, f: Fragment) {
+    var state: State;
+    var s: Slots;
+#each held     if i == {held}u { state = state{held}; s = slots{held}; }
+    let rank = Rank(f.depth_key, f.index);
+    // The first round has no last fragment.
+    let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
+    // What is carried goes into its place, and what was there is carried on.
+    var carried = Slot(select(NO_RANK, rank, taken), vec4<f32>(f.color.rgb, select(0.0, f.color.a, taken)));
+#each slot     if before(carried.rank, s.slot{slot}.rank) { let out = s.slot{slot}; s.slot{slot} = carried; carried = out; }
+    if TAIL != 0u {
+        state.sum = plus(state.sum, carried.color.a * vec4<f32>(carried.color.rgb, 1.0));
+        state.coverage = covered(state.coverage, carried.color.a);
+    }
+    state.key = nearer(state.key, f);
+#each held     if i == {held}u { state{held} = state; slots{held} = s; }
+}
+
+fn finish(i: u32, pixel: vec2<u32>) {
+    var state: State;
+    var s: Slots;
+#each held     if i == {held}u { state = state{held}; s = slots{held}; }
+    if any(pixel >= view.window.zw) {
+        return;
+    }
+    let p = window_index(pixel, view.window);
+    if KEPT != 0u {
+        keep_slots(p, s);
+    }
+    var front = state.front;
+    var last = s.last;
+#each slot     front += (1.0 - front.a) * s.slot{slot}.color.a * vec4<f32>(s.slot{slot}.color.rgb, 1.0);
+#each slot     last = s.slot{slot}.rank;
+    if TAIL == 0u {
+        lasts[p] = last;
+    }
+    let tail = state.coverage.x * vec4<f32>(mean(state.sum), 1.0);
+    leave(p, state, front + (1.0 - front.a) * tail);
+}

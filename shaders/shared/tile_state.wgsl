@@ -1,0 +1,55 @@
+// What the approximations know of a pixel while its tile's splats are gone through, and how it comes out. The members that
+// a stage does not use cost nothing.
+#import sums
+#import over
+#import tile_fold
+@group(0) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read_write> depths: array<f32>;
+// What a run leaves to the next: four vectors for each pixel.
+@group(0) @binding(9) var<storage, read_write> kept: array<vec4<f32>>;
+
+// 1: some tile takes several runs, so that each leaves what it knows.
+override KEPT: u32 = 0u;
+
+struct State {
+    // Color times weight, and weight.
+    sum: Sum,
+    // 1 - ∏(1 - α), and by how much it is too large.
+    coverage: vec2<f32>,
+    // What was composed in order, premultiplied, and of how many fragments.
+    front: vec4<f32>,
+    count: f32,
+    // Of the nearest fragment with opacity.
+    key: u32,
+}
+
+fn empty_state() -> State {
+    return State(Sum(vec4<f32>(0.0), vec4<f32>(0.0)), vec2<f32>(0.0), vec4<f32>(0.0), 0.0, NOTHING);
+}
+
+fn kept_state(p: u32) -> State {
+    let rest = kept[4u * p + 3u];
+    let sum = Sum(kept[4u * p], kept[4u * p + 1u]);
+    return State(sum, rest.xy, kept[4u * p + 2u], rest.z, depth_key(depths[p]));
+}
+
+// The pixel as it is if nothing comes after this run, and what the next one goes on from.
+fn leave(p: u32, state: State, rgba: vec4<f32>) {
+    image[p] = rgba;
+    depths[p] = composed_depth(state.key);
+    if KEPT != 0u {
+        kept[4u * p] = state.sum.total;
+        kept[4u * p + 1u] = state.sum.excess;
+        kept[4u * p + 2u] = state.front;
+        kept[4u * p + 3u] = vec4<f32>(state.coverage, state.count, 0.0);
+    }
+}
+
+fn nearer(key: u32, f: Fragment) -> u32 {
+    return min(key, select(NOTHING, f.depth_key, f.color.a > 0.0));
+}
+
+// Color times weight over weight, black without weight.
+fn mean(sum: Sum) -> vec3<f32> {
+    return select(vec3<f32>(0.0), sum.total.rgb / sum.total.w, sum.total.w > 0.0);
+}
