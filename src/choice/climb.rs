@@ -128,16 +128,17 @@ fn climb(trials: &mut Trials<'_>, ladder: &[&Setting], best: &mut Best) -> Resul
 
 /// Two probes, then the step that should be accurate enough since errors fall as samples^(−1/2), then its neighbors.
 fn jump(trials: &mut Trials<'_>, ladder: &[&Setting], best: &mut Best) -> Result<()> {
-    let samples = |at: usize| ladder[at].effort.unwrap_or(0.0);
+    let samples = |at: usize| ladder[at].step.map_or(0.0, |(_, samples)| f64::from(samples));
+    let effort = |at: usize| ladder[at].effort.unwrap_or(0.0);
     let first_with = |least: f64| (0..ladder.len()).find(|at| samples(*at) >= least);
     let mut times = Vec::new();
     let mut next = first_with(PROBES[0].into());
     while let Some(at) = next {
-        if affine(&times, samples(at)).is_some_and(|ms| best.is_slower(ms / DOUBT)) {
+        if affine(&times, effort(at)).is_some_and(|ms| best.is_slower(ms / DOUBT)) {
             return Ok(());
         }
         let Some(figures) = trials.look(ladder[at], best.ms)? else { return Ok(()) };
-        times.push((samples(at), figures.gpu_ms));
+        times.push((effort(at), figures.gpu_ms));
         if best.note(figures) {
             return descend(trials, &ladder[..at], best);
         }

@@ -54,9 +54,10 @@ pub struct TradeoffArgs {
     /// Compare this method only; repeatable. By default all. (--method, like a scene file's, says only which discs.)
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     only: Vec<String>,
-    /// About how long frames may be rendered. Slow settings get fewer frames and seeds, and a setting is skipped if its own
-    /// ladder predicts that one frame takes more than a 60th of it.
-    #[arg(long, value_name = "SECONDS", default_value_t = 240.0, value_parser = seconds)]
+    /// About how long frames may be rendered. Slow settings get fewer frames and seeds; one whose frame takes more than a 60th
+    /// of it is timed once, by itself, and one is skipped if its own ladder predicts that a frame takes more than an 8th, or
+    /// more than is left.
+    #[arg(long, value_name = "SECONDS", default_value_t = 360.0, value_parser = seconds)]
     time: f64,
     #[command(flatten)]
     device: DeviceArgs,

@@ -18,10 +18,19 @@ use crate::metrics::{self, difference_picture};
 use crate::output::{self, LinearImage, linear, write_rgb_png};
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
-use crate::report::stress::sweep::predict;
 use crate::report::truth::Truth;
 use crate::scene::Method;
 use crate::{Result, identity};
+
+/// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
+/// in proportion to the effort. `None` without any.
+fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
+    let &(last, seconds) = times.last()?;
+    Some(match times.iter().rev().find(|(before, _)| *before < last) {
+        Some((before, less)) => seconds + ((seconds - less) / (last - before)).max(0.0) * (effort - last),
+        None => seconds * effort / last,
+    })
+}
 
 /// What is rendered.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +52,8 @@ pub struct Options {
     pub ladders: Ladders,
     /// Names of methods; none: all.
     pub only: Vec<String>,
-    /// About how long frames may be rendered, in seconds: half of it for times. A setting of which one frame is predicted to
-    /// take more than a [`FRAME_SHARE`]th is skipped.
+    /// About how long frames may be rendered, in seconds. A setting of which one frame is predicted to take more than a
+    /// [`FRAME_SHARE`]th is skipped, and so is one for which no time is left.
     pub seconds: f64,
     /// Frames behind a median, if there is time, at least 1.
     pub rounds: usize,
@@ -55,11 +64,15 @@ pub struct Options {
 }
 
 /// See [`Options::seconds`].
-pub const FRAME_SHARE: f64 = 60.0;
+pub const FRAME_SHARE: f64 = 8.0;
+/// A frame that takes more than one in so many parts of the time is timed once, where it is first rendered, and not in turns.
+pub const ALONE_SHARE: f64 = 60.0;
 /// The images of a stochastic setting take at most one in so many parts of the time, beyond the two that it needs.
 const SEEDS_SHARE: f64 = 80.0;
-/// Part of the time for frames that are timed.
-const ROUNDS_SHARE: f64 = 0.5;
+/// Part of the time for first frames, errors and seeds.
+const TRIALS_SHARE: f64 = 0.6;
+/// Part of the time for frames that are timed in turns.
+const ROUNDS_SHARE: f64 = 0.35;
 
 /// Measures every setting that applies, and goes on where an interrupted run on the same scene and device stopped. What was
 /// measured is stored in `folder`, which is made if it isn't there, after every frame; so are the pictures. Once the report
@@ -158,9 +171,9 @@ impl Run<'_> {
             return Ok(false);
         }
         match self.first_frames(setting) {
-            Ok(trial) => {
+            Ok(measured) => {
                 self.device.check_validation()?;
-                self.partial.content.settings.insert(setting.key(), Measured { trial, frames: Vec::new() });
+                self.partial.content.settings.insert(setting.key(), measured);
                 self.partial.save()?;
                 Ok(true)
             }
@@ -172,21 +185,26 @@ impl Run<'_> {
         }
     }
 
-    /// Why a frame of a setting would take too long, by the steps of its ladder before.
+    /// Why a setting would take too long, by the steps of its ladder before.
     fn too_slow(&self, setting: &Setting, before: &[Setting]) -> Option<String> {
-        let most = self.options.seconds / FRAME_SHARE;
+        let all = self.options.seconds;
+        let trial = |other: &Setting| Some(&self.partial.content.settings.get(&other.key())?.trial);
         let times: Vec<(f64, f64)> = before
             .iter()
             .filter(|other| other.series == setting.series)
-            .filter_map(|other| Some((other.effort?, self.partial.content.settings.get(&other.key())?.trial.seconds)))
+            .filter_map(|other| Some((other.effort?, trial(other)?.seconds)))
             .collect();
         let seconds = predict(&times, setting.effort?)?;
-        (seconds > most).then(|| {
-            format!(
-                "a frame would take about {seconds:.1} s by the settings before; of {} s in all one may take {most:.1} s",
-                self.options.seconds
-            )
-        })
+        let about = format!("a frame would take about {seconds:.1} s by the settings before; of {all} s in all");
+        let most = all / FRAME_SHARE;
+        if seconds > most {
+            return Some(format!("{about} one may take {most:.1} s"));
+        }
+        let images = |trial: &Trial| trial.repeats.as_ref().map_or(2, |repeats| repeats.seeds.max(2));
+        let spent: f64 = before.iter().filter_map(trial).map(|trial| f64::from(images(trial)) * trial.seconds).sum();
+        // Two of them, as of every setting.
+        let left = TRIALS_SHARE * all - spent;
+        (2.0 * seconds > left).then(|| format!("{about} {:.1} s are left for first frames", left.max(0.0)))
     }
 
     fn frame_of(&self, setting: &Setting, image: u32) -> Frame {
@@ -195,8 +213,9 @@ impl Run<'_> {
         Frame { method: setting.method, seed, ..self.frame }
     }
 
-    /// Renders a setting with buffers that nothing else uses: memory, errors, pictures, and what a frame takes about.
-    fn first_frames(&mut self, setting: &Setting) -> Result<Trial> {
+    /// Renders a setting with buffers that nothing else uses: memory, errors, pictures, and what a frame takes about; for slow
+    /// ones that is their time.
+    fn first_frames(&mut self, setting: &Setting) -> Result<Measured> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
         let image = self.linear(&first.image);
@@ -205,6 +224,8 @@ impl Run<'_> {
         // The first one paid for shaders and buffers.
         let second = self.render(&mut renderer, setting, 1)?;
         let seconds = second.profile.wall.as_secs_f64();
+        let alone = seconds > self.options.seconds / ALONE_SHARE;
+        let frames = alone.then(|| Timed::new(&second.profile, self.partial.content.sittings)).into_iter().collect();
         let errors = self.errors(&image);
         let (errors, repeats) = if setting.is_stochastic() {
             let mut seeds = Seeds::new(image.pixels.len());
@@ -221,7 +242,8 @@ impl Run<'_> {
         } else {
             (errors, None)
         };
-        Ok(Trial { peak_device_bytes: first.facts.peak_device_bytes, errors, repeats, picture, difference, seconds })
+        let peak_device_bytes = first.facts.peak_device_bytes;
+        Ok(Measured { trial: Trial { peak_device_bytes, errors, repeats, picture, difference, seconds }, frames })
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
@@ -297,12 +319,16 @@ impl Run<'_> {
     }
 
     /// How many frames of each setting are timed: as many as there are rounds, but fewer of those that take most, such that
-    /// all of them fit the time. It follows from the trials alone, so that an interrupted run comes to the same.
+    /// all of them fit the time; of those that are timed alone one. It follows from the trials alone, so that an interrupted
+    /// run comes to the same.
     fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
         let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
-        let costs: Vec<f64> = settings.iter().map(seconds).collect();
+        let most = self.options.seconds / ALONE_SHARE;
+        let (in_turns, alone): (Vec<&Setting>, Vec<&Setting>) = settings.iter().partition(|s| seconds(s) <= most);
+        let costs: Vec<f64> = in_turns.iter().map(|setting| seconds(setting)).collect();
         let counts = summary::frames(&costs, self.options.rounds, ROUNDS_SHARE * self.options.seconds);
-        settings.iter().map(Setting::key).zip(counts).collect()
+        let in_turns = in_turns.iter().map(|setting| setting.key()).zip(counts);
+        in_turns.chain(alone.iter().map(|setting| (setting.key(), 1))).collect()
     }
 
     fn report(self, settings: &[Setting], facts: &Facts) -> Tradeoff {
@@ -352,5 +378,20 @@ impl Timed {
         let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
         let passes = profile.passes.iter().map(|pass| (pass.name.to_owned(), ms(pass.gpu))).collect();
         Self { sitting, gpu_ms: ms(profile.gpu()), wall_ms: ms(profile.wall), passes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_settings_are_seen_coming() {
+        assert_eq!(predict(&[], 4.0), None);
+        assert_eq!(predict(&[(1.0, 2.0)], 4.0), Some(8.0));
+        // One and four samples are one stratum.
+        assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5)], 4.0), Some(10.0));
+        assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5), (4.0, 4.0)], 16.0), Some(10.0));
+        assert_eq!(predict(&[(1.0, 3.0), (4.0, 2.0)], 16.0), Some(2.0));
     }
 }

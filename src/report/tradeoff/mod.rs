@@ -15,7 +15,7 @@ mod summary;
 use serde::{Deserialize, Serialize};
 
 pub use files::write;
-pub use measure::{FRAME_SHARE, Options, Subject, run};
+pub use measure::{ALONE_SHARE, FRAME_SHARE, Options, Subject, run};
 pub use partial::discard;
 
 use super::fit::PowerLaw;

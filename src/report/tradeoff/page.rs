@@ -450,7 +450,8 @@ fn method(report: &Tradeoff) -> Markup {
         p {
             b { "Time. " } "Device time is the sum of all passes between timestamps; wall time lasts from the first "
             "submission to the end of read-back. Frames of all settings are rendered in turns, so that a machine that slows "
-            "down slows them all. Medians are given, and the least and the greatest."
+            "down slows them all; those that take long are timed once, by themselves: the table says 1 frame. Medians are given, "
+            "and the least and the greatest."
         }
         p {
             b { "Memory. " } "The largest number of device bytes at any time of a frame, cloud and image included, as the "

@@ -206,7 +206,8 @@ fn approximate(occasion: &Occasion, ladders: &Ladders, settings: &mut Vec<Settin
         let stochastic = |samples: &u32| {
             let discs = Discs { raster, ..discs };
             let method = Method::Stochastic(Stochastic { discs, samples: *samples, alpha_correction });
-            Setting::step(method, ("samples", *samples), rest)
+            // Samples are taken by fours.
+            Setting { effort: Some(samples.div_ceil(4).into()), ..Setting::step(method, ("samples", *samples), rest) }
         };
         settings.extend(ladders.samples.iter().map(stochastic));
     }
