@@ -210,7 +210,8 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
     let scene = with_cloud("[method]\nname = \"sorted\"\nraster = \"hardware\"");
     let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
     assert!(warning.contains("method \"sorted\" always works in compute shaders: `raster` has no effect"), "{warning}");
-    for rest in ["name = \"sorted\"\nraster = \"auto\"", "name = \"abuffer\"\nraster = \"hardware\""] {
+    let with_hardware = ["abuffer", "stochastic"].map(|name| format!("name = \"{name}\"\nraster = \"hardware\""));
+    for rest in with_hardware.into_iter().chain(["name = \"sorted\"\nraster = \"auto\"".to_owned()]) {
         assert_eq!(with_cloud(&format!("[method]\n{rest}")).warnings, [""; 0]);
     }
 }

@@ -21,8 +21,8 @@ pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations hybrid,
-    /// weighted, average and unsorted. By default the scene file's, else auto: the cheapest one that is exact for the scene
+    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
+    /// stochastic, hybrid, weighted, average and unsorted. By default the scene file's, else auto: the cheapest one that is exact for the scene
     /// (`plan` says which, and why).
     #[arg(long, value_name = "NAME")]
     method: Option<String>,

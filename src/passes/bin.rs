@@ -326,11 +326,6 @@ pub struct OrderedTiles<'a> {
 }
 
 impl<'a> OrderedTiles<'a> {
-    /// Prefix sums: where each cell's entries end.
-    pub fn ends(&self) -> Slice<'a, u32> {
-        self.ends
-    }
-
     /// What a stage binds that goes through the tiles with whole splats (shaders/shared/tile_fold.wgsl).
     pub fn folding(&self, view: Slice<'a, View>) -> Folding<'a> {
         let Self { ends, entries, records, footprints, colors, slopes, .. } = *self;

@@ -36,7 +36,8 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         _ => Method::Auto(discs(table)?),
     };
     let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
-    if let (true, true, Some(node)) = (hardware, method.is_tiled(), table.get("raster")) {
+    let in_vain = hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    if let (true, Some(node)) = (in_vain, table.get("raster")) {
         let place = &node.place;
         warnings.push(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));
     }
