@@ -49,8 +49,7 @@ impl Pictures {
         for row in &report.rows {
             files.extend([(row.picture.as_str(), Reduce::Mean), (row.difference.as_str(), Reduce::Max)]);
         }
-        let read: Result<Vec<_>, _> =
-            files.par_iter().map(|(name, how)| embedded(&folder.join(name), factor, *how)).collect();
+        let read: Vec<_> = files.par_iter().map(|(name, how)| embedded(&folder.join(name), factor, *how)).collect();
         let mut uris = Vec::new();
         let mut known = HashMap::new();
         let mut index = |uri: String| {
@@ -59,7 +58,9 @@ impl Pictures {
                 uris.len() - 1
             })
         };
-        let mut indices = read?.into_iter().map(&mut index);
+        // Collected in order, so that of several failures always the first is told, whatever the threads did.
+        let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut indices = read.into_iter().map(&mut index);
         let reference = indices.next().unwrap_or(0);
         let indices: Vec<usize> = indices.collect();
         let rows = indices.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
