@@ -18,7 +18,7 @@ use indicatif::ProgressBar;
 use pellucid::Result;
 use pellucid::choice::{self, Choice, Wish};
 use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::methods::{Frame, Renderer, Stop};
+use pellucid::methods::{Factors, Frame, Renderer, Stop};
 use pellucid::points::Points;
 use pellucid::report::tradeoff::settings::Ladders;
 use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
@@ -74,6 +74,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        factors: Factors::default(),
         seed: 0,
     };
     let start = Instant::now();

@@ -25,8 +25,8 @@ use pellucid::cloud::Cloud;
 use pellucid::gpu::{Buffer, Device, DeviceOptions, Memory};
 use pellucid::methods::bands::Band;
 use pellucid::methods::splat::Nearest;
-use pellucid::methods::{Frame, Rendered, Renderer, Stop};
-use pellucid::passes::project::{DeviceCloud, Footprint, Projecting};
+use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
+use pellucid::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid::passes::raster::{self, Chunk, Walker};
 use pellucid::passes::tiles::Tiles;
 use pellucid::points::Points;
@@ -133,6 +133,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        factors: Factors::default(),
     };
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(&points)?;
@@ -262,6 +263,7 @@ fn discs(diameter: f64) -> Points {
         radii: vec![0.5 * diameter as f32; count],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     })
 }
 
@@ -279,6 +281,7 @@ fn frame(method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        factors: Factors::default(),
     }
 }
 
@@ -333,6 +336,8 @@ impl Course {
             max_radius_px: f32::MAX,
             shading: Shading::default(),
             color: ColorSpace::Linear,
+            opacity_factor: 1.0,
+            part: Part::All,
         };
         cloud.set_view(&frame(Method::Points).camera, [SIDE; 2], window, &how);
         let cloud = &*cloud;

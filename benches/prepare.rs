@@ -34,6 +34,7 @@ fn prepare(criterion: &mut Criterion) {
         normals: Some(positions.iter().map(|p| p.as_vec3()).collect()),
         positions,
         file_order: Vec::new(),
+        fields: Vec::new(),
     };
     group.bench_function("canonical order", |b| {
         b.iter_batched(|| points.clone(), order::canonical, BatchSize::LargeInput);

@@ -17,7 +17,7 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order } = points;
+    let Points { positions, colors, opacities, radii, normals, file_order, fields } = points;
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
     add(bytemuck::cast_slice(colors));
@@ -25,6 +25,7 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
     add(bytemuck::cast_slice(radii));
     add(bytemuck::cast_slice(normals.as_deref().unwrap_or_default()));
     add(bytemuck::cast_slice(file_order));
+    add(bytemuck::cast_slice(fields));
     // Debug output of floats is exact.
     let settings =
         format!("{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {background:?}");

@@ -19,7 +19,7 @@
 //! ```
 //! use indicatif::ProgressBar;
 //! use pellucid::gpu::{Device, DeviceOptions};
-//! use pellucid::methods::{Frame, Renderer, Stop};
+//! use pellucid::methods::{Factors, Frame, Renderer, Stop};
 //! use pellucid::plan;
 //! use pellucid::scene::{self, Scene, procedural};
 //!
@@ -52,6 +52,7 @@
 //!     stop: Stop::Exact,
 //!     seed: 0,
 //!     max_error: None,
+//!     factors: Factors::default(),
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;
 //!

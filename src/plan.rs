@@ -95,6 +95,10 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
+        Method::Hqs(_) | Method::Splats(_) => {}
+        Method::SoftBase(_) | Method::SoftConcentric(_) => {}
+        Method::SoftExpress(_) => {}
+        Method::OneLayer(_) => {}
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {

@@ -24,6 +24,9 @@ pub struct Points {
     /// Where each point stood before it came into canonical order: file after file, point after point. Empty: as here.
     /// Only `unsorted` asks.
     pub file_order: Vec<u32>,
+    /// The scalar field F of each point in [0, 1], which tells solid points from soft ones. Empty: 0 for all; only the soft
+    /// methods ask.
+    pub fields: Vec<f32>,
 }
 
 impl Points {

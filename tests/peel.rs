@@ -64,6 +64,7 @@ fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Poin
         radii: points.iter().map(|p| p.radius).collect(),
         normals: Some(points.iter().map(|p| p.normal).collect()),
         file_order: Vec::new(),
+        fields: Vec::new(),
     };
     let margin = |i| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&in_order, i, shape));
     let clear: Vec<P> = (0..points.len()).filter(|i| margin(*i) > 0.02).map(|i| points[i]).collect();

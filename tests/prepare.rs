@@ -140,6 +140,7 @@ fn reordered(points: &Points, order: &[usize]) -> Points {
         radii: order.iter().map(|&i| points.radii[i]).collect(),
         normals: points.normals.as_ref().map(|n| order.iter().map(|&i| n[i]).collect()),
         file_order: Vec::new(),
+        fields: Vec::new(),
     }
 }
 
@@ -185,6 +186,7 @@ fn neighbors_in_the_order_are_near() {
         radii: vec![0.0; count],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     });
     let step: f64 = ordered.positions.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() / (count - 1) as f64;
     // Random order has a mean step of 0.66 (mean distance in a unit cube); 20 000 points are about 0.037 apart.
@@ -202,6 +204,7 @@ fn no_points_one_point_and_equal_points() {
             radii: vec![0.0; count],
             normals: None,
             file_order: Vec::new(),
+            fields: Vec::new(),
         };
         let ordered = order::canonical(points.clone());
         assert_eq!(Points { file_order: Vec::new(), ..ordered }, points);

@@ -339,6 +339,7 @@ fn points(positions: &[DVec3], radius: f32) -> Points {
         radii: vec![radius; positions.len()],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     }
 }
 

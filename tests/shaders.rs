@@ -7,7 +7,7 @@ use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{abuffer, approximate, linked_list, peel, points, sorted, splat, stochastic};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
-use pellucid::passes::project::{self, Footprint, Projecting};
+use pellucid::passes::project::{self, Footprint, Part, Projecting};
 use pellucid::passes::{radix, raster, scan, tiles};
 use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel};
 use pellucid::{gpu_struct, pass};
@@ -32,7 +32,15 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
     let of = |model, color| {
         let shading = Shading { model, ..Shading::default() };
-        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, shading, color }
+        Projecting {
+            footprint,
+            radius_factor: 1.0,
+            max_radius_px: f32::MAX,
+            opacity_factor: 1.0,
+            part: Part::All,
+            shading,
+            color,
+        }
     };
     models.into_iter().flat_map(|m| [ColorSpace::Linear, ColorSpace::Encoded].map(|c| of(m, c))).collect()
 }

@@ -58,6 +58,7 @@ fn equal_the_reference_where_coverage_is_safe() {
                     radii: clear.iter().map(|i| all.radii[*i]).collect(),
                     normals: None,
                     file_order: Vec::new(),
+                    fields: Vec::new(),
                 };
                 assert!(points.len() > 1000);
                 let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();

@@ -25,9 +25,11 @@ struct View {
     // Factor on the radius, and largest radius in pixels.
     radius_limits: vec2<f32>,
     orthographic: u32,
+    // Factor on opacities.
+    opacity_factor: f32,
+    // What tells solid points (field at most this) from soft ones.
+    threshold: f32,
     unused_0: u32,
-    unused_1: u32,
-    unused_2: u32,
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

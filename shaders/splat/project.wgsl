@@ -17,17 +17,24 @@ struct Push {
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> point_colors: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> normals: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read_write> splats: array<Splat>;
-@group(0) @binding(6) var<storage, read_write> tilts: array<Tilt>;
-@group(0) @binding(7) var<storage, read_write> bounds: array<Bounds>;
-@group(0) @binding(8) var<storage, read_write> colors: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> large: array<u32>;
-@group(0) @binding(10) var<storage, read_write> tile_counts: array<u32>;
-@group(0) @binding(11) var<storage, read_write> stats: array<Stats>;
+@group(0) @binding(5) var<storage, read> fields: array<f32>;
+@group(0) @binding(6) var<storage, read_write> splats: array<Splat>;
+@group(0) @binding(7) var<storage, read_write> tilts: array<Tilt>;
+@group(0) @binding(8) var<storage, read_write> bounds: array<Bounds>;
+@group(0) @binding(9) var<storage, read_write> colors: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> large: array<u32>;
+@group(0) @binding(11) var<storage, read_write> tile_counts: array<u32>;
+@group(0) @binding(12) var<storage, read_write> stats: array<Stats>;
 var<immediate> push: Push;
 
 // 1: the buffer of normals is filled.
 override NORMALS: u32 = 0u;
+
+// Which points: all, those whose field is at most the threshold, or those above.
+const PART_ALL = 0u;
+const PART_SOLID = 1u;
+const PART_SOFT = 2u;
+override PART: u32 = 0u;
 
 // Points of one invocation, at most 32.
 override RUN: u32 = 8u;
@@ -104,7 +111,11 @@ fn project(i: u32) -> vec2<u32> {
         }
         tilt.normal = vec4<f32>(rounded(normal), facing);
     }
-    let rect = select(vec4<u32>(0u), rectangle(splat, tilt, point.center), point.drawn);
+    var drawn = point.drawn;
+    if PART != PART_ALL {
+        drawn = drawn && (fields[i] > view.threshold) == (PART == PART_SOFT);
+    }
+    let rect = select(vec4<u32>(0u), rectangle(splat, tilt, point.center), drawn);
     bounds[i] = rect.xy | rect.zw << vec2<u32>(16u);
     let extent = rect.zw - rect.xy;
     let area = extent.x * extent.y;
@@ -113,7 +124,7 @@ fn project(i: u32) -> vec2<u32> {
         if SHAPE == SHAPE_ORIENTED {
             tilts[i] = tilt;
         }
-        colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), lo.w);
+        colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), min(lo.w * view.opacity_factor, 1.0));
     }
     return extent;
 }

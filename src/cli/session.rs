@@ -5,7 +5,7 @@ use std::path::Path;
 
 use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::methods::{Frame, Rendered, Renderer, Stop};
+use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
@@ -63,6 +63,7 @@ impl Session {
             stop,
             seed: resolved.seed,
             max_error: None,
+            factors: Factors::default(),
         };
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload(&resolved.points)?;

@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, Table, presets};
 use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::methods::{Frame, Stop};
+use pellucid::methods::{Factors, Frame, Stop};
 use pellucid::report::tradeoff::settings::{self, Ladders, Occasion};
 use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
 use pellucid::scene::Discs;
@@ -103,6 +103,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        factors: Factors::default(),
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;

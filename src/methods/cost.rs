@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::renderer::{Frame, ORDERED_AREA, Renderer};
+use super::renderer::{Factors, Frame, ORDERED_AREA, Renderer};
 use super::{Error, Stop};
 use crate::camera::{Camera, Projection};
 use crate::gpu::Device;
@@ -155,6 +155,7 @@ fn cloud(splats: usize, side: u32) -> Points {
         radii: vec![1.0; splats],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     })
 }
 
@@ -174,6 +175,7 @@ fn frame(side: u32, method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        factors: Factors::default(),
     }
 }
 

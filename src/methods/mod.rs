@@ -12,7 +12,7 @@ pub mod sorted;
 pub mod splat;
 pub mod stochastic;
 
-pub use renderer::{Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
+pub use renderer::{Factors, Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
 pub use sorted::Stop;
 
 use bytesize::ByteSize;
@@ -33,6 +33,12 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
+    /// The method is not rendered yet.
+    #[error("method {name} is not rendered yet")]
+    NotYet {
+        /// The method.
+        name: &'static str,
+    },
     /// One pixel alone has more fragments than fit.
     #[error(
         "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do",

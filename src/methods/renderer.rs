@@ -20,7 +20,7 @@ use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
 use crate::passes::bin::{self, Bin, Bins};
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Footprint, Projecting, Stats};
+use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
@@ -52,6 +52,23 @@ pub struct Frame {
     /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
     /// fewer samples than their settings say.
     pub max_error: Option<f32>,
+    /// Factors on the uploaded radii and opacities.
+    pub factors: Factors,
+}
+
+/// Factors on what was uploaded, so that another radius or opacity costs no upload.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
+    pub radius: f32,
+    /// On all opacities, at least 0; the product is at most 1. The soft methods have `softness` instead.
+    pub opacity: f32,
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self { radius: 1.0, opacity: 1.0 }
+    }
 }
 
 impl Frame {
@@ -442,6 +459,10 @@ impl Renderer {
                 }
                 Outcome::Done
             }
+            Method::Hqs(_) | Method::Splats(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::SoftBase(_) | Method::SoftConcentric(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::SoftExpress(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::OneLayer(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     let raster = projected.raster(&self.tiles);
@@ -772,7 +793,15 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
     };
     // Without normals there are no tilts either, and every disc is flat.
     let footprint = if footprint == Footprint::Oriented && !cloud.has_normals() { Footprint::Disc } else { footprint };
-    Projecting { footprint, radius_factor, max_radius_px, shading: frame.shading, color: frame.color }
+    Projecting {
+        footprint,
+        radius_factor: radius_factor * frame.factors.radius,
+        max_radius_px,
+        opacity_factor: frame.factors.opacity,
+        part: Part::All,
+        shading: frame.shading,
+        color: frame.color,
+    }
 }
 
 /// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.

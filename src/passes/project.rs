@@ -27,9 +27,9 @@ gpu_struct! {
         depth_range: [f32; 2],
         radius_limits: [f32; 2],
         orthographic: u32,
+        opacity_factor: f32,
+        threshold: f32,
         unused_0: u32,
-        unused_1: u32,
-        unused_2: u32,
     }
 }
 
@@ -101,6 +101,7 @@ pass! {
         points_lo: Read<[f32; 4]>,
         point_colors: Read<[f32; 4]>,
         normals: Read<[f32; 4]>,
+        fields: Read<f32>,
         splats: ReadWrite<Splat>,
         tilts: ReadWrite<Tilt>,
         bounds: ReadWrite<Bounds>,
@@ -124,6 +125,35 @@ pub enum Footprint {
     Point = 3,
 }
 
+/// Which points of a cloud are projected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// All.
+    All,
+    /// Those whose field is at most the threshold.
+    Solid(f32),
+    /// Those whose field is above it.
+    Soft(f32),
+}
+
+impl Part {
+    /// The value of `PART` in WGSL.
+    fn value(self) -> u32 {
+        match self {
+            Self::All => 0,
+            Self::Solid(_) => 1,
+            Self::Soft(_) => 2,
+        }
+    }
+
+    fn threshold(self) -> f32 {
+        match self {
+            Self::All => 0.0,
+            Self::Solid(threshold) | Self::Soft(threshold) => threshold,
+        }
+    }
+}
+
 /// How splats are made from points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projecting {
@@ -133,6 +163,10 @@ pub struct Projecting {
     pub radius_factor: f32,
     /// Largest radius in pixels.
     pub max_radius_px: f32,
+    /// Factor on the opacity; the product is at most 1.
+    pub opacity_factor: f32,
+    /// Which points.
+    pub part: Part,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
     /// In which space colors are blended.
@@ -174,6 +208,8 @@ pub struct DeviceCloud {
     len: u64,
     chunk_len: u64,
     has_normals: bool,
+    has_fields: bool,
+    opacity_factor: f32,
     most_opacity: f32,
     most_color: f32,
     /// Positions relative to the cloud's origin, rounded, with radii.
@@ -184,6 +220,8 @@ pub struct DeviceCloud {
     pub point_colors: Buffer<[f32; 4]>,
     /// Their normals; a single element if there are none.
     pub normals: Buffer<[f32; 4]>,
+    /// Their scalar field; a single element if there is none.
+    pub fields: Buffer<f32>,
     /// Projected splats.
     pub splats: Buffer<Splat>,
     /// Their tilts; a single element unless the cloud has normals.
@@ -235,12 +273,15 @@ impl DeviceCloud {
             len,
             chunk_len,
             has_normals: !normals.is_empty(),
+            has_fields: !points.fields.is_empty(),
+            opacity_factor: 1.0,
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
             points_hi: device.upload("points, hi", &points_hi)?,
             points_lo: device.upload("points, lo", &points_lo)?,
             point_colors: device.upload("point colors", &point_colors)?,
             normals: device.upload("normals", &normals)?,
+            fields: device.upload("fields", &points.fields)?,
             splats: device.buffer("splats", len, Memory::Device)?,
             tilts: device.buffer("tilts", tilted, Memory::Device)?,
             bounds: device.buffer("splat bounds", len, Memory::Device)?,
@@ -269,6 +310,7 @@ impl DeviceCloud {
             + self.points_lo.bytes()
             + self.point_colors.bytes()
             + self.normals.bytes()
+            + self.fields.bytes()
             + self.splats.bytes()
             + self.tilts.bytes()
             + self.bounds.bytes()
@@ -282,9 +324,9 @@ impl DeviceCloud {
         self.has_normals
     }
 
-    /// The largest opacity.
+    /// The largest opacity, with the factor of the last [`Self::set_view`].
     pub fn most_opacity(&self) -> f32 {
-        self.most_opacity
+        (self.most_opacity * self.opacity_factor).min(1.0)
     }
 
     /// The largest color component that blending may meet, once shaded and encoded.
@@ -338,15 +380,20 @@ impl DeviceCloud {
             depth_range: [camera.near as f32, camera.far as f32],
             radius_limits: [how.radius_factor, how.max_radius_px],
             orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
+            opacity_factor: how.opacity_factor,
+            threshold: how.part.threshold(),
             ..View::default()
         };
+        self.opacity_factor = how.opacity_factor;
         self.view.write(&[view]);
     }
 
     /// Records the projection of all chunks; [`Self::stats`] holds what it found once it was submitted.
     pub fn record_project<'a>(&'a self, recorder: &mut Recorder<'a>, how: &Projecting) -> Result<(), Error> {
         self.record_clear(recorder)?;
-        let variant = project_variant(how, self.has_normals);
+        // Without a field F is 0 everywhere: all points are solid, and nobody asks for soft ones.
+        let part = if self.has_fields { how.part } else { Part::All };
+        let variant = project_variant(&Projecting { part, ..*how }, self.has_normals);
         for (chunk, (first, count)) in self.chunks().enumerate() {
             let normals = if self.has_normals { self.normals.slice(first, count) } else { self.normals.all() };
             let pass = Project {
@@ -355,6 +402,7 @@ impl DeviceCloud {
                 points_lo: self.points_lo.slice(first, count),
                 point_colors: self.point_colors.slice(first, count),
                 normals,
+                fields: if self.has_fields { self.fields.slice(first, count) } else { self.fields.all() },
                 splats: self.splats.slice(first, count),
                 tilts: self.tilts_of(first, count),
                 bounds: self.bounds.slice(first, count),
@@ -409,6 +457,7 @@ pub fn project_variant(how: &Projecting, normals: bool) -> Variant {
     how.shaded(used)
         .with("SHAPE", how.footprint as u32)
         .with("NORMALS", u32::from(used))
+        .with("PART", how.part.value())
         .with("RUN", PROJECT_RUN as u32)
 }
 

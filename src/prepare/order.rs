@@ -9,7 +9,7 @@ use super::morton;
 use crate::points::Points;
 
 /// Sorts the points along the Morton curve of their bounds, equal cells by the bits of position, color, opacity,
-/// radius and normal. Points that tie in all of these are identical, so shuffled input gives the same list.
+/// radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list.
 pub fn canonical(points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
@@ -23,6 +23,7 @@ pub fn canonical(points: Points) -> Points {
         normals: points.normals.as_deref().map(|normals| gather(normals, &order)),
         // Points are counted in 32 bits from here on: more of them don't fit any device.
         file_order: order.par_iter().map(|&(_, i)| points.file_order.get(i).copied().unwrap_or(i as u32)).collect(),
+        fields: if points.fields.is_empty() { Vec::new() } else { gather(&points.fields, &order) },
     }
 }
 
@@ -35,6 +36,7 @@ fn by_content(points: &Points, a: usize, b: usize) -> Ordering {
         .then_with(|| single(points.colors[a]).cmp(&single(points.colors[b])))
         .then_with(|| points.opacities[a].to_bits().cmp(&points.opacities[b].to_bits()))
         .then_with(|| points.radii[a].to_bits().cmp(&points.radii[b].to_bits()))
+        .then_with(|| points.fields.get(a).map(|f| f.to_bits()).cmp(&points.fields.get(b).map(|f| f.to_bits())))
         .then_with(|| match &points.normals {
             Some(normals) => single(normals[a]).cmp(&single(normals[b])),
             None => Ordering::Equal,

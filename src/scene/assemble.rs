@@ -89,7 +89,15 @@ fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, pr
         }
         (None, None) => vec![0.0; count],
     };
-    Points { positions: cloud.positions, colors, opacities, radii, normals: cloud.normals, file_order: Vec::new() }
+    Points {
+        positions: cloud.positions,
+        colors,
+        opacities,
+        radii,
+        normals: cloud.normals,
+        file_order: Vec::new(),
+        fields: Vec::new(),
+    }
 }
 
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
@@ -136,4 +144,5 @@ fn append(points: &mut Points, more: Points) {
     points.colors.extend(more.colors);
     points.opacities.extend(more.opacities);
     points.radii.extend(more.radii);
+    points.fields.extend(more.fields);
 }

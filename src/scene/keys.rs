@@ -15,11 +15,17 @@ pub const METHODS: &[&str] = &[
     "weighted",
     "average",
     "unsorted",
+    "hqs",
+    "splats",
+    "soft-base",
+    "soft-concentric",
+    "soft-express",
+    "one-layer",
 ];
 
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];
 const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];
-const BLENDED: &[&str] = &["size", "max_pixel_radius", "shape", "blend_depth"];
+const BLENDED: &[&str] = &["size", "max_pixel_radius", "blend_depth"];
 const DISCS: &[&str] = &["shape", "falloff", "raster"];
 const LISTS: &[&str] = &["long_lists"];
 const FILTERS: &[&str] = &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance"];

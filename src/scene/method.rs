@@ -3,10 +3,11 @@
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
 use super::settings::{
-    DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Method, Peel, Raster, ScreenSplats,
-    Stochastic,
+    BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, MAX_SHELLS,
+    Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
 };
 use super::table::{Range, Table};
+use super::tree::Value;
 
 /// Reads the table; keys of other methods become warnings.
 pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Method, Error> {
@@ -33,6 +34,12 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "weighted" => Method::Weighted(discs(table)?),
         "average" => Method::Average(discs(table)?),
         "unsorted" => Method::Unsorted(discs(table)?),
+        "hqs" => Method::Hqs(blended(table)?),
+        "splats" => Method::Splats(blended(table)?),
+        "soft-base" => Method::SoftBase(soft(table)?),
+        "soft-concentric" => Method::SoftConcentric(soft(table)?),
+        "soft-express" => Method::SoftExpress(soft(table)?),
+        "one-layer" => Method::OneLayer(one_layer(table)?),
         _ => Method::Auto(discs(table)?),
     };
     let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
@@ -96,4 +103,46 @@ fn stochastic(table: &Table<'_>) -> Result<Stochastic, Error> {
 
 fn hybrid(table: &Table<'_>) -> Result<Hybrid, Error> {
     Ok(Hybrid { discs: discs(table)?, k: table.integer("k", 1, MAX_K)?.unwrap_or(Hybrid::default().k) })
+}
+
+fn blended(table: &Table<'_>) -> Result<BlendedSplats, Error> {
+    let default = BlendedSplats::default();
+    let blend_depth = table.number32("blend_depth", Range::NOT_NEGATIVE)?.unwrap_or(default.blend_depth);
+    Ok(BlendedSplats { splats: splats(table)?, blend_depth })
+}
+
+fn soft(table: &Table<'_>) -> Result<Soft, Error> {
+    let default = Soft::default();
+    let softness = table.number32("softness", Range::UNIT)?.map(Density::Softness);
+    let lambda = table.number32("lambda", Range::NOT_NEGATIVE)?.map(Density::Lambda);
+    let threshold = table.number32("threshold", Range::UNIT)?.unwrap_or(default.threshold);
+    let modulation = table.number32("modulation", Range::UNIT)?;
+    if let (Some(most), Some(node)) = (modulation.filter(|most| *most <= threshold), table.get("modulation")) {
+        let problem = format!("`method.modulation` must lie above `method.threshold`, found {most} and {threshold}");
+        return Err(Error::Conflict { place: node.place.clone(), problem });
+    }
+    let layouts = [("precise", SoftLayout::Precise), ("paper", SoftLayout::Paper)];
+    Ok(Soft {
+        threshold,
+        density: softness.or(lambda).unwrap_or(default.density),
+        modulation,
+        shells: shells(table)?,
+        pixels_per_shell: table.number32("pixels_per_shell", Range::POSITIVE)?.unwrap_or(default.pixels_per_shell),
+        layout: table.choice("layout", &layouts)?.unwrap_or_default(),
+    })
+}
+
+fn shells(table: &Table<'_>) -> Result<Shells, Error> {
+    match table.get("shells").map(|node| &node.value) {
+        Some(Value::String(_)) => Ok(table.choice("shells", &[("adaptive", Shells::Adaptive)])?.unwrap_or_default()),
+        _ => Ok(table.integer("shells", 1, MAX_SHELLS)?.map_or(Shells::Adaptive, Shells::Fixed)),
+    }
+}
+
+fn one_layer(table: &Table<'_>) -> Result<OneLayer, Error> {
+    let default = OneLayer::default();
+    Ok(OneLayer {
+        threshold: table.number32("threshold", Range::UNIT)?.unwrap_or(default.threshold),
+        softness: table.number32("softness", Range::UNIT)?.unwrap_or(default.softness),
+    })
 }

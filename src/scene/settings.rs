@@ -273,6 +273,98 @@ impl Default for ScreenSplats {
     }
 }
 
+/// Settings of three-pass splats (`hqs`, `splats`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlendedSplats {
+    /// Size and clamp.
+    pub splats: ScreenSplats,
+    /// `blend_depth`: what lies up to so many radii behind the nearest is blended with it, at least 0.
+    pub blend_depth: f32,
+}
+
+impl Default for BlendedSplats {
+    fn default() -> Self {
+        Self { splats: ScreenSplats::default(), blend_depth: 1.0 }
+    }
+}
+
+/// How dense the spheres of the soft methods are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// `softness`: the opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    Softness(f32),
+    /// `lambda`: the factor itself, at least 0.
+    Lambda(f32),
+}
+
+/// `shells`: concentric spheres that stand for one of `soft-concentric`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shells {
+    /// As many as its radius in pixels over `pixels_per_shell`, from 1 to [`MAX_SHELLS`].
+    #[default]
+    Adaptive,
+    /// So many, from 1 to [`MAX_SHELLS`].
+    Fixed(u32),
+}
+
+/// Shells of a sphere at most.
+pub const MAX_SHELLS: u32 = 64;
+
+/// `layout`: what is stored of an event of a sphere and a ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SoftLayout {
+    /// Depth and sphere; all else follows from the sphere.
+    #[default]
+    Precise,
+    /// The paper's 16 bytes: color and distance from the centre in 8 bits each, signed depth, radius, middle.
+    Paper,
+}
+
+/// Settings of soft transparency (Seemann et al. 2018).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Soft {
+    /// `threshold` t: points with a field above it are soft.
+    pub threshold: f32,
+    /// `softness` or `lambda`.
+    pub density: Density,
+    /// `modulation` l_m, above t: fields between the two modulate the transparency (Eq. 22).
+    pub modulation: Option<f32>,
+    /// `shells`, of `soft-concentric`.
+    pub shells: Shells,
+    /// `pixels_per_shell`, of adaptive shells, above 0.
+    pub pixels_per_shell: f32,
+    /// `layout`, of `soft-base`.
+    pub layout: SoftLayout,
+}
+
+impl Default for Soft {
+    fn default() -> Self {
+        Self {
+            threshold: 0.5,
+            density: Density::Softness(0.5),
+            modulation: None,
+            shells: Shells::default(),
+            pixels_per_shell: 4.0,
+            layout: SoftLayout::default(),
+        }
+    }
+}
+
+/// Settings of `one-layer`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OneLayer {
+    /// `threshold` t: points with a field above it make the transparent layer.
+    pub threshold: f32,
+    /// `softness`: the layer's opacity, in [0, 1].
+    pub softness: f32,
+}
+
+impl Default for OneLayer {
+    fn default() -> Self {
+        Self { threshold: 0.5, softness: 0.5 }
+    }
+}
+
 /// `[method]`: the methods of this version.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
@@ -302,6 +394,18 @@ pub enum Method {
     Average(Discs),
     /// Blended in the order of the files.
     Unsorted(Discs),
+    /// Opaque screen-aligned splats in three passes.
+    Hqs(BlendedSplats),
+    /// Opaque splats in their tangent planes in three passes (Botsch et al. 2004).
+    Splats(BlendedSplats),
+    /// Soft spheres by exact integration (Seemann et al. 2018, Section 3.1).
+    SoftBase(Soft),
+    /// Soft spheres as concentric ones of constant density (Section 3.2).
+    SoftConcentric(Soft),
+    /// Soft discs in a presorted order (Section 3.3).
+    SoftExpress(Soft),
+    /// The first layer transparent, the rest opaque.
+    OneLayer(OneLayer),
 }
 
 impl Default for Method {
@@ -337,6 +441,12 @@ impl Method {
             Self::Weighted(_) => "weighted",
             Self::Average(_) => "average",
             Self::Unsorted(_) => "unsorted",
+            Self::Hqs(_) => "hqs",
+            Self::Splats(_) => "splats",
+            Self::SoftBase(_) => "soft-base",
+            Self::SoftConcentric(_) => "soft-concentric",
+            Self::SoftExpress(_) => "soft-express",
+            Self::OneLayer(_) => "one-layer",
         }
     }
 
@@ -352,7 +462,16 @@ impl Method {
             | Self::Weighted(discs)
             | Self::Average(discs)
             | Self::Unsorted(discs) => Some(discs),
-            Self::Auto(_) | Self::Points | Self::Squares(_) | Self::Circles(_) => None,
+            Self::Auto(_)
+            | Self::Points
+            | Self::Squares(_)
+            | Self::Circles(_)
+            | Self::Hqs(_)
+            | Self::Splats(_)
+            | Self::SoftBase(_)
+            | Self::SoftConcentric(_)
+            | Self::SoftExpress(_)
+            | Self::OneLayer(_) => None,
         }
     }
 
@@ -376,6 +495,27 @@ impl Method {
             Self::Unsorted(_) => Order::File,
             _ => Order::Depth,
         }
+    }
+
+    /// The settings of soft transparency; `None` for other methods.
+    pub fn soft(&self) -> Option<&Soft> {
+        match self {
+            Self::SoftBase(soft) | Self::SoftConcentric(soft) | Self::SoftExpress(soft) => Some(soft),
+            _ => None,
+        }
+    }
+
+    /// The field above which points are soft, if the method tells them from solid ones.
+    pub fn threshold(&self) -> Option<f32> {
+        match self {
+            Self::OneLayer(settings) => Some(settings.threshold),
+            _ => self.soft().map(|soft| soft.threshold),
+        }
+    }
+
+    /// Whether the image depends on the points' scalar field.
+    pub fn needs_field(&self) -> bool {
+        self.threshold().is_some()
     }
 
     /// Whether the image depends on the points' radii, so that missing ones must be estimated.

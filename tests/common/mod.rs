@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use pellucid::camera::{Camera, Projection};
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::image::Image;
-use pellucid::methods::{Frame, Renderer, Stop};
+use pellucid::methods::{Factors, Frame, Renderer, Stop};
 use pellucid::points::Points;
 use pellucid::prepare::order;
 use pellucid::reference::{self, Picture};
@@ -62,6 +62,7 @@ pub fn scene(points: &[P]) -> Points {
         radii: points.iter().map(|p| p.radius).collect(),
         normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
         file_order: Vec::new(),
+        fields: Vec::new(),
     })
 }
 
@@ -134,6 +135,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        factors: Factors::default(),
     }
 }
 
@@ -173,6 +175,7 @@ fn scene_in_order(points: &[P]) -> Points {
         radii: points.iter().map(|p| p.radius).collect(),
         normals: Some(points.iter().map(|p| p.normal).collect()),
         file_order: Vec::new(),
+        fields: Vec::new(),
     }
 }
 

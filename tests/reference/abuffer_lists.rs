@@ -11,6 +11,7 @@ fn stack(depths: &[f64], opacity: f32) -> Points {
         radii: vec![0.9; depths.len()],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     }
 }
 

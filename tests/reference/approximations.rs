@@ -87,6 +87,7 @@ fn images_of_approximations() {
         radii: vec![2.0; 3],
         normals: None,
         file_order: vec![2, 0, 1],
+        fields: Vec::new(),
     };
     let discs = Discs::default();
     let of = |method| render(&orthographic(), SIZE, &points, &COLORS, &method);

@@ -10,6 +10,7 @@ fn render(positions: &[DVec3], shape: Shape, settings: ScreenSplats) -> Picture 
         radii: vec![2.0; positions.len()],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     };
     let colors: Vec<DVec3> = (0..positions.len()).map(|i| DVec3::splat(1.0 + i as f64)).collect();
     splat::render(&orthographic(), SIZE, &points, &colors, shape, &settings)

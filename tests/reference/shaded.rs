@@ -24,6 +24,7 @@ fn color(camera: &Camera, position: DVec3, normal: DVec3, shading: Shading, spac
         radii: vec![1.0],
         normals: Some(vec![normal.as_vec3()]),
         file_order: Vec::new(),
+        fields: Vec::new(),
     };
     shading::shade(&points, camera, &shading, space)[0]
 }

@@ -13,6 +13,7 @@ fn two(depths: [f64; 2], tilts: [f64; 2], opacity: f32) -> Points {
         radii: vec![4.0; 2],
         normals: Some(tilts.iter().map(|degrees| tilted(*degrees).as_vec3()).collect()),
         file_order: Vec::new(),
+        fields: Vec::new(),
     }
 }
 
@@ -66,6 +67,7 @@ fn flat_discs_equal_the_order_of_fragments() {
         radii: vec![2.5, 1.5, 0.0, 4.0, 3.0],
         normals: None,
         file_order: Vec::new(),
+        fields: Vec::new(),
     };
     let colors: Vec<DVec3> = (0..5).map(|i| DVec3::new(f64::from(i), 1.0, 0.5)).collect();
     for camera in [orthographic(), perspective()] {

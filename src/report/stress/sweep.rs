@@ -8,7 +8,7 @@ use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
 use crate::Result;
 use crate::camera::Camera;
 use crate::gpu::Device;
-use crate::methods::{self, Frame, FrameProfile, Rendered, Renderer, Stop};
+use crate::methods::{self, Factors, Frame, FrameProfile, Rendered, Renderer, Stop};
 use crate::points::Points;
 use crate::report::truth::Truth;
 use crate::scene::{self, Method, Scene, procedural};
@@ -73,6 +73,7 @@ impl Place {
             stop: Stop::Exact,
             seed: 0,
             max_error: None,
+            factors: Factors::default(),
             memory_budget: settings.memory_budget,
             fragments: false,
         };
