@@ -29,7 +29,8 @@ struct View {
     opacity_factor: f32,
     // What tells solid points (field at most this) from soft ones.
     threshold: f32,
-    unused_0: u32,
+    // Field from which soft points are as transparent as the model says (Seemann et al., l_m); not above the threshold: all.
+    modulation: f32,
 }
 
 // Place of a pixel in the buffers of the rectangle in work.

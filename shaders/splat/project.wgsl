@@ -93,6 +93,12 @@ fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<u32> {
     return select(vec4<u32>(0u), vec4<u32>(l, h), all(l < h));
 }
 
+// W of Seemann et al., Eq. 22: 1 where the model alone says how transparent a soft point is.
+fn modulation(field: f32) -> f32 {
+    let range = view.modulation - view.threshold;
+    return select(1.0, clamp((field - view.threshold) / range, 0.0, 1.0), range > 0.0);
+}
+
 // Projects a point; returns the columns and rows of its rectangle.
 fn project(i: u32) -> vec2<u32> {
     let hi = points_hi[i];
@@ -124,7 +130,11 @@ fn project(i: u32) -> vec2<u32> {
         if SHAPE == SHAPE_ORIENTED {
             tilts[i] = tilt;
         }
-        colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), min(lo.w * view.opacity_factor, 1.0));
+        var a = min(lo.w * view.opacity_factor, 1.0);
+        if PART == PART_SOFT {
+            a = modulation(fields[i]);
+        }
+        colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), a);
     }
     return extent;
 }

@@ -8,6 +8,7 @@ pub mod linked_list;
 pub mod peel;
 pub mod points;
 pub mod renderer;
+pub mod soft;
 pub mod sorted;
 pub mod splat;
 pub mod stochastic;

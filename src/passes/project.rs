@@ -29,7 +29,7 @@ gpu_struct! {
         orthographic: u32,
         opacity_factor: f32,
         threshold: f32,
-        unused_0: u32,
+        modulation: f32,
     }
 }
 
@@ -132,8 +132,13 @@ pub enum Part {
     All,
     /// Those whose field is at most the threshold.
     Solid(f32),
-    /// Those whose field is above it.
-    Soft(f32),
+    /// Those whose field is above it. Their splats' fourth component is W of Seemann et al., Eq. 22, not an opacity.
+    Soft {
+        /// t
+        threshold: f32,
+        /// l_m
+        modulation: Option<f32>,
+    },
 }
 
 impl Part {
@@ -142,15 +147,58 @@ impl Part {
         match self {
             Self::All => 0,
             Self::Solid(_) => 1,
-            Self::Soft(_) => 2,
+            Self::Soft { .. } => 2,
+        }
+    }
+
+    fn modulation(self) -> f32 {
+        match self {
+            Self::Soft { modulation: Some(most), .. } => most,
+            _ => 0.0,
         }
     }
 
     fn threshold(self) -> f32 {
         match self {
             Self::All => 0.0,
-            Self::Solid(threshold) | Self::Soft(threshold) => threshold,
+            Self::Solid(threshold) | Self::Soft { threshold, .. } => threshold,
         }
+    }
+}
+
+/// What a threshold makes of a cloud.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// Points with a field of at most the threshold; all if there is no field.
+    pub solid: u64,
+    /// Points with a field above it.
+    pub soft: u64,
+    /// Median radius of these in world units, 0 if there are none.
+    pub median_radius: f32,
+}
+
+impl Parts {
+    /// Of `len` points, of which fields and radii are known if there is a field.
+    fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
+        let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
+        let soft = radii.len() as u64;
+        Self { solid: len - soft, soft, median_radius: median(&mut radii) }
+    }
+}
+
+/// The median, the mean of the middle two of an even number; 0 of none.
+fn median(values: &mut [f32]) -> f32 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (_, upper, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
+    let upper = *upper;
+    if values.len().is_multiple_of(2) {
+        let lower = values[..middle].iter().copied().fold(f32::MIN, f32::max);
+        0.5 * lower + 0.5 * upper
+    } else {
+        upper
     }
 }
 
@@ -212,6 +260,9 @@ pub struct DeviceCloud {
     opacity_factor: f32,
     most_opacity: f32,
     most_color: f32,
+    /// Field and radius of each point, if there is a field; and what was last found in them.
+    fields_and_radii: Vec<[f32; 2]>,
+    parts: Option<(f32, Parts)>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -277,6 +328,8 @@ impl DeviceCloud {
             opacity_factor: 1.0,
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
+            fields_and_radii: points.fields.iter().zip(&points.radii).map(|(f, r)| [*f, *r]).collect(),
+            parts: None,
             points_hi: device.upload("points, hi", &points_hi)?,
             points_lo: device.upload("points, lo", &points_lo)?,
             point_colors: device.upload("point colors", &point_colors)?,
@@ -327,6 +380,18 @@ impl DeviceCloud {
     /// The largest opacity, with the factor of the last [`Self::set_view`].
     pub fn most_opacity(&self) -> f32 {
         (self.most_opacity * self.opacity_factor).min(1.0)
+    }
+
+    /// How many points a threshold makes solid and soft.
+    pub fn parts(&mut self, threshold: f32) -> Parts {
+        match self.parts {
+            Some((known, parts)) if known == threshold => parts,
+            _ => {
+                let parts = Parts::new(self.len, &self.fields_and_radii, threshold);
+                self.parts = Some((threshold, parts));
+                parts
+            }
+        }
     }
 
     /// The largest color component that blending may meet, once shaded and encoded.
@@ -382,7 +447,7 @@ impl DeviceCloud {
             orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
             opacity_factor: how.opacity_factor,
             threshold: how.part.threshold(),
-            ..View::default()
+            modulation: how.part.modulation(),
         };
         self.opacity_factor = how.opacity_factor;
         self.view.write(&[view]);
@@ -473,4 +538,18 @@ fn light(camera: &Camera, light: &Light) -> [f32; 4] {
         },
     };
     [v.x as f32, v.y as f32, v.z as f32, w]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threshold_parts_a_cloud() {
+        let points = [[0.2, 9.0], [0.6, 3.0], [0.5, 7.0], [0.9, 1.0], [0.7, 2.0], [0.8, 8.0]];
+        assert_eq!(Parts::new(6, &points, 0.5), Parts { solid: 2, soft: 4, median_radius: 2.5 });
+        assert_eq!(Parts::new(6, &points, 0.6), Parts { solid: 3, soft: 3, median_radius: 2.0 });
+        assert_eq!(Parts::new(6, &points, 1.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
+        assert_eq!(Parts::new(6, &[], 0.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
+    }
 }

@@ -1,0 +1,103 @@
+//! Soft transparency (Seemann et al. 2018): what its models share.
+
+use super::Error;
+use crate::gpu::{Device, Kept, Memory, Slice};
+use crate::scene::{Density, Method, Soft};
+
+/// Pixels of a window's solid points, which soft ones are drawn before.
+pub struct Layer {
+    image: Kept<[f32; 4]>,
+    depths: Kept<f32>,
+}
+
+/// Bytes of a pixel of a [`Layer`].
+pub const LAYER_BYTES: u64 = 20;
+
+impl Default for Layer {
+    fn default() -> Self {
+        Self { image: Kept::new("solid image", Memory::Device), depths: Kept::new("solid depths", Memory::Device) }
+    }
+}
+
+impl Layer {
+    /// Room for a window.
+    pub fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
+        self.image.reserve(device, pixels)?;
+        self.depths.reserve(device, pixels)?;
+        Ok(())
+    }
+
+    /// Premultiplied color, A = 1 where something is.
+    pub fn image(&self) -> Slice<'_, [f32; 4]> {
+        self.image.get().all()
+    }
+
+    /// Depths along the viewing axis, +inf where nothing is.
+    pub fn depths(&self) -> Slice<'_, f32> {
+        self.depths.get().all()
+    }
+}
+
+/// How dense spheres are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoftModel {
+    /// λ of Eq. 1, 14 or 19: per squared world unit (`soft-base`), per world unit (`soft-concentric`), or an opacity
+    /// (`soft-express`).
+    pub lambda: f32,
+    /// Opacity of a whole chord through the centre of a sphere of median radius, in [0, 1].
+    pub peak: f32,
+}
+
+/// Optical depth through which nothing is seen, however it is cut: for a peak opacity of 1.
+const OPAQUE: f64 = 1e9;
+
+impl SoftModel {
+    /// Of a method's settings; `median_radius` in world units.
+    pub fn new(method: &Method, soft: &Soft, median_radius: f32) -> Self {
+        let radius = f64::from(median_radius);
+        // Optical depth of the central chord over λ.
+        let chord = match method {
+            Method::SoftBase(_) => radius * radius,
+            _ => 2.0 * radius,
+        };
+        let express = matches!(method, Method::SoftExpress(_));
+        match soft.density {
+            Density::Softness(peak) | Density::Lambda(peak) if express => {
+                let peak = peak.min(1.0);
+                Self { lambda: peak, peak }
+            }
+            Density::Softness(peak) => {
+                let depth = (-(-f64::from(peak)).ln_1p()).min(OPAQUE);
+                let lambda = if chord > 0.0 { (depth / chord) as f32 } else { 0.0 };
+                Self { lambda: lambda.min(f32::MAX), peak }
+            }
+            Density::Lambda(lambda) => Self { lambda, peak: -(-f64::from(lambda) * chord).exp_m1() as f32 },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peak_opacity_and_its_factor_belong_together() {
+        let soft = |density| Soft { density, ..Soft::default() };
+        for radius in [1e-3f32, 0.5, 1e3] {
+            for (method, chord) in
+                [(Method::SoftBase as fn(Soft) -> Method, radius * radius), (Method::SoftConcentric, 2.0 * radius)]
+            {
+                let of = |settings| SoftModel::new(&method(settings), &settings, radius);
+                let model = of(soft(Density::Softness(0.75)));
+                assert!((model.lambda * chord - 4f32.ln()).abs() < 1e-6 * 4.0, "{model:?}");
+                let back = of(soft(Density::Lambda(model.lambda)));
+                assert!((back.peak - 0.75).abs() < 1e-6 && back.lambda == model.lambda, "{back:?}");
+                let opaque = of(soft(Density::Softness(1.0)));
+                assert!(opaque.lambda.is_finite() && (-opaque.lambda * chord).exp() == 0.0, "{opaque:?}");
+            }
+        }
+        let express = soft(Density::Lambda(3.0));
+        let model = SoftModel::new(&Method::SoftExpress(express), &express, 2.0);
+        assert_eq!(model, SoftModel { lambda: 1.0, peak: 1.0 });
+    }
+}
