@@ -6,11 +6,13 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
+pub mod one_layer;
 pub mod peel;
 pub mod scan;
 pub mod shading;
 pub mod sorted;
 pub mod splat;
+pub mod splats;
 pub mod stochastic;
 
 use glam::DVec3;
