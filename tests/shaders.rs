@@ -4,7 +4,9 @@ use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::stochastic::hardware;
-use pellucid::methods::{abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic};
+use pellucid::methods::{
+    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Part, Projecting};
@@ -32,15 +34,7 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
     let of = |model, color, part| {
         let shading = Shading { model, ..Shading::default() };
-        Projecting {
-            footprint,
-            radius_factor: 1.0,
-            max_radius_px: f32::MAX,
-            opacity_factor: 1.0,
-            part,
-            shading,
-            color,
-        }
+        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, opacity_factor: 1.0, part, shading, color }
     };
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
@@ -127,9 +121,8 @@ fn round_variants() -> Vec<Variant> {
 fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant> {
     let runs = [(false, false), (false, true), (true, true)];
     let runs = runs.iter().flat_map(|(later, kept)| [false, true].map(|behind| (*later, *kept, behind)));
-    let sized = runs.flat_map(|(later, kept, behind)| {
-        SUBGROUPS.map(|subgroup| splats::OneRun { later, kept, behind, subgroup })
-    });
+    let sized = runs
+        .flat_map(|(later, kept, behind)| SUBGROUPS.map(|subgroup| splats::OneRun { later, kept, behind, subgroup }));
     sized.flat_map(|run| [Footprint::Disc, Footprint::Oriented].map(|footprint| of(run, footprint))).collect()
 }
 

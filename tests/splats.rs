@@ -96,7 +96,7 @@ fn images_equal_the_reference() {
         for camera in [perspective(), orthographic()] {
             for (shape, settings) in SHAPES.into_iter().flat_map(|shape| all.map(|settings| (shape, settings))) {
                 let points = clear(&mixed, &camera, size, shape, &settings.splats);
-                assert!(points.len() > 1200, "{}", points.len());
+                assert!(points.len() > 700, "{}", points.len());
                 let lists = splats::lists(&camera, size, &points, shape, &settings.splats, |_| true);
                 let wanted = splats::render(&camera, size, &points, &colors(&points), shape, &settings);
                 let image = render(device, &points, &frame(camera, size, method(shape, settings)));
@@ -213,7 +213,8 @@ fn a_surface_of_one_color_keeps_it() {
             p.normal = Vec3::new(-0.2, 0.0, 1.0).normalize();
         }
         for shape in SHAPES {
-            let image = render(device, &scene(&plane), &frame(perspective(), [90, 90], method(shape, Default::default())));
+            let image =
+                render(device, &scene(&plane), &frame(perspective(), [90, 90], method(shape, Default::default())));
             let covered: Vec<_> = image.rgba.iter().filter(|c| c[3] > 0.0).collect();
             assert!(covered.len() > 1500, "{}", covered.len());
             covered.iter().for_each(|c| assert_color(**c, color));
@@ -263,7 +264,8 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
             let wanted = splats::render(&camera, size, &points, &colors(&points), shape, &settings);
             // Coverage is not safe here: rims may fall on either side of a pixel's centre.
             let off = (0..margins.len()).filter(|at| {
-                let far = whole.image.rgba[*at].iter().zip(wanted.rgba[*at]).any(|(a, b)| (f64::from(*a) - b).abs() > 1e-4);
+                let far =
+                    whole.image.rgba[*at].iter().zip(wanted.rgba[*at]).any(|(a, b)| (f64::from(*a) - b).abs() > 1e-4);
                 far && margins[*at] > depth_error(shape)
             });
             let off = off.count();
@@ -289,9 +291,8 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
 fn sums_of_any_length_are_right_to_a_few_roundings() {
     with_device(|device| {
         for n in [2usize, 8, 255, 2047, 2048, 2049, 10_000] {
-            let list: Vec<P> = (0..n)
-                .map(|i| disc(0.5, 0.5, 3.0, 0.0, Vec3::new((i % 2) as f32, 0.1, i as f32 / n as f32)))
-                .collect();
+            let list: Vec<P> =
+                (0..n).map(|i| disc(0.5, 0.5, 3.0, 0.0, Vec3::new((i % 2) as f32, 0.1, i as f32 / n as f32))).collect();
             let camera = pixel_camera([1, 1]);
             let image = render(device, &scene(&list), &frame(camera, [1, 1], Method::Hqs(BlendedSplats::default())));
             let half = (n / 2) as f64 / n as f64;
@@ -313,7 +314,9 @@ fn nothing_in_view_runs_no_pass() {
         for shape in SHAPES {
             let frame = frame(perspective(), [64, 48], method(shape, BlendedSplats::default()));
             let found = renderer.render(&mut cloud, &frame).expect("renders");
-            assert!(found.image.rgba.iter().all(|c| *c == [0.0; 4]) && found.image.depth.iter().all(|z| z.is_infinite()));
+            assert!(
+                found.image.rgba.iter().all(|c| *c == [0.0; 4]) && found.image.depth.iter().all(|z| z.is_infinite())
+            );
             let names: Vec<_> = found.profile.passes.iter().map(|p| p.name).collect();
             assert!(!names.iter().any(|n| n.starts_with("splats/")) && names.contains(&"image/clear"), "{names:?}");
         }
@@ -327,7 +330,8 @@ fn devices_that_bind_little_take_chunks() {
         let points = scene(&soup(51, 90_000, 0.0..0.02, 0.1..0.9, true));
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&points).expect("fits");
-        let frame = Frame { fragments: false, ..frame(perspective(), [100, 80], Method::Splats(BlendedSplats::default())) };
+        let frame =
+            Frame { fragments: false, ..frame(perspective(), [100, 80], Method::Splats(BlendedSplats::default())) };
         let image = renderer.render(&mut cloud, &frame).expect("renders").image;
         let wanted = splats::render(
             &frame.camera,

@@ -298,7 +298,7 @@ impl Renderer {
             opaque: Opaque::default(),
             splatter: Splatter::default(),
             layer: Layer::default(),
-                    peeler: Peeler::new(device)?,
+            peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),

@@ -52,7 +52,8 @@ impl Parts {
         let solid = self.solid.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
         let behind = |f: &Fragment| ((f.z - (layer + blend_depth * f.radius)) / f.z).abs();
         let soft = self.soft.iter().map(behind).filter(|apart| *apart > 0.0).fold(f64::INFINITY, f64::min);
-        let order = if layer.is_finite() && solid.is_finite() { ((layer - solid) / solid).abs() } else { f64::INFINITY };
+        let order =
+            if layer.is_finite() && solid.is_finite() { ((layer - solid) / solid).abs() } else { f64::INFINITY };
         let [front, rest] = [&self.soft, &self.others(layer, blend_depth)].map(|l| splats::margin(l, blend_depth));
         soft.min(order).min(front).min(rest)
     }
@@ -69,13 +70,7 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -
 }
 
 /// The whole image; `colors` as those of [`splats::render`].
-pub fn render(
-    camera: &Camera,
-    size: [u32; 2],
-    points: &Points,
-    colors: &[DVec3],
-    settings: &OneLayer,
-) -> Picture {
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> Picture {
     let lists = lists(camera, size, points, settings.threshold);
     let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
     let pixels: Vec<Composite> = lists.iter().map(|parts| parts.blend(colors, softness, blend_depth)).collect();

@@ -64,8 +64,7 @@ fn points(positions: &[DVec3], radii: &[f32], normals: Option<Vec<Vec3>>, fields
 #[test]
 fn equal_points_meet_on_their_bisector() {
     let pair = points(&[DVec3::new(-1.0, 0.0, -5.0), DVec3::new(1.0, 0.0, -5.0)], &[3.0; 2], None, &[]);
-    let picture =
-        splats::render(&orthographic(), SIZE, &pair, &COLORS[..2], Shape::Disc, &BlendedSplats::default());
+    let picture = splats::render(&orthographic(), SIZE, &pair, &COLORS[..2], Shape::Disc, &BlendedSplats::default());
     for y in 3..6 {
         let [red, green, _, a] = picture.rgba[y * 9 + 4];
         assert!((red - 0.5).abs() < ROUNDING && (green - 0.5).abs() < ROUNDING && a == 1.0, "{red} {green}");
@@ -81,13 +80,9 @@ fn equal_points_meet_on_their_bisector() {
 fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
     let one = points(&[-3.0 * DVec3::Z], &[2.0625], Some(vec![Vec3::Z]), &[]);
     // 1.5 pixels per unit at z = 3; 3.1 pixels reach 29 pixel centres, 1.5 pixels the 8 neighbors.
-    for (size, most, wanted, pixels) in [
-        (1.0, 25.0, 2.0625, 29),
-        (0.5, 25.0, 1.03125, 9),
-        (1.0, 1.5, 1.0, 9),
-        (4.0, 1.5, 1.0, 9),
-        (0.0, 25.0, 0.0, 1),
-    ] {
+    for (size, most, wanted, pixels) in
+        [(1.0, 25.0, 2.0625, 29), (0.5, 25.0, 1.03125, 9), (1.0, 1.5, 1.0, 9), (4.0, 1.5, 1.0, 9), (0.0, 25.0, 0.0, 1)]
+    {
         let settings = ScreenSplats { size, max_pixel_radius: most };
         for shape in [Shape::Disc, Shape::Oriented] {
             let drawn = splats::splat(&perspective(), SIZE, &one, 0, shape, &settings);
@@ -102,8 +97,7 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
 #[test]
 fn oriented_depths_decide_pixel_by_pixel() {
     // A disc whose z grows to the right through a flat one that lies at its centre's depth: within 0.5 of each other they blend.
-    let crossing =
-        points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
+    let crossing = points(&[-5.0 * DVec3::Z; 2], &[2.2, 2.2], Some(vec![tilted(45.0).as_vec3(), Vec3::ZERO]), &[]);
     let settings = BlendedSplats { blend_depth: 0.25, ..BlendedSplats::default() };
     let picture = splats::render(&orthographic(), SIZE, &crossing, &COLORS[..2], Shape::Oriented, &settings);
     let row: Vec<[f64; 4]> = (3..6).map(|x| picture.rgba[4 * 9 + x]).collect();
