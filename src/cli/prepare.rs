@@ -72,7 +72,10 @@ impl PrepareArgs {
 pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
     let has = |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if !has(&args.output, "ply") {
-        return Err(usage(format!("{}: prepared clouds are PLY files; the name must end in .ply", args.output.display())));
+        return Err(usage(format!(
+            "{}: prepared clouds are PLY files; the name must end in .ply",
+            args.output.display()
+        )));
     }
     if has(&args.input, "toml") {
         return Err(usage(format!("{}: prepare takes a point cloud, not a scene file", args.input.display())));
@@ -85,7 +88,8 @@ pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
     let cloud = io::load(&args.input, &progress)?;
     report_cloud(&args.input, &cloud, talk);
     let settings = scene.clouds.into_iter().next().map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
-    let request = prepare::Request { neighbors: settings.0, field: settings.1, normals: args.normals, ..Default::default() };
+    let request =
+        prepare::Request { neighbors: settings.0, field: settings.1, normals: args.normals, ..Default::default() };
     progress.reset();
     progress.set_message("finding neighbors");
     let prepared = prepare::prepared(cloud, &request, &progress);
