@@ -218,7 +218,7 @@ fn info_tells_what_was_prepared() {
     let (_, json, _) = run(&folder, &["info", "--json", "b.ply"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["prepared"]["field"], serde_json::json!({ "kind": "classification", "classes": [1] }));
-    assert_eq!(json["prepared"]["above"].as_object().unwrap().len(), 4);
+    assert_eq!(json["prepared"]["quantiles"].as_object().unwrap().len(), 4);
     assert!(json["attributes"].as_array().unwrap().contains(&"field".into()), "{json}");
 }
 
