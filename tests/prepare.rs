@@ -374,3 +374,16 @@ fn normals_of_a_sphere_are_estimated_and_given_ones_kept() {
         assert!((n.length() - 1.0).abs() < 1e-6);
     }
 }
+
+#[test]
+fn plants_of_the_garden_are_less_certain_than_the_house() {
+    let garden = pellucid::scene::procedural::build("garden", &[("points".to_owned(), 100_000.0)], 0).unwrap();
+    let soft = |name: &str| {
+        let (_, cloud) = garden.clouds.iter().find(|(cloud, _)| cloud == name).expect(name);
+        let fields = surface(&cloud.positions, cloud.normals.as_deref(), 24).fields;
+        fields.iter().filter(|f| **f > 0.1).count() as f64 / fields.len() as f64
+    };
+    let (plants, built) = (["leaves.ply", "wood.ply"].map(soft), ["structure.ply", "ground.ply"].map(soft));
+    println!("soft for a threshold of 0.1: plants {plants:?}, house and ground {built:?}");
+    assert!(plants.iter().all(|share| *share > 0.5) && built.iter().all(|share| *share < 0.1), "{plants:?} {built:?}");
+}
