@@ -3,7 +3,7 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
-use crate::methods::{Facts, Frame, Renderer, cost, stochastic};
+use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
@@ -96,7 +96,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
         Method::Hqs(_) | Method::Splats(_) => {}
-        Method::SoftBase(_) | Method::SoftConcentric(_) => {}
+        Method::SoftBase(soft) | Method::SoftConcentric(soft) => plan.soft_spheres(frame, facts, soft.threshold, why),
         Method::SoftExpress(_) => {}
         Method::OneLayer(_) => {}
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
@@ -109,6 +109,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
     plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
+    plan.rest(&soft_passes(), &format!("no soft spheres: {why}"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -191,6 +192,16 @@ fn list_passes() -> Vec<&'static str> {
     stores.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 
+/// The passes of soft spheres, without those that they share.
+fn soft_passes() -> Vec<&'static str> {
+    let kernels = soft::classes().map(|(_, (_, name))| name);
+    let first = ["soft/count", "soft/store"].into_iter().chain(kernels);
+    first.chain(SOFT_LONG).chain(["soft/compose"]).collect()
+}
+
+/// Those of them that long lists need; the optical depths of segments only where density varies within a sphere.
+const SOFT_LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
+
 /// Elements that a prefix sum takes in one run, without a level of sums above.
 const SCAN_RUN: u64 = 64;
 
@@ -249,6 +260,63 @@ impl Plan {
             self.kernels(facts.max_list, discs.long_lists);
         }
         self.rest(&list_passes(), "no list has to be sorted, or none is in order");
+    }
+
+    /// Solid points as opaque splats, and soft ones as spheres before them.
+    fn soft_spheres(&mut self, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let soft = facts.points.saturating_sub(solid);
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{soft} soft points above threshold {threshold}");
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        if soft > 0 {
+            let seen = facts.soft_visible > 0;
+            let any = facts.fragments > 0;
+            let pick = |reason: &str| if seen { reason.to_owned() } else { NOTHING.to_owned() };
+            self.add("abuffer/clear", true, "counters start at zero");
+            self.add("soft/count", seen, pick(&softs));
+            self.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
+            let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+            let tiled = self.tiles(frame, facts);
+            self.scan(counts.max(tiled), "counters of events and tiles");
+            self.add("abuffer/cursors", true, "the next free slot of each list is its first");
+            self.add("abuffer/summary", true, "the events' total decides the bands");
+            let stored = format!(
+                "{} spheres on pixels, each with two events or more, in {} band(s)",
+                facts.fragments, facts.bands
+            );
+            self.add("soft/store", any, pick(&stored));
+            for name in BY_LENGTH {
+                self.add(name, any, pick("lists of each length get their own kernel"));
+            }
+            self.soft_kernels(facts.max_events, matches!(frame.method, Method::SoftBase(_)));
+        }
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        self.rest(&soft_passes(), &softs);
+        self.rest(&COUNT, if soft > 0 { "soft spheres have a count of their own" } else { &softs });
+        self.rest(&list_passes(), &format!("events of soft spheres, not fragments: {why}"));
+    }
+
+    /// The kernels of the lengths that there are, for events of soft spheres.
+    fn soft_kernels(&mut self, longest: u32, integrated: bool) {
+        let reason = |on: bool, least: u32, most: u32| match on {
+            true => format!("lists of {least} to {most} events (longest: {longest})"),
+            false => format!("no list has {least} events or more (longest: {longest})"),
+        };
+        for (class, (most, name)) in soft::classes() {
+            let least = lower_bound(class) + 1;
+            self.add(name, longest >= least, reason(longest >= least, least, most));
+        }
+        let long = longest > LOCAL_LENGTH;
+        let reason = reason(long, LOCAL_LENGTH + 1, longest.max(LOCAL_LENGTH));
+        for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs", "abuffer/merge"] {
+            self.add(name, long, reason.clone());
+        }
+        for name in SOFT_LONG {
+            let on = long && (integrated || name != "soft/segments");
+            self.add(name, on, if on || !long { reason.clone() } else { "densities are constant".to_owned() });
+        }
+        self.add("abuffer/combine", long, reason);
     }
 
     /// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.

@@ -10,11 +10,11 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
+use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
@@ -26,7 +26,8 @@ use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout,
+    Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -116,6 +117,8 @@ pub struct Facts {
     pub samples: u32,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
+    /// Splats of soft points among the visible ones.
+    pub soft_visible: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -350,7 +353,8 @@ impl Renderer {
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
-        let lengths = image.fragments.as_deref().unwrap_or_default();
+        // Lists of soft spheres are of events, whose numbers are not those of the image.
+        let lengths = image.fragments.as_deref().filter(|_| frame.method.discs().is_some()).unwrap_or_default();
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
@@ -616,7 +620,8 @@ impl Renderer {
         facts.solid_points = parts.solid;
         self.soft_counted = false;
         let window = work.window;
-        let mut solid = Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
+        let mut solid =
+            Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
         if parts.solid > 0 && self.solids(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
@@ -710,6 +715,7 @@ impl Renderer {
             self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
         };
         self.soft_counted = true;
+        work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
         work.facts.note(&stats, walker);
         Ok(outcome)
     }
@@ -1017,6 +1023,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "abuffer/order" => Some(pixels * 8),
         "splat/clear" if !transparent => Some(pixels * 8),
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+        "soft/count" => Some(walks + facts.fragments * 8),
+        "soft/compose" => Some(pixels * 3 * 20),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => match frame.method {
