@@ -5,12 +5,14 @@ pub mod approximate;
 pub mod bands;
 pub mod cost;
 pub mod linked_list;
+pub mod one_layer;
 pub mod peel;
 pub mod points;
 pub mod renderer;
 pub mod soft;
 pub mod sorted;
 pub mod splat;
+pub mod splats;
 pub mod stochastic;
 
 pub use renderer::{Factors, Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
@@ -69,6 +71,20 @@ pub enum Error {
         /// Fragments of the longest list that is sorted in place.
         most: u32,
     },
+    /// More points than events of soft spheres can name.
+    #[error(
+        "{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do"
+    )]
+    TooManySpheres {
+        /// Points of the scene.
+        points: u64,
+        /// The method.
+        method: &'static str,
+        /// Shells of a sphere.
+        shells: u32,
+        /// Points that can be told apart.
+        limit: u64,
+    },
     /// One pixel alone overflows the 32-bit counters.
     #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]
     PixelOverflow {
@@ -110,7 +126,7 @@ pub enum Error {
     },
     /// The device has no shuffles.
     #[error(
-        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
     )]
     NoSubgroups {
         /// The device.

@@ -59,6 +59,7 @@ fn assert_close(got: f64, want: f64, tolerance: f64) {
 
 mod abuffer_lists;
 mod approximations;
+mod blended_splats;
 mod compositing;
 mod coverage;
 mod margins;
@@ -66,6 +67,9 @@ mod opaque;
 mod oriented_discs;
 mod peeling;
 mod shaded;
+mod soft_approximations;
+mod soft_density;
+mod soft_spheres;
 mod sorted_splats;
 mod stochastic_samples;
 

@@ -1,6 +1,11 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
+mod spheres;
+
+pub use spheres::*;
+
 use super::Error;
+use super::splats::Pixels;
 use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
 
@@ -35,6 +40,11 @@ impl Layer {
     /// Depths along the viewing axis, +inf where nothing is.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
+    }
+
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
     }
 }
 
