@@ -14,6 +14,7 @@ use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
+use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
@@ -25,7 +26,7 @@ use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -107,10 +108,14 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Longest list as it is sorted: a soft sphere has several fragments there, but counts once in the numbers above.
+    pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
+    /// Points that are not soft, of methods that tell; the others are.
+    pub solid_points: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -261,6 +266,10 @@ pub struct Renderer {
     sampler: Sampler,
     tiles: Tiles,
     target: Target,
+    /// The solid points of a window that has soft ones.
+    layer: Layer,
+    /// Whether the soft points of the last window were counted.
+    soft_counted: bool,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
@@ -284,6 +293,8 @@ impl Renderer {
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            layer: Layer::default(),
+            soft_counted: false,
             spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -421,6 +432,9 @@ impl Renderer {
         if matches!(frame.method, Method::Points | Method::Auto(_)) && !work.survey {
             return self.points(cloud, frame, work);
         }
+        if let Some(soft) = frame.method.soft() {
+            return self.soft(cloud, frame, *soft, work);
+        }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
         let tiled = frame.method.is_tiled();
@@ -460,8 +474,7 @@ impl Renderer {
                 Outcome::Done
             }
             Method::Hqs(_) | Method::Splats(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftBase(_) | Method::SoftConcentric(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftExpress(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::OneLayer(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -589,6 +602,118 @@ impl Renderer {
         Ok(Outcome::Done)
     }
 
+    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
+    fn soft(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let parts = cloud.parts(soft.threshold);
+        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
+        let mut facts = work.facts.clone();
+        facts.solid_points = parts.solid;
+        self.soft_counted = false;
+        let window = work.window;
+        let mut solid = Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
+        if parts.solid > 0 && self.solids(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let outcome = if parts.soft > 0 {
+            self.soft_points(cloud, frame, soft, &mut solid)?
+        } else {
+            self.only_solids(&mut solid)?;
+            Outcome::Done
+        };
+        if outcome == Outcome::Done {
+            facts.windows = work.facts.windows + 1;
+            *work.facts = facts;
+        }
+        Ok(outcome)
+    }
+
+    /// The solid points of a window into the layer.
+    fn solids(
+        &mut self,
+        _cloud: &mut DeviceCloud,
+        _frame: &Frame,
+        _threshold: f32,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let pixels = bands::pixels(work.window);
+        if !work.survey {
+            self.layer.reserve(&self.device, pixels)?;
+            let mut recorder = self.device.recorder()?;
+            self.layer.record_nothing(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("solid points")?);
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// A window without soft points from its layer.
+    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<(), Error> {
+        let pixels = bands::pixels(work.window);
+        if !work.survey {
+            let mut recorder = self.device.recorder()?;
+            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
+            soft::record_compose(&mut recorder, &self.layer, &self.target, pixels)?;
+            self.target.record_read_back(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("solid points alone")?);
+        }
+        self.progress.inc(pixels);
+        Ok(())
+    }
+
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let Some(interior) = Interior::of(&frame.method) else {
+            return Err(Error::NotYet { name: frame.method.name() });
+        };
+        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
+            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
+        }
+        let window = work.window;
+        let parts = cloud.parts(soft.threshold);
+        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let Some(budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
+            return Ok(Outcome::Overflow);
+        };
+        self.tiles.reserve(&self.device, &stats, window)?;
+        let walker = Walker::Compute;
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let spheres = Spheres {
+            interior,
+            model,
+            modulated: soft.modulation.is_some(),
+            most_radius: cloud.most_radius() * frame.factors.radius,
+            layer: (parts.solid > 0).then_some(&self.layer),
+        };
+        spheres.check(&frame.method, cloud.len())?;
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let storing = Storing::Spheres(spheres);
+        let lists =
+            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
+        let outcome = if work.survey {
+            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
+        } else {
+            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
+        };
+        self.soft_counted = true;
+        work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+
     fn project(
         &self,
         cloud: &mut DeviceCloud,
@@ -597,9 +722,20 @@ impl Renderer {
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
         let how = projecting(frame, cloud);
-        cloud.set_view(&frame.camera, frame.size, window, &how);
+        self.project_as(cloud, frame, window, &how, timeline)
+    }
+
+    fn project_as(
+        &self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        window: Window,
+        how: &Projecting,
+        timeline: &mut Timeline,
+    ) -> Result<Vec<Stats>, Error> {
+        cloud.set_view(&frame.camera, frame.size, window, how);
         let mut recorder = self.device.recorder()?;
-        cloud.record_project(&mut recorder, &how)?;
+        cloud.record_project(&mut recorder, how)?;
         timeline.add(recorder.submit("splat/project")?);
         Ok(cloud.stats())
     }
@@ -655,6 +791,10 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
+        } else if let (Some(fragments), Some(interior)) = (&mut image.fragments, Interior::of(&frame.method)) {
+            if self.soft_counted {
+                place_counts(frame, window, &self.abuffer.read_spheres(window, interior)?, fragments);
+            }
         } else if let Some(fragments) = &mut image.fragments {
             place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
         }
@@ -705,6 +845,10 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
+        method if method.soft().is_some() => {
+            let own = Interior::of(&method).map_or(soft::LAYER_BYTES, |interior| soft::pixel_bytes(interior, true));
+            abuffer::PIXEL_BYTES + own
+        }
         method if method.is_tiled() => {
             let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
             counted + approximate::pixel_bytes(&method)
@@ -769,7 +913,8 @@ struct Work<'a> {
 fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
-    let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
+    let listed = frame.method.discs().is_some() || Interior::of(&frame.method).is_some();
+    let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
@@ -802,6 +947,12 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         shading: frame.shading,
         color: frame.color,
     }
+}
+
+/// How the soft points become splats.
+fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
+    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
+    Projecting { footprint: Footprint::Sphere, part, ..projecting(frame, cloud) }
 }
 
 /// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.
