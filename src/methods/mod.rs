@@ -70,7 +70,9 @@ pub enum Error {
         most: u32,
     },
     /// More points than events of soft spheres can name.
-    #[error("{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do")]
+    #[error(
+        "{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do"
+    )]
     TooManySpheres {
         /// Points of the scene.
         points: u64,

@@ -10,11 +10,11 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
+use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
@@ -26,7 +26,8 @@ use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout,
+    Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -616,7 +617,8 @@ impl Renderer {
         facts.solid_points = parts.solid;
         self.soft_counted = false;
         let window = work.window;
-        let mut solid = Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
+        let mut solid =
+            Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
         if parts.solid > 0 && self.solids(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }

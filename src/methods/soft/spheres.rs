@@ -17,8 +17,8 @@ use crate::methods::bands::Band;
 use crate::methods::renderer::Target;
 use crate::passes::compose::{self, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::tiles::SEGMENT;
 use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, Soft};
 use crate::{gpu_struct, pass};
 
@@ -216,10 +216,7 @@ impl Interior {
             Self::Shells(Shells::Fixed(shells), pixels) => (shells, pixels),
             Self::Shells(Shells::Adaptive, pixels) => (0, pixels),
         };
-        variant
-            .with("SHELLS", shells)
-            .with("PIXELS_PER_SHELL", pixels_per_shell)
-            .with("SHELL_BITS", self.shell_bits())
+        variant.with("SHELLS", shells).with("PIXELS_PER_SHELL", pixels_per_shell).with("SHELL_BITS", self.shell_bits())
     }
 
     /// Adds what shaders/shared/soft_terms.wgsl wants to know besides.
