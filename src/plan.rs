@@ -3,7 +3,8 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
-use crate::methods::{Facts, Frame, Renderer, cost, stochastic};
+use crate::methods::splats::PASSES as SPLATTED;
+use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
@@ -95,10 +96,11 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
-        Method::Hqs(_) | Method::Splats(_) => {}
-        Method::SoftBase(_) | Method::SoftConcentric(_) => {}
+        Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
+        Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
+            plan.soft_spheres(device, frame, facts, soft.threshold, why);
+        }
         Method::SoftExpress(_) => {}
-        Method::OneLayer(_) => {}
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {
@@ -109,9 +111,12 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
     plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
+    plan.rest(&soft_passes(), &format!("no soft spheres: {why}"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
+    plan.rest(&SPLATTED, &format!("no splats are blended in three passes: {why}"));
+    plan.rest(&["one-layer/compose"], "no layer of soft points");
     plan.rest(&["image/clear"], &without("every pixel is written"));
     plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
     plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
@@ -129,6 +134,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 
 /// Why a pass over splats is off.
 const NOTHING: &str = "no splat touches the image";
+
+/// Why splats go through tiles where any order would do.
+const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
@@ -191,6 +199,16 @@ fn list_passes() -> Vec<&'static str> {
     stores.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 
+/// The passes of soft spheres, without those that they share.
+fn soft_passes() -> Vec<&'static str> {
+    let kernels = soft::classes().map(|(_, (_, name))| name);
+    let first = ["soft/count", "soft/store"].into_iter().chain(kernels);
+    first.chain(SOFT_LONG).chain(["soft/compose"]).collect()
+}
+
+/// Those of them that long lists need; the optical depths of segments only where density varies within a sphere.
+const SOFT_LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
+
 /// Elements that a prefix sum takes in one run, without a level of sums above.
 const SCAN_RUN: u64 = 64;
 
@@ -223,7 +241,8 @@ impl Plan {
         let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
         let mut counters = 0;
         if ordered {
-            counters = self.order(device, frame, facts, "splats are large and flat: sorted, they make ordered lists");
+            let why = "splats are large and flat: sorted, they make ordered lists";
+            counters = self.order(device, frame, facts, frame.method.order(), why);
         }
         self.count(frame, facts, seen, why, unordered, counters);
         self.add("image/clear", true, "pixels without fragments stay empty");
@@ -251,6 +270,66 @@ impl Plan {
         self.rest(&list_passes(), "no list has to be sorted, or none is in order");
     }
 
+    /// Solid points as opaque splats, and soft ones as spheres before them.
+    fn soft_spheres(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let soft = facts.points.saturating_sub(solid);
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{soft} soft points above threshold {threshold}");
+        let counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        if soft == 0 {
+            self.scan(counters, "counters of digits and tiles");
+        } else {
+            let seen = facts.soft_visible > 0;
+            let any = facts.fragments > 0;
+            let pick = |reason: &str| if seen { reason.to_owned() } else { NOTHING.to_owned() };
+            self.add("abuffer/clear", true, "counters start at zero");
+            self.add("soft/count", seen, pick(&softs));
+            self.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
+            let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+            let tiled = self.tiles(frame, &Facts { large: facts.soft_large, ..facts.clone() });
+            self.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
+            self.add("abuffer/cursors", true, "the next free slot of each list is its first");
+            self.add("abuffer/summary", true, "the events' total decides the bands");
+            let stored = format!(
+                "{} spheres on pixels, each with two events or more, in {} band(s)",
+                facts.fragments, facts.bands
+            );
+            self.add("soft/store", any, pick(&stored));
+            for name in BY_LENGTH {
+                self.add(name, any, pick("lists of each length get their own kernel"));
+            }
+            self.soft_kernels(facts.max_events, matches!(frame.method, Method::SoftBase(_)));
+        }
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        self.rest(&soft_passes(), &softs);
+        self.rest(&COUNT, if soft > 0 { "soft spheres have a count of their own" } else { &softs });
+        self.rest(&list_passes(), &format!("events of soft spheres, not fragments: {why}"));
+    }
+
+    /// The kernels of the lengths that there are, for events of soft spheres.
+    fn soft_kernels(&mut self, longest: u32, integrated: bool) {
+        let reason = |on: bool, least: u32, most: u32| match on {
+            true => format!("lists of {least} to {most} events (longest: {longest})"),
+            false => format!("no list has {least} events or more (longest: {longest})"),
+        };
+        for (class, (most, name)) in soft::classes() {
+            let least = lower_bound(class) + 1;
+            self.add(name, longest >= least, reason(longest >= least, least, most));
+        }
+        let long = longest > LOCAL_LENGTH;
+        let reason = reason(long, LOCAL_LENGTH + 1, longest.max(LOCAL_LENGTH));
+        for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs", "abuffer/merge"] {
+            self.add(name, long, reason.clone());
+        }
+        for name in SOFT_LONG {
+            let on = long && (integrated || name != "soft/segments");
+            self.add(name, on, if on || !long { reason.clone() } else { "densities are constant".to_owned() });
+        }
+        self.add("abuffer/combine", long, reason);
+    }
+
     /// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.
     fn count(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str, visited: bool, others: u64) {
         let counted = if seen { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
@@ -268,10 +347,10 @@ impl Plan {
     }
 
     /// The sort of splats and their tiles; returns how many counters are summed.
-    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
-        let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
+    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, order: Order, why: &str) -> u64 {
+        let bits = bin::key_bits(order, depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
-        let by = match frame.method.order() {
+        let by = match order {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
@@ -300,7 +379,7 @@ impl Plan {
     /// asked for.
     fn tiled(&mut self, stage: &'static str, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
         let seen = facts.visible > 0;
-        let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
+        let counters = if seen { self.order(device, frame, facts, frame.method.order(), why) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {
@@ -312,6 +391,33 @@ impl Plan {
         self.rest(&ORDER, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
+    }
+
+    /// Splats in three passes, and perhaps a layer over them.
+    fn splatted(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let counters = self.solids(device, frame, facts, why);
+        self.scan(counters, "counters of digits and tiles");
+        let layered = facts.layered > 0;
+        let layer = format!("soft points lie before others in {} window(s)", facts.layered);
+        self.add("one-layer/compose", layered, if layered { &layer } else { "no soft point touches the image" });
+        // A window with a layer is drawn into twice.
+        let empty = facts.windows.saturating_sub(facts.splatted - facts.layered);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+    }
+
+    /// The passes of opaque splats that are blended, tiles included; returns how many counters are summed.
+    fn solids(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
+        let seen = facts.splatted > 0;
+        let counters = if seen { self.order(device, frame, facts, Order::Index, EACH_PIXEL) } else { 0 };
+        let reasons = [
+            format!("{why}; what is nearest hides what lies deeper"),
+            "what is not hidden is summed by weight".to_owned(),
+            "sums to colors".to_owned(),
+        ];
+        for (name, reason) in SPLATTED.into_iter().zip(reasons) {
+            self.add(name, seen, if seen { reason } else { NOTHING.to_owned() });
+        }
+        counters
     }
 
     /// The rasteriser's samples, stratum by stratum.
@@ -345,7 +451,8 @@ impl Plan {
         if facts.raster == "hardware" {
             return self.drawn(frame, facts, of, seen, why);
         }
-        let counters = if seen { self.order(device, frame, facts, "tiles give each pixel to one subgroup") } else { 0 };
+        let order = frame.method.order();
+        let counters = if seen { self.order(device, frame, facts, order, EACH_PIXEL) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {

@@ -3,13 +3,16 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::soft::{self, Interior};
 use pellucid::methods::stochastic::hardware;
-use pellucid::methods::{abuffer, approximate, linked_list, peel, points, sorted, splat, stochastic};
+use pellucid::methods::{
+    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Part, Projecting};
 use pellucid::passes::{radix, raster, scan, tiles};
-use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel};
+use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel, Shells};
 use pellucid::{gpu_struct, pass};
 
 /// Sizes of subgroups that a device may have.
@@ -30,19 +33,15 @@ fn raster_variants() -> Vec<Variant> {
 /// All ways to shade.
 fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
-    let of = |model, color| {
+    let of = |model, color, part| {
         let shading = Shading { model, ..Shading::default() };
-        Projecting {
-            footprint,
-            radius_factor: 1.0,
-            max_radius_px: f32::MAX,
-            opacity_factor: 1.0,
-            part: Part::All,
-            shading,
-            color,
-        }
+        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, opacity_factor: 1.0, part, shading, color }
     };
-    models.into_iter().flat_map(|m| [ColorSpace::Linear, ColorSpace::Encoded].map(|c| of(m, c))).collect()
+    let soft = Part::Soft { threshold: 0.5, modulation: None };
+    let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
+    let colors = [ColorSpace::Linear, ColorSpace::Encoded];
+    let all = models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
+    all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
 }
 
 fn point_variants() -> Vec<Variant> {
@@ -74,6 +73,29 @@ fn blend_variants() -> Vec<Variant> {
     later
         .flat_map(|(shape, stop, later)| SUBGROUPS.map(|size| sorted::blend_variant(shape.clone(), stop, later, size)))
         .collect()
+}
+
+const INTERIORS: [Interior; 3] =
+    [Interior::Linear, Interior::Shells(Shells::Adaptive, 4.0), Interior::Shells(Shells::Fixed(5), 4.0)];
+
+/// The variants of a pass that visits the pixels of spheres.
+fn sphere_variants(of: fn(Variant, Interior, bool) -> Variant) -> Vec<Variant> {
+    let walkers = || ["walk_small", "walk_tiles"].map(|w| raster::variant(Footprint::Sphere, w).with("SEGMENT", 512));
+    let variants = INTERIORS.iter().flat_map(|i| [false, true].map(|cut| walkers().map(|w| of(w, *i, cut))));
+    variants.flatten().collect()
+}
+
+/// The variants of a pass that blends spheres.
+fn interior_variants(of: impl Fn(Interior, bool, Cut) -> Variant) -> Vec<Variant> {
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    let modulated = INTERIORS.iter().flat_map(|i| [false, true].map(|m| (*i, m)));
+    modulated.flat_map(|(i, m)| cuts.map(|cut| of(i, m, cut))).collect()
+}
+
+/// The variants of the kernels for events of spheres, of up to the lengths that `wanted` picks.
+fn sphere_kernels(wanted: fn(u32) -> bool) -> Vec<Variant> {
+    let capacities = soft::classes().map(|(_, (capacity, _))| capacity).filter(|c| wanted(*c));
+    capacities.flat_map(|c| interior_variants(|i, m, cut| soft::resolve_variant(i, m, cut, 1, c))).collect()
 }
 
 /// The variants of the draws of `stochastic`.
@@ -119,10 +141,19 @@ fn round_variants() -> Vec<Variant> {
     fold_variants(|shape, run| rounds.map(|round| approximate::round_variant(shape.clone(), run, round)).to_vec())
 }
 
+/// The variants of a tile pass of three-pass splats: one run, and the first and second of two; before a layer and behind it.
+fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant> {
+    let runs = [(false, false), (false, true), (true, true)];
+    let runs = runs.iter().flat_map(|(later, kept)| [false, true].map(|behind| (*later, *kept, behind)));
+    let sized = runs
+        .flat_map(|(later, kept, behind)| SUBGROUPS.map(|subgroup| splats::OneRun { later, kept, behind, subgroup }));
+    sized.flat_map(|run| [Footprint::Disc, Footprint::Oriented].map(|footprint| of(run, footprint))).collect()
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
-    let project = FOOTPRINTS.iter().flat_map(|f| {
+    let project = FOOTPRINTS.iter().chain(&[Footprint::Sphere]).flat_map(|f| {
         projectings(*f).into_iter().flat_map(|how| [false, true].map(|n| project::project_variant(&how, n)))
     });
     check::<project::Project>(&mut seen, project);
@@ -132,7 +163,7 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<scan::Spread>(&mut seen, scan::variants());
     check::<abuffer::Count>(&mut seen, raster_variants());
     check::<abuffer::Store>(&mut seen, raster_variants());
-    check::<abuffer::Measure>(&mut seen, [abuffer::measure_variant()]);
+    check::<abuffer::Measure>(&mut seen, [0, 256].map(abuffer::measure_variant));
     let classes = || [abuffer::class_variant()];
     check::<abuffer::Classify>(&mut seen, classes());
     check::<abuffer::Groups>(&mut seen, classes());
@@ -189,8 +220,21 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<approximate::Unsorted>(&mut seen, sum_variants());
     check::<approximate::HybridFlat>(&mut seen, sum_variants());
     check::<approximate::HybridOriented>(&mut seen, round_variants());
+    check::<splats::Visibility>(&mut seen, splats_variants(splats::OneRun::visibility));
+    check::<splats::Attributes>(&mut seen, splats_variants(splats::OneRun::attributes));
+    check::<splats::Normalise>(&mut seen, [Variant::plain()]);
+    check::<one_layer::Compose>(&mut seen, [Variant::plain()]);
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
+    check::<soft::Count>(&mut seen, sphere_variants(soft::count_variant));
+    check::<soft::Store>(&mut seen, sphere_variants(soft::store_variant));
+    check::<soft::ResolveNetwork>(&mut seen, sphere_kernels(abuffer::is_network));
+    check::<soft::ResolveMerge>(&mut seen, sphere_kernels(|c| !abuffer::is_network(c)));
+    check::<soft::SumRuns>(&mut seen, interior_variants(soft::run_variant));
+    check::<soft::Carry>(&mut seen, [Variant::plain()]);
+    check::<soft::Segments>(&mut seen, interior_variants(|_, modulated, cut| soft::segments_variant(modulated, cut)));
+    check::<soft::BlendRuns>(&mut seen, interior_variants(soft::run_variant));
+    check::<soft::Compose>(&mut seen, [Variant::plain()]);
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
     let ordered = falloffs.iter().flat_map(|f| (1..4).map(|stop| abuffer::ordered_variant(*f, stop)));
     check::<abuffer::ResolveOrdered>(&mut seen, ordered);
@@ -209,9 +253,13 @@ fn every_compute_shader_has_the_common_workgroup() {
             "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
             "approximate/hybrid_oriented" => round_variants().remove(0),
             other if other.starts_with("approximate/") => sum_variants().remove(0),
+            "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
+            other if other.starts_with("soft/resolve") => {
+                soft::resolve_variant(Interior::Linear, false, Cut { parts: 1, len: 1 }, 1, 128)
+            }
             _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
         };
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
@@ -229,6 +277,8 @@ fn every_compute_shader_has_the_common_workgroup() {
                 "abuffer/store_tiles",
                 "stochastic/visibility",
                 "stochastic/accumulate",
+                "splats/visibility",
+                "splats/attributes",
             ]
             .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };
