@@ -1,5 +1,6 @@
-//! What is computed once for a cloud: radii, and the order of its points.
+//! What is computed once for a cloud: radii, the order of its points, and their orders along the axes.
 
+pub mod axes;
 mod morton;
 pub mod order;
 pub mod radius;
