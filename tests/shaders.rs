@@ -80,9 +80,14 @@ fn blend_variants() -> Vec<Variant> {
 /// The variants of `soft/express`.
 fn express_variants() -> Vec<Variant> {
     let ways = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
-    let ways = ways.flat_map(|(stop, cut)| [[false, false], [false, true], [true, false], [true, true]].map(
-        |[modulated, later]| Way { stop, cut, modulated, later },
-    ));
+    let ways = ways.flat_map(|(stop, cut)| {
+        [[false, false], [false, true], [true, false], [true, true]].map(|[modulated, later]| Way {
+            stop,
+            cut,
+            modulated,
+            later,
+        })
+    });
     ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
 }
 

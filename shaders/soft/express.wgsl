@@ -77,9 +77,9 @@ fn disc_of(splat: Splat, key: u32, color: vec4<f32>, corner: vec2<u32>) -> Disc 
     return Disc(select(vec2<f32>(NOWHERE), pixel, splat.radius > 0.0), rest, scale, key, color);
 }
 
-// One disc over one of this invocation's pixels, `at` relative to the tile's corner.
-fn add(front: Composed, disc: Disc, at: vec2<f32>, wall: u32) -> Composed {
-    let offset = (at - disc.pixel) + disc.rest;
+// One disc over one of this invocation's pixels, `further` along from the first one; `disc.pixel` relative to that.
+fn add(front: Composed, disc: Disc, further: vec2<u32>, wall: u32) -> Composed {
+    let offset = (vec2<f32>(further) - disc.pixel) + disc.rest;
     let squared = min(dot(offset, offset) * disc.scale, 1.0);
     var alpha = push.peak * profile(squared);
     if MODULATED != 0u {
@@ -115,11 +115,12 @@ fn tile_start(tile: u32) -> u32 {
 
 // Composes the discs of one step that touch a block.
 fn blend(block: u32, hits: u32, disc: Disc, lane: u32) {
+    let first = vec2<f32>(place(lane, 0u));
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
         var d: Disc;
-        d.pixel = vec2<f32>(select(NOWHERE, subgroupShuffle(disc.pixel.x, k), left != 0u), subgroupShuffle(disc.pixel.y, k));
+        d.pixel = vec2<f32>(select(NOWHERE, subgroupShuffle(disc.pixel.x, k), left != 0u), subgroupShuffle(disc.pixel.y, k)) - first;
         d.rest = vec2<f32>(subgroupShuffle(disc.rest.x, k), subgroupShuffle(disc.rest.y, k));
         d.scale = subgroupShuffle(disc.scale, k);
         d.key = subgroupShuffle(disc.key, k);
@@ -129,7 +130,7 @@ fn blend(block: u32, hits: u32, disc: Disc, lane: u32) {
         if MODULATED != 0u {
             d.color.a = subgroupShuffle(disc.color.a, k);
         }
-#each held         if {held}u / HELD == block { sum{held} = add(sum{held}, d, vec2<f32>(place(lane, {held}u)), wall{held}); }
+#each held         if {held}u / HELD == block { sum{held} = add(sum{held}, d, place(0u, {held}u), wall{held}); }
         left &= left - 1u;
         if left == 0u {
             break;

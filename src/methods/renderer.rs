@@ -833,10 +833,10 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         radius_factor: radius_factor * frame.factors.radius,
         max_radius_px,
         opacity_factor: frame.factors.opacity,
-        part: frame.method.soft().map_or(Part::All, |soft| Part::Soft {
-            threshold: soft.threshold,
-            modulation: soft.modulation,
-        }),
+        part: frame
+            .method
+            .soft()
+            .map_or(Part::All, |soft| Part::Soft { threshold: soft.threshold, modulation: soft.modulation }),
         shading: frame.shading,
         color: frame.color,
     }

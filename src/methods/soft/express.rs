@@ -147,7 +147,8 @@ mod tests {
         }
         assert!(worst < 3e-7, "{worst}");
         // It falls all the way, but for rounding, and never beyond [0, 1].
-        let falls = (0..steps).all(|i| profile((i + 1) as f32 / steps as f32) <= profile(i as f32 / steps as f32) + 1e-6);
+        let falls =
+            (0..steps).all(|i| profile((i + 1) as f32 / steps as f32) <= profile(i as f32 / steps as f32) + 1e-6);
         assert!(falls);
         // The numbers are those of the shader.
         let shader = include_str!("../../../shaders/shared/profile.wgsl");
