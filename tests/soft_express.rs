@@ -13,8 +13,9 @@ use pellucid::methods::{Frame, Renderer};
 use pellucid::points::Points;
 use pellucid::prepare::axes::Axis;
 use pellucid::prepare::order;
-use pellucid::reference::Picture;
-use pellucid::scene::{Density, Discs, Method, Soft};
+use pellucid::reference::soft::{Behind, Model, Scene};
+use pellucid::reference::{self, Picture, coverage};
+use pellucid::scene::{Density, DiscShape, Discs, Method, Soft};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
@@ -99,8 +100,9 @@ fn composed(
 
 /// As the method does it: along the axis nearest to the view.
 fn along_axis(points: &Points, frame: &Frame) -> Picture {
-    let Axis { index, backward } = Axis::nearest(frame.camera.forward);
-    composed(points, frame, |p| if backward { -p[index] } else { p[index] }, |_, _| false)
+    let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
+    let model = Model::new(frame.method, points).expect("a soft method");
+    Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
 /// In order of depth.
@@ -198,6 +200,95 @@ fn other_views_have_the_order_of_the_nearest_axis() {
         }
         // The method's own error, which no order of points along an axis avoids.
         assert!(worst > 1e-3, "{worst}");
+    });
+}
+
+#[test]
+fn discs_are_counted_where_they_cover_pixels() {
+    with_device(|device| {
+        let mixed = [soup(12, 900, 0.0..0.2, 0.0..1.0, false), soup(13, 12, 0.5..2.0, 0.0..1.0, false)].concat();
+        for camera in [perspective(), orthographic()] {
+            let size = [72, 56];
+            let all = with_field(&mixed, 1.0);
+            let flat = |i: usize| reference::abuffer::splat(&all, i, DiscShape::Flat);
+            let clear = |i: &usize| coverage::margin_px(&camera, size, &flat(*i)) > 0.02;
+            let kept: Vec<P> = (0..all.len())
+                .filter(clear)
+                .map(|i| {
+                    let (position, color, radius) = (all.positions[i], all.colors[i], all.radii[i]);
+                    P { position, color, opacity: 1.0, radius, normal: Vec3::ZERO }
+                })
+                .collect();
+            assert!(kept.len() > 600, "{}", kept.len());
+            // Of an opacity of 1 nothing behind would be seen, and yet it counts.
+            let points = with_field(&kept, 1.0);
+            for softness in [0.2, 1.0] {
+                let counting = frame(camera, size, express(softness, None));
+                let mut renderer = Renderer::new(device).expect("a renderer");
+                let mut cloud = renderer.upload(&points).expect("fits");
+                let found = renderer.render(&mut cloud, &counting).expect("renders");
+                let wanted = along_axis(&points, &counting);
+                assert_eq!(found.image.fragments.as_deref(), Some(&wanted.counts[..]));
+                assert_eq!(found.facts.fragments, wanted.counts.iter().map(|n| u64::from(*n)).sum::<u64>());
+                assert_eq!(Some(&found.facts.max_list), wanted.counts.iter().max());
+                assert_close(&found.image, &wanted, 2e-5);
+                let plain = Frame { fragments: false, ..counting };
+                assert!(bits(&rendered(device, &points, &plain)) == bits(&found.image), "counting changes no byte");
+            }
+        }
+    });
+}
+
+/// A disc without normal that covers the image.
+fn wall(depth: f64, color: Vec3, size: [u32; 2]) -> P {
+    let position = at_pixel(f64::from(size[0]) / 2.0, f64::from(size[1]) / 2.0, depth);
+    P { position, color, opacity: 1.0, radius: 24.0, normal: Vec3::ZERO }
+}
+
+#[test]
+fn what_lies_behind_solid_points_is_not_drawn() {
+    with_device(|device| {
+        let size = [24, 20];
+        let color = Vec3::new(0.1, 0.9, 0.4);
+        let mut r = random(14);
+        let mut soft: Vec<(P, f32)> = (0..400)
+            .map(|_| {
+                let (x, y, depth) = (r.random_range(0.0..24.0), r.random_range(0.0..20.0), r.random_range(2.0..8.0));
+                let color = Vec3::from(r.random::<[f32; 3]>());
+                (
+                    P {
+                        position: at_pixel(x, y, depth),
+                        color,
+                        opacity: 1.0,
+                        radius: r.random_range(1.0..5.0),
+                        normal: Vec3::ZERO,
+                    },
+                    1.0,
+                )
+            })
+            .collect();
+        // Exactly on the wall: behind it.
+        soft.push((P { color: Vec3::ONE, radius: 30.0, ..wall(4.0, color, size) }, 1.0));
+        let frame = frame(pixel_camera(size), size, express(0.3, None));
+        let alone = with_fields(&soft);
+        let by_depth = |p: DVec3| -p.z;
+        let mut picture = composed(&alone, &frame, by_depth, |z, _| z >= 4.0);
+        for (rgba, depth) in picture.rgba.iter_mut().zip(&mut picture.depth) {
+            let rest = 1.0 - rgba[3];
+            for (sum, c) in rgba.iter_mut().zip(color.extend(1.0).to_array()) {
+                *sum += rest * f64::from(c);
+            }
+            *depth = depth.min(4.0);
+        }
+        let both = with_fields(&[&soft[..], &[(wall(4.0, color, size), 0.1)]].concat());
+        let image = rendered(device, &both, &frame);
+        assert_close(&image, &picture, 1e-5);
+        assert!(image.rgba.iter().all(|p| (p[3] - 1.0).abs() < 1e-6));
+        // The reference would know a wall that hides nothing, or too much.
+        for depth in [3.9, 4.1] {
+            let other = with_fields(&[&soft[..], &[(wall(depth, color, size), 0.1)]].concat());
+            assert!(difference(&rendered(device, &other, &frame), &picture, 0.0).0 > 1e-3);
+        }
     });
 }
 
