@@ -310,11 +310,11 @@ impl Plan {
     fn express(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
         let axis = Axis::nearest(frame.camera.forward);
         let by = format!("along {}{}", if axis.backward { '-' } else { '+' }, ['x', 'y', 'z'][axis.index]);
-        let seen = facts.visible > 0;
+        let seen = facts.bands > 0;
         let mut counters = 0;
         if seen {
             self.rest(&ORDER[..4], "points were sorted along the axes once");
-            self.add("bin/pick", true, format!("{} of the points, which are sorted {by}, are drawn", facts.visible));
+            self.add("bin/pick", true, format!("soft points that are drawn, out of an order {by}"));
             self.bins(facts, &by);
             counters = facts.tile_cells.max(bin::order_runs(device, facts.points).runs.into());
         }
