@@ -119,6 +119,8 @@ pub struct Facts {
     pub samples: u32,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
+    /// Splats of soft points among the visible ones.
+    pub soft_visible: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -360,7 +362,8 @@ impl Renderer {
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
-        let lengths = image.fragments.as_deref().unwrap_or_default();
+        // Lists of soft spheres are of events, whose numbers are not those of the image.
+        let lengths = image.fragments.as_deref().filter(|_| frame.method.discs().is_some()).unwrap_or_default();
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
@@ -721,6 +724,7 @@ impl Renderer {
             self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
         };
         self.soft_counted = true;
+        work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
         work.facts.note(&stats, walker);
         Ok(outcome)
     }
@@ -760,6 +764,7 @@ impl Renderer {
         };
         if outcome == Outcome::Done {
             self.soft_counted = true;
+            work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
             self.progress.inc(bands::pixels(window));
             work.facts.note(&stats, walker);
         }
@@ -999,10 +1004,7 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         radius_factor: radius_factor * frame.factors.radius,
         max_radius_px,
         opacity_factor: frame.factors.opacity,
-        part: frame
-            .method
-            .soft()
-            .map_or(Part::All, |soft| Part::Soft { threshold: soft.threshold, modulation: soft.modulation }),
+        part: Part::All,
         shading: frame.shading,
         color: frame.color,
     }
@@ -1077,6 +1079,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "abuffer/order" => Some(pixels * 8),
         "splat/clear" if !transparent => Some(pixels * 8),
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+        "soft/count" => Some(walks + facts.fragments * 8),
+        "soft/compose" => Some(pixels * 3 * 20),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => match frame.method {
