@@ -3,6 +3,7 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
+use crate::methods::splats::PASSES as SPLATTED;
 use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
@@ -96,10 +97,11 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
-        Method::Hqs(_) | Method::Splats(_) => {}
-        Method::SoftBase(soft) | Method::SoftConcentric(soft) => plan.soft_spheres(frame, facts, soft.threshold, why),
-        Method::SoftExpress(_) => plan.express(device, frame, facts, why),
-        Method::OneLayer(_) => {}
+        Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
+        Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
+            plan.soft_spheres(device, frame, facts, soft.threshold, why);
+        }
+        Method::SoftExpress(soft) => plan.soft_discs(device, frame, facts, soft.threshold, why),
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {
@@ -107,6 +109,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         None => format!("no transparency: {why}"),
     };
     plan.rest(&ORDER, &without("splats are not sorted"));
+    plan.rest(&PRESORTED, "no order of the points was made beforehand");
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
     plan.rest(&["soft/express"], &format!("no soft discs: {why}"));
@@ -115,6 +118,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
+    plan.rest(&SPLATTED, &format!("no splats are blended in three passes: {why}"));
+    plan.rest(&["one-layer/compose"], "no layer of soft points");
     plan.rest(&["image/clear"], &without("every pixel is written"));
     plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
     plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
@@ -133,16 +138,17 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 /// Why a pass over splats is off.
 const NOTHING: &str = "no splat touches the image";
 
+/// Why splats go through tiles where any order would do.
+const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
+
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
-/// The passes that put splats into an order and into tiles: four that sort them, two that go through a presorted order.
-const ORDER: [&str; 12] = [
+/// The passes that sort splats, four of them, and put them into tiles.
+const ORDER: [&str; 10] = [
     "bin/keys",
     "radix/clear",
     "radix/count",
     "radix/scatter",
-    "bin/pick",
-    "bin/place",
     "bin/gather",
     "bin/clear",
     "bin/tile-count",
@@ -150,6 +156,8 @@ const ORDER: [&str; 12] = [
     "bin/summary",
     "bin/tile-store",
 ];
+/// The passes that go through an order of points that was made beforehand.
+const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
 /// The stages that go through tiles of ordered splats.
 const TILED: [&str; 5] =
     ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
@@ -238,7 +246,8 @@ impl Plan {
         let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
         let mut counters = 0;
         if ordered {
-            counters = self.order(device, frame, facts, "splats are large and flat: sorted, they make ordered lists");
+            let why = "splats are large and flat: sorted, they make ordered lists";
+            counters = self.order(device, frame, facts, frame.method.order(), why);
         }
         self.count(frame, facts, seen, why, unordered, counters);
         self.add("image/clear", true, "pixels without fragments stay empty");
@@ -267,13 +276,16 @@ impl Plan {
     }
 
     /// Solid points as opaque splats, and soft ones as spheres before them.
-    fn soft_spheres(&mut self, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+    fn soft_spheres(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
         let solid = facts.solid_points;
         let soft = facts.points.saturating_sub(solid);
         let solids = format!("{solid} solid points (field at most {threshold})");
         let softs = format!("{soft} soft points above threshold {threshold}");
+        let counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
         self.add("image/clear", true, "pixels without fragments stay empty");
-        if soft > 0 {
+        if soft == 0 {
+            self.scan(counters, "counters of digits and tiles");
+        } else {
             let seen = facts.soft_visible > 0;
             let any = facts.fragments > 0;
             let pick = |reason: &str| if seen { reason.to_owned() } else { NOTHING.to_owned() };
@@ -281,8 +293,8 @@ impl Plan {
             self.add("soft/count", seen, pick(&softs));
             self.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
             let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
-            let tiled = self.tiles(frame, facts);
-            self.scan(counts.max(tiled), "counters of events and tiles");
+            let tiled = self.tiles(frame, &Facts { large: facts.soft_large, ..facts.clone() });
+            self.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
             self.add("abuffer/cursors", true, "the next free slot of each list is its first");
             self.add("abuffer/summary", true, "the events' total decides the bands");
             let stored = format!(
@@ -340,10 +352,10 @@ impl Plan {
     }
 
     /// The sort of splats and their tiles; returns how many counters are summed.
-    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
-        let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
+    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, order: Order, why: &str) -> u64 {
+        let bits = bin::key_bits(order, depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
-        let by = match frame.method.order() {
+        let by = match order {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
@@ -361,7 +373,6 @@ impl Plan {
 
     /// Splats that are in order into their tiles.
     fn bins(&mut self, facts: &Facts, by: &str) {
-        self.rest(&ORDER[4..6], "no order of the points was made beforehand");
         let reasons = [
             format!("splats are read {by}"),
             "counters start at zero".to_owned(),
@@ -370,34 +381,40 @@ impl Plan {
             "the total of the lists decides whether the window fits".to_owned(),
             "each tile gets its splats in order".to_owned(),
         ];
-        for (name, reason) in ORDER[6..].iter().zip(reasons) {
+        for (name, reason) in ORDER[4..].iter().zip(reasons) {
             self.add(name, true, reason);
         }
     }
 
-    /// Soft points in a presorted order.
-    fn express(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
-        let axis = Axis::nearest(frame.camera.forward);
-        let by = format!("along {}{}", if axis.backward { '-' } else { '+' }, ['x', 'y', 'z'][axis.index]);
-        let seen = facts.bands > 0;
-        let mut counters = 0;
+    /// Solid points as opaque splats, and soft ones as discs in a presorted order before them.
+    fn soft_discs(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{} soft points above threshold {threshold}", facts.points.saturating_sub(solid));
+        let mut counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
+        let Axis { index, backward } = Axis::nearest(frame.camera.forward);
+        let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
+        let seen = facts.soft_visible > 0;
         if seen {
             self.rest(&ORDER[..4], "points were sorted along the axes once");
-            self.add(
-                "bin/pick",
-                true,
-                format!("{} soft points are drawn, which have an order {by}", facts.soft_visible),
-            );
+            self.add("bin/pick", true, format!("{} soft points are drawn, in order {by}", facts.soft_visible));
             self.add("bin/place", true, "only what is drawn is fetched and binned");
-            self.bins(facts, &by);
-            counters = facts.tile_cells.max(bin::order_runs(device, facts.points).runs.into());
+            if facts.splatted == 0 {
+                self.bins(facts, &by);
+            }
+            counters = counters.max(facts.tile_cells).max(bin::order_runs(device, facts.points).runs.into());
         }
-        self.scan(counters, "counters of runs and tiles");
-        let tiles = format!("{why}; soft discs {by}, in {} window(s)", facts.bands);
-        self.add("soft/express", seen, if seen { tiles } else { NOTHING.to_owned() });
-        let empty = facts.windows.saturating_sub(facts.bands);
-        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.scan(counters, "counters of runs, tiles and digits");
+        let blended = format!("{softs}, {by}, in {} window(s)", facts.bands);
+        self.add("soft/express", seen, if seen { &blended } else { NOTHING });
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        let empty = facts.windows - facts.bands.min(facts.windows);
+        let bare = if solid > 0 { facts.windows.saturating_sub(facts.splatted) } else { 0 };
+        let windows = format!("{empty} window(s) show no soft point, {bare} with solid points none of these");
+        self.add("image/clear", empty + bare > 0, windows);
+        self.rest(&PRESORTED, NOTHING);
         self.rest(&ORDER, NOTHING);
+        self.rest(&soft_passes(), &format!("discs, not spheres: {why}"));
         self.rest(&COUNT, "the method needs no lists");
         self.rest(&list_passes(), "soft discs are blended tile by tile: no lists");
     }
@@ -406,7 +423,7 @@ impl Plan {
     /// asked for.
     fn tiled(&mut self, stage: &'static str, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
         let seen = facts.visible > 0;
-        let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
+        let counters = if seen { self.order(device, frame, facts, frame.method.order(), why) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {
@@ -418,6 +435,33 @@ impl Plan {
         self.rest(&ORDER, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
+    }
+
+    /// Splats in three passes, and perhaps a layer over them.
+    fn splatted(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let counters = self.solids(device, frame, facts, why);
+        self.scan(counters, "counters of digits and tiles");
+        let layered = facts.layered > 0;
+        let layer = format!("soft points lie before others in {} window(s)", facts.layered);
+        self.add("one-layer/compose", layered, if layered { &layer } else { "no soft point touches the image" });
+        // A window with a layer is drawn into twice.
+        let empty = facts.windows.saturating_sub(facts.splatted - facts.layered);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+    }
+
+    /// The passes of opaque splats that are blended, tiles included; returns how many counters are summed.
+    fn solids(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
+        let seen = facts.splatted > 0;
+        let counters = if seen { self.order(device, frame, facts, Order::Index, EACH_PIXEL) } else { 0 };
+        let reasons = [
+            format!("{why}; what is nearest hides what lies deeper"),
+            "what is not hidden is summed by weight".to_owned(),
+            "sums to colors".to_owned(),
+        ];
+        for (name, reason) in SPLATTED.into_iter().zip(reasons) {
+            self.add(name, seen, if seen { reason } else { NOTHING.to_owned() });
+        }
+        counters
     }
 
     /// The rasteriser's samples, stratum by stratum.
@@ -451,7 +495,8 @@ impl Plan {
         if facts.raster == "hardware" {
             return self.drawn(frame, facts, of, seen, why);
         }
-        let counters = if seen { self.order(device, frame, facts, "tiles give each pixel to one subgroup") } else { 0 };
+        let order = frame.method.order();
+        let counters = if seen { self.order(device, frame, facts, order, EACH_PIXEL) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {

@@ -6,7 +6,8 @@ mod spheres;
 pub use spheres::*;
 
 use super::Error;
-use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
+use super::splats::Pixels;
+use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
 
 /// Pixels of a window's solid points, which soft ones are drawn before.
@@ -32,12 +33,6 @@ impl Layer {
         Ok(())
     }
 
-    /// Records that there are no solid points.
-    pub fn record_nothing<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
-        recorder.fill("image/clear", self.image().first(pixels), 0)?;
-        Ok(recorder.fill("image/clear", self.depths().first(pixels), f32::INFINITY.to_bits())?)
-    }
-
     /// Premultiplied color, A = 1 where something is.
     pub fn image(&self) -> Slice<'_, [f32; 4]> {
         self.image.get().all()
@@ -46,6 +41,11 @@ impl Layer {
     /// Depths along the viewing axis, +inf where nothing is.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
+    }
+
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
     }
 }
 
