@@ -10,7 +10,7 @@ use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
 use super::settings::{Ladders, Occasion, Setting, formation, settings};
-use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, summary};
+use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
@@ -19,7 +19,6 @@ use crate::output::{self, LinearImage, linear, write_rgb_png};
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::report::truth::Truth;
-use crate::scene::Method;
 use crate::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
@@ -88,10 +87,10 @@ pub fn run(
     folder: &Path,
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
-    let discs = formation(&subject.frame.method)?;
+    let formation = formation(&subject.frame.method, subject.points)?;
     std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
-    let frame = Frame { method: Method::ABuffer(discs), stop: Stop::Exact, fragments: false, ..subject.frame };
-    let identity = identity::of(subject.points, &frame, subject.background, &format!("{discs:?}"), device.info());
+    let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+    let identity = identity::of(subject.points, &frame, subject.background, &format!("{formation:?}"), device.info());
     let partial = Partial::open(folder, identity);
 
     let mut renderer = Renderer::new(device)?;
@@ -100,7 +99,7 @@ pub fn run(
     drop(renderer);
     let reference = linear(&rendered.image, subject.background, frame.color);
     let facts = rendered.facts;
-    let occasion = Occasion::new(subject.points, discs, facts.max_list);
+    let occasion = Occasion::new(subject.points, formation, facts.max_list);
     let mut run =
         Run { device, subject, options, folder, progress, frame, partial, cloud, reference, skipped: Vec::new() };
     run.keep_reference(&rendered.image)?;
@@ -242,8 +241,9 @@ impl Run<'_> {
         } else {
             (errors, None)
         };
-        let peak_device_bytes = first.facts.peak_device_bytes;
-        Ok(Measured { trial: Trial { peak_device_bytes, errors, repeats, picture, difference, seconds }, frames })
+        let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
+        let trial = Trial { peak_device_bytes, fragment_bytes, errors, repeats, picture, difference, seconds };
+        Ok(Measured { trial, frames })
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
@@ -338,6 +338,7 @@ impl Run<'_> {
         let mut rows: Vec<Row> = settings.iter().map(row).collect();
         summary::mark_front(&mut rows);
         let convergence = summary::convergence(settings, &rows);
+        let findings = findings::of(&rows);
         let info = device.info();
         Tradeoff {
             version: 1,
@@ -355,6 +356,7 @@ impl Run<'_> {
             rows,
             skipped,
             convergence,
+            findings,
         }
     }
 }
