@@ -30,7 +30,8 @@ as the softness that it means for the scene's method. What the paper says of the
 measured.
 
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
-on linear R, G, B over the scene's background. Stochastic settings are rendered with several seeds, from --seed on.
+on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
+points as the device splats them. Stochastic settings are rendered with several seeds, from --seed on.
 
 What times are: medians over frames that take turns, so that a machine that slows down slows all. The Pareto front is that \
 of device time and RMSE.

@@ -134,11 +134,11 @@ pub struct Finding {
 /// The image that all others are compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// The exact method that made it.
+    /// The exact method that made it, and whether in float64.
     pub method: String,
     /// Its file name.
     pub picture: String,
-    /// Pixels of it that were compared with the float64 reference, chosen at random.
+    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64 itself.
     pub checked_pixels: usize,
     /// The largest difference found there in R, G, B and A.
     pub largest_error: f64,

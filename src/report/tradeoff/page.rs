@@ -71,12 +71,15 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
 
 fn about(report: &Tradeoff) -> Markup {
     let reference = &report.reference;
-    let checked = format!(
-        "{}; {} of its pixels, chosen at random, are within {} of the float64 reference",
-        reference.method,
-        grouped(reference.checked_pixels as u64),
-        error(reference.largest_error),
-    );
+    let checked = match reference.checked_pixels {
+        0 => reference.method.clone(),
+        pixels => format!(
+            "{}; {} of its pixels, chosen at random, are within {} of the float64 reference",
+            reference.method,
+            grouped(pixels as u64),
+            error(reference.largest_error),
+        ),
+    };
     facts(&[
         ("scene", report.scene.clone()),
         ("points", grouped(report.points)),
@@ -473,7 +476,7 @@ fn method(report: &Tradeoff) -> Markup {
             "allocator reserves it; beside it the bytes of the lists of fragments, or of the events of soft spheres, in the largest band."
         }
         p {
-            b { "Error. " } "Against the image of " code { (report.reference.method) } ", which blends every fragment in order and is itself checked against float64. On "
+            b { "Error. " } "Against the image of " code { (report.reference.method) } ", which leaves nothing out, and is computed in or checked against float64. On "
             "linear R, G, B, composed over the background, of all pixels. RMSE is the root of the mean squared difference; NMSE is the "
             "squared difference over the reference's squares; PSNR has a peak of 1; FLIP is in [0, 1]. The errors of "
             "stochastic methods are root mean squares (RMSE, NMSE) or means (the others) over the seeds."
