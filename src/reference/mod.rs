@@ -9,6 +9,7 @@ pub mod coverage;
 pub mod peel;
 pub mod scan;
 pub mod shading;
+pub mod soft;
 pub mod sorted;
 pub mod splat;
 pub mod stochastic;
