@@ -6,6 +6,7 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
+pub mod field;
 pub mod peel;
 pub mod scan;
 pub mod shading;
