@@ -1,7 +1,7 @@
 //! Soft spheres, one to three at a time, on the middle pixel or rays that are as easy.
 
 use pellucid::reference::soft::{Behind, Model, Pixel, Scene};
-use pellucid::scene::{Density, Method, Shells, Soft};
+use pellucid::scene::{Density, Method, Shells, Soft, SoftLayout};
 
 use super::*;
 
@@ -248,4 +248,24 @@ fn georeferenced_spheres_look_the_same() {
         });
         assert_eq!(a, b);
     }
+}
+
+#[test]
+fn the_papers_layout_rounds_distance_and_color() {
+    let soft = Soft { layout: SoftLayout::Paper, ..lambda(1.0) };
+    // ρ = 0.5 becomes 128/255, and 0.3 of the color 77/255 (76.5 is no float32, and what it is lies above).
+    let one = spheres(&[(DVec3::new(0.5, 0.0, -5.0), 1.0, Vec3::new(0.3, 1.5, 0.2))]);
+    let found = middle(&one, Method::SoftBase(soft));
+    let half = 0.75f64.sqrt();
+    let (d, root) = (128.0 / 255.0, (0.75 + (128.0f64 / 255.0).powi(2)).sqrt());
+    let depth = 2.0 * half - half * root - d * d * (half / d).asinh();
+    assert_close(found.alpha, opacity(depth), ROUNDING);
+    assert_close(found.color.x / found.alpha, 77.0 / 255.0, ROUNDING);
+    assert_close(found.color.y / found.alpha, 1.0, ROUNDING);
+    // Through the centre nothing is rounded but the color; at the rim nothing is left.
+    let centred = spheres(&[(ahead(5.0), 1.0, RED)]);
+    assert_close(middle(&centred, Method::SoftBase(soft)).alpha, opacity(1.0), ROUNDING);
+    let rim = spheres(&[(DVec3::new(0.9985, 0.0, -5.0), 1.0, RED)]);
+    let found = middle(&rim, Method::SoftBase(soft));
+    assert_eq!((found.alpha, found.depth, found.count), (0.0, f64::INFINITY, 1));
 }

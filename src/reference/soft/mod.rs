@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 pub use self::density::Strength;
 pub use self::ray::{Chord, Ray};
-pub use self::spans::{Limits, Medium, Span};
+pub use self::spans::{Limits, Medium, Span, in_8_bits};
 use super::Picture;
 use crate::camera::{Camera, Projection};
 use crate::points::Points;

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::density::{antiderivative, density_factor};
 use super::ray::{Chord, Ray};
 use super::{Behind, Model, Pixel, Sphere};
+use crate::scene::SoftLayout;
 
 /// A piece of a ray inside one sphere, or one shell of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +46,7 @@ impl Span {
         match self.medium {
             Medium::Falling { lambda, radius, distance, middle } => {
                 let from_middle = |s: f64| antiderivative(radius, distance, s - middle);
-                // Rounding must not make light.
+                // Rounding must not make light, nor a d that was rounded up: beyond its chord ρ is negative.
                 lambda * (from_middle(s1) - from_middle(s0)).max(0.0)
             }
             Medium::Constant(density) => density * (s1 - s0),
@@ -91,8 +92,18 @@ fn whole(model: &Model, sphere: &Sphere, chord: &Chord, limits: &Limits) -> Opti
     let rho = distance / radius;
     let factor = density_factor(optical_depth, rho, sphere.modulation, model.strength.peak);
     let lambda = model.strength.lambda * factor;
-    let medium = Medium::Falling { lambda, radius, distance, middle: chord.middle };
-    Some(Span { start, end, weight: 1.0 - rho, color: sphere.color, medium })
+    // What is kept of d and the color; ends and middle are those of the sphere itself.
+    let (rho, color) = match model.soft.layout {
+        SoftLayout::Precise => (rho, sphere.color),
+        SoftLayout::Paper => (in_8_bits(rho), sphere.color.map(in_8_bits)),
+    };
+    let medium = Medium::Falling { lambda, radius, distance: rho * radius, middle: chord.middle };
+    Some(Span { start, end, weight: 1.0 - rho, color, medium })
+}
+
+/// The nearest multiple of 1/255.
+pub fn in_8_bits(value: f64) -> f64 {
+    (value.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
 /// `soft-concentric`: one span for each shell that the ray meets. Densities of shells add up.
