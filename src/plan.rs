@@ -9,6 +9,7 @@ use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::random::STRATUM;
 use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
 
@@ -97,7 +98,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         }
         Method::Hqs(_) | Method::Splats(_) => {}
         Method::SoftBase(_) | Method::SoftConcentric(_) => {}
-        Method::SoftExpress(_) => {}
+        Method::SoftExpress(_) => plan.express(device, frame, facts, why),
         Method::OneLayer(_) => {}
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
@@ -108,6 +109,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&ORDER, &without("splats are not sorted"));
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
+    plan.rest(&["soft/express"], &format!("no soft discs: {why}"));
     plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
@@ -132,12 +134,13 @@ const NOTHING: &str = "no splat touches the image";
 
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
-/// The passes that sort splats and put them into tiles.
-const ORDER: [&str; 10] = [
+/// The passes that put splats into an order and into tiles: four that sort them, one that goes through a presorted order.
+const ORDER: [&str; 11] = [
     "bin/keys",
     "radix/clear",
     "radix/count",
     "radix/scatter",
+    "bin/pick",
     "bin/gather",
     "bin/clear",
     "bin/tile-count",
@@ -275,25 +278,54 @@ impl Plan {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
+            Order::Along(_) => "along an axis",
         };
         let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
         let zero = || "counters start at zero".to_owned();
+        let reasons = [format!("{why}: {} splats {by}", facts.visible), zero(), by_digit.clone(), by_digit];
+        for (name, reason) in ORDER.into_iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+        self.bins(facts, by);
+        counters.max(facts.tile_cells)
+    }
+
+    /// Splats that are in order into their tiles.
+    fn bins(&mut self, facts: &Facts, by: &str) {
+        self.rest(&["bin/pick"], "no order of the points was made beforehand");
         let reasons = [
-            format!("{why}: {} splats {by}", facts.visible),
-            zero(),
-            by_digit.clone(),
-            by_digit,
             format!("splats are read {by}"),
-            zero(),
+            "counters start at zero".to_owned(),
             format!("{} counters of tiles and runs of splats", facts.tile_cells),
             "the longest list of a tile decides how often tiles are run".to_owned(),
             "the total of the lists decides whether the window fits".to_owned(),
             "each tile gets its splats in order".to_owned(),
         ];
-        for (name, reason) in ORDER.into_iter().zip(reasons) {
+        for (name, reason) in ORDER[5..].iter().zip(reasons) {
             self.add(name, true, reason);
         }
-        counters.max(facts.tile_cells)
+    }
+
+    /// Soft points in a presorted order.
+    fn express(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let axis = Axis::nearest(frame.camera.forward);
+        let by = format!("along {}{}", if axis.backward { '-' } else { '+' }, ['x', 'y', 'z'][axis.index]);
+        let seen = facts.visible > 0;
+        let mut counters = 0;
+        if seen {
+            self.rest(&ORDER[..4], "points were sorted along the axes once");
+            self.add("bin/pick", true, format!("{} of the points, which are sorted {by}, are drawn", facts.visible));
+            self.bins(facts, &by);
+            counters = facts.tile_cells.max(bin::order_runs(device, facts.points).runs.into());
+        }
+        self.scan(counters, "counters of runs and tiles");
+        let tiles = format!("{why}; soft discs {by}, in {} window(s)", facts.bands);
+        self.add("soft/express", seen, if seen { tiles } else { NOTHING.to_owned() });
+        let empty = facts.windows.saturating_sub(facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+        self.rest(&ORDER, NOTHING);
+        self.rest(&COUNT, "the method needs no lists");
+        self.rest(&list_passes(), "soft discs are blended tile by tile: no lists");
     }
 
     /// The sort of splats, the stage that goes through their tiles, and what counts lists beside them where their lengths are

@@ -3,6 +3,7 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{abuffer, approximate, linked_list, peel, points, sorted, splat, stochastic};
 use pellucid::passes::bin::{self, Order};
@@ -74,6 +75,21 @@ fn blend_variants() -> Vec<Variant> {
     later
         .flat_map(|(shape, stop, later)| SUBGROUPS.map(|size| sorted::blend_variant(shape.clone(), stop, later, size)))
         .collect()
+}
+
+/// The variants of `soft/express`.
+fn express_variants() -> Vec<Variant> {
+    let ways = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
+    let ways = ways.flat_map(|(stop, cut)| [[false, false], [false, true], [true, false], [true, true]].map(
+        |[modulated, later]| Way { stop, cut, modulated, later },
+    ));
+    ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
+}
+
+/// The variants of `bin/gather` out of a presorted order.
+fn picked_variants() -> Vec<Variant> {
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    cuts.into_iter().flat_map(|cut| SUBGROUPS.map(|size| bin::gather_picked_variant(cut, size))).collect()
 }
 
 /// The variants of the draws of `stochastic`.
@@ -168,6 +184,9 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<radix::Scatter>(&mut seen, SUBGROUPS.map(radix::scatter_variant));
     check::<bin::Keys>(&mut seen, [Order::Depth, Order::Index, Order::File].map(bin::keys_variant));
     check::<bin::Gather>(&mut seen, compose_variants());
+    check::<bin::Pick>(&mut seen, SUBGROUPS.map(bin::pick_variant));
+    check::<bin::GatherPicked>(&mut seen, picked_variants());
+    check::<express::Express>(&mut seen, express_variants());
     check::<bin::TileCount>(&mut seen, [bin::tile_variant()]);
     check::<bin::Measure>(&mut seen, [Variant::plain()]);
     check::<bin::TileStore>(&mut seen, SUBGROUPS.map(|size| bin::tile_variant().subgroup(size)));
@@ -209,6 +228,9 @@ fn every_compute_shader_has_the_common_workgroup() {
             "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
             "approximate/hybrid_oriented" => round_variants().remove(0),
             other if other.starts_with("approximate/") => sum_variants().remove(0),
+            "soft/express" => express_variants().remove(0),
+            "bin/pick" => bin::pick_variant(SUBGROUPS[0]),
+            "bin/gather_picked" => picked_variants().remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
@@ -224,6 +246,9 @@ fn every_compute_shader_has_the_common_workgroup() {
             let by_subgroup = [
                 "radix/scatter",
                 "sorted/blend",
+                "soft/express",
+                "bin/pick",
+                "bin/gather_picked",
                 "bin/tile_store",
                 "abuffer/count_tiles",
                 "abuffer/store_tiles",

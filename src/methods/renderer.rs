@@ -10,6 +10,7 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
+use super::soft::{SoftModel, express};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::stochastic::Sampler;
@@ -18,14 +19,15 @@ use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
-use crate::passes::bin::{self, Bin, Bins};
+use crate::passes::bin::{self, Bin, Bins, Order};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -312,6 +314,9 @@ impl Renderer {
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
         self.device.reset_peak();
+        if let Method::SoftExpress(_) = frame.method {
+            cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
+        }
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
@@ -461,7 +466,7 @@ impl Renderer {
             }
             Method::Hqs(_) | Method::Splats(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::SoftBase(_) | Method::SoftConcentric(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftExpress(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::SoftExpress(soft) => self.express_of(frame, &projected, &soft, budget, work)?,
             Method::OneLayer(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -573,6 +578,35 @@ impl Renderer {
         };
         if outcome == Outcome::Done {
             *work.facts = facts;
+            self.progress.inc(bands::pixels(raster.window));
+        }
+        Ok(outcome)
+    }
+
+    /// A window of soft points in a presorted order.
+    fn express_of(
+        &mut self,
+        frame: &Frame,
+        projected: &Projected<'_>,
+        soft: &Soft,
+        budget: Budget,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, raster) = (&self.device, projected.raster(&self.tiles));
+        let most_color = raster.cloud.most_color(&projecting(frame, raster.cloud));
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget, counted_bytes: 0 };
+        if work.survey {
+            return Bins::survey(device, &bin, work.facts);
+        }
+        let model = SoftModel::new(&frame.method, soft, 0.0);
+        let (modulated, color, stop) = (soft.modulation.is_some(), frame.color, frame.stop);
+        let job = express::WindowJob { bin, model, modulated, solid: None, color, most_color, stop };
+        let outcome = express::render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?;
+        if outcome == Outcome::Done {
+            let mut recorder = device.recorder()?;
+            self.target.record_read_back(&mut recorder, bands::pixels(raster.window))?;
+            work.timeline.add(recorder.submit("image/read-back")?);
             self.progress.inc(bands::pixels(raster.window));
         }
         Ok(outcome)
@@ -789,6 +823,7 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         (_, Some(discs)) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         (Method::Squares(splats), _) => (Footprint::Square, splats.size, splats.max_pixel_radius),
         (Method::Circles(splats), _) => (Footprint::Disc, splats.size, splats.max_pixel_radius),
+        (Method::SoftExpress(_), _) => (Footprint::Disc, 1.0, f32::MAX),
         _ => (Footprint::Point, 1.0, f32::MAX),
     };
     // Without normals there are no tilts either, and every disc is flat.
@@ -798,7 +833,10 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         radius_factor: radius_factor * frame.factors.radius,
         max_radius_px,
         opacity_factor: frame.factors.opacity,
-        part: Part::All,
+        part: frame.method.soft().map_or(Part::All, |soft| Part::Soft {
+            threshold: soft.threshold,
+            modulation: soft.modulation,
+        }),
         shading: frame.shading,
         color: frame.color,
     }

@@ -1,5 +1,7 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
+pub mod express;
+
 use super::Error;
 use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
