@@ -79,10 +79,10 @@ fn blend_variants() -> Vec<Variant> {
 
 /// The variants of `soft/express`.
 fn express_variants() -> Vec<Variant> {
-    let ways = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
-    let ways = ways.flat_map(|(stop, cut)| [[false, false], [false, true], [true, false], [true, true]].map(
-        |[modulated, later]| Way { stop, cut, modulated, later },
-    ));
+    let stops = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
+    let ways = stops.flat_map(|(stop, cut)| {
+        (0..8).map(move |i| Way { stop, cut, modulated: i & 1 != 0, counted: i & 2 != 0, later: i & 4 != 0 })
+    });
     ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
 }
 

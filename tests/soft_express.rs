@@ -13,8 +13,9 @@ use pellucid::methods::{Frame, Renderer};
 use pellucid::points::Points;
 use pellucid::prepare::axes::Axis;
 use pellucid::prepare::order;
-use pellucid::reference::Picture;
-use pellucid::scene::{Density, Discs, Method, Soft};
+use pellucid::reference::soft::{Behind, Model, Scene};
+use pellucid::reference::{self, Picture, coverage};
+use pellucid::scene::{Density, DiscShape, Discs, Method, Soft};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
@@ -59,8 +60,14 @@ fn composed(
     let mut indices: Vec<usize> = (0..points.len()).filter(|i| points.fields[*i] > soft.threshold).collect();
     indices.sort_by(|a, b| order(points.positions[*a]).total_cmp(&order(points.positions[*b])));
     let pixels = size[0] as usize * size[1] as usize;
-    let mut picture =
-        Picture { rgba: vec![[0.0; 4]; pixels], depth: vec![f64::INFINITY; pixels], counts: vec![0; pixels] };
+    let [width, height] = size;
+    let mut picture = Picture {
+        width,
+        height,
+        rgba: vec![[0.0; 4]; pixels],
+        depth: vec![f64::INFINITY; pixels],
+        counts: vec![0; pixels],
+    };
     for i in indices {
         let (center, z) = camera.project(points.positions[i], size);
         if z < camera.near || z > camera.far {
@@ -93,8 +100,9 @@ fn composed(
 
 /// As the method does it: along the axis nearest to the view.
 fn along_axis(points: &Points, frame: &Frame) -> Picture {
-    let Axis { index, backward } = Axis::nearest(frame.camera.forward);
-    composed(points, frame, |p| if backward { -p[index] } else { p[index] }, |_, _| false)
+    let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
+    let model = Model::new(frame.method, points).expect("a soft method");
+    Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 
 /// In order of depth.
@@ -153,20 +161,21 @@ fn views_along_the_axes_have_the_bytes_of_sorted() {
         let size = [24, 24];
         let mut r = random(5);
         for camera in axis_views(24.0) {
-            let mut place = || {
+            // Depths that no rounding makes equal, in no order; and no tile with more than `sorted` composes in one go.
+            let mut depths: Vec<f64> = (0..4000).map(|i| f64::from(i - 2000) / 1024.0).collect();
+            depths.shuffle(&mut r);
+            let mut disc = |depth: f64| {
                 let mut pixel = || f64::from(r.random_range(0..24)) - 11.5;
                 let (x, y) = (pixel(), pixel());
-                let depth = r.random_range(-4.0f32..4.0);
-                (x * camera.right + y * camera.up + f64::from(depth) * camera.forward, Vec3::from(r.random::<[f32; 3]>()))
+                let position = x * camera.right + y * camera.up + depth * camera.forward;
+                P { position, color: Vec3::from(r.random::<[f32; 3]>()), opacity: 0.3, radius: 0.9, normal: Vec3::ZERO }
             };
-            let points: Vec<P> = (0..9000)
-                .map(|_| place())
-                .map(|(position, color)| P { position, color, opacity: 0.3, radius: 0.9, normal: Vec3::ZERO })
-                .collect();
+            let points: Vec<P> = depths.into_iter().map(&mut disc).collect();
             let points = with_field(&points, 1.0);
             let found = rendered(device, &points, &plain(camera, size, express(0.3, None)));
             let wanted = rendered(device, &points, &plain(camera, size, Method::Sorted(Discs::default())));
-            assert!(found.rgba.iter().all(|p| p[3] > 0.5), "every pixel has some of 9000 discs");
+            let met = found.rgba.iter().filter(|p| p[3] > 0.5).count();
+            assert!(met * 10 > found.rgba.len() * 9, "{met} pixels with several of 4000 discs");
             assert!(bits(&found) == bits(&wanted), "{}", camera.forward);
         }
     });
@@ -177,7 +186,8 @@ fn other_views_have_the_order_of_the_nearest_axis() {
     with_device(|device| {
         let mixed = [soup(2, 900, 0.02..0.3, 0.0..1.0, false), soup(3, 12, 0.5..2.0, 0.0..1.0, false)].concat();
         let points = with_field(&mixed, 1.0);
-        let eyes = [[4.0, 1.5, 1.0], [-4.0, 1.0, 2.0], [0.5, 5.0, 0.6], [1.0, -5.0, 1.0], [1.0, 1.5, 4.0], [2.0, 0.0, -3.5]];
+        let eyes =
+            [[4.0, 1.5, 1.0], [-4.0, 1.0, 2.0], [0.5, 5.0, 0.6], [1.0, -5.0, 1.0], [1.0, 1.5, 4.0], [2.0, 0.0, -3.5]];
         let mut worst = 0f64;
         for eye in eyes.map(DVec3::from) {
             let up = DVec3::new(0.1, 0.3, 0.9);
@@ -190,6 +200,95 @@ fn other_views_have_the_order_of_the_nearest_axis() {
         }
         // The method's own error, which no order of points along an axis avoids.
         assert!(worst > 1e-3, "{worst}");
+    });
+}
+
+#[test]
+fn discs_are_counted_where_they_cover_pixels() {
+    with_device(|device| {
+        let mixed = [soup(12, 900, 0.0..0.2, 0.0..1.0, false), soup(13, 12, 0.5..2.0, 0.0..1.0, false)].concat();
+        for camera in [perspective(), orthographic()] {
+            let size = [72, 56];
+            let all = with_field(&mixed, 1.0);
+            let flat = |i: usize| reference::abuffer::splat(&all, i, DiscShape::Flat);
+            let clear = |i: &usize| coverage::margin_px(&camera, size, &flat(*i)) > 0.02;
+            let kept: Vec<P> = (0..all.len())
+                .filter(clear)
+                .map(|i| {
+                    let (position, color, radius) = (all.positions[i], all.colors[i], all.radii[i]);
+                    P { position, color, opacity: 1.0, radius, normal: Vec3::ZERO }
+                })
+                .collect();
+            assert!(kept.len() > 600, "{}", kept.len());
+            // Of an opacity of 1 nothing behind would be seen, and yet it counts.
+            let points = with_field(&kept, 1.0);
+            for softness in [0.2, 1.0] {
+                let counting = frame(camera, size, express(softness, None));
+                let mut renderer = Renderer::new(device).expect("a renderer");
+                let mut cloud = renderer.upload(&points).expect("fits");
+                let found = renderer.render(&mut cloud, &counting).expect("renders");
+                let wanted = along_axis(&points, &counting);
+                assert_eq!(found.image.fragments.as_deref(), Some(&wanted.counts[..]));
+                assert_eq!(found.facts.fragments, wanted.counts.iter().map(|n| u64::from(*n)).sum::<u64>());
+                assert_eq!(Some(&found.facts.max_list), wanted.counts.iter().max());
+                assert_close(&found.image, &wanted, 2e-5);
+                let plain = Frame { fragments: false, ..counting };
+                assert!(bits(&rendered(device, &points, &plain)) == bits(&found.image), "counting changes no byte");
+            }
+        }
+    });
+}
+
+/// A disc without normal that covers the image.
+fn wall(depth: f64, color: Vec3, size: [u32; 2]) -> P {
+    let position = at_pixel(f64::from(size[0]) / 2.0, f64::from(size[1]) / 2.0, depth);
+    P { position, color, opacity: 1.0, radius: 24.0, normal: Vec3::ZERO }
+}
+
+#[test]
+fn what_lies_behind_solid_points_is_not_drawn() {
+    with_device(|device| {
+        let size = [24, 20];
+        let color = Vec3::new(0.1, 0.9, 0.4);
+        let mut r = random(14);
+        let mut soft: Vec<(P, f32)> = (0..400)
+            .map(|_| {
+                let (x, y, depth) = (r.random_range(0.0..24.0), r.random_range(0.0..20.0), r.random_range(2.0..8.0));
+                let color = Vec3::from(r.random::<[f32; 3]>());
+                (
+                    P {
+                        position: at_pixel(x, y, depth),
+                        color,
+                        opacity: 1.0,
+                        radius: r.random_range(1.0..5.0),
+                        normal: Vec3::ZERO,
+                    },
+                    1.0,
+                )
+            })
+            .collect();
+        // Exactly on the wall: behind it.
+        soft.push((P { color: Vec3::ONE, radius: 30.0, ..wall(4.0, color, size) }, 1.0));
+        let frame = frame(pixel_camera(size), size, express(0.3, None));
+        let alone = with_fields(&soft);
+        let by_depth = |p: DVec3| -p.z;
+        let mut picture = composed(&alone, &frame, by_depth, |z, _| z >= 4.0);
+        for (rgba, depth) in picture.rgba.iter_mut().zip(&mut picture.depth) {
+            let rest = 1.0 - rgba[3];
+            for (sum, c) in rgba.iter_mut().zip(color.extend(1.0).to_array()) {
+                *sum += rest * f64::from(c);
+            }
+            *depth = depth.min(4.0);
+        }
+        let both = with_fields(&[&soft[..], &[(wall(4.0, color, size), 0.1)]].concat());
+        let image = rendered(device, &both, &frame);
+        assert_close(&image, &picture, 1e-5);
+        assert!(image.rgba.iter().all(|p| (p[3] - 1.0).abs() < 1e-6));
+        // The reference would know a wall that hides nothing, or too much.
+        for depth in [3.9, 4.1] {
+            let other = with_fields(&[&soft[..], &[(wall(depth, color, size), 0.1)]].concat());
+            assert!(difference(&rendered(device, &other, &frame), &picture, 0.0).0 > 1e-3);
+        }
     });
 }
 
@@ -237,10 +336,12 @@ fn input_order_windows_and_further_frames_change_no_byte() {
         for p in &mut points {
             p.position = (p.position * 8.0).round() / 8.0;
         }
-        points.extend(soup(9, 5000, 0.01..0.1, 0.0..1.0, false).into_iter().map(|p| P { position: p.position * 0.1, ..p }));
+        points.extend(
+            soup(9, 5000, 0.01..0.1, 0.0..1.0, false).into_iter().map(|p| P { position: p.position * 0.1, ..p }),
+        );
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&with_field(&points, 1.0)).expect("fits");
-        let frame = plain(perspective(), [150, 110], express(0.02, None));
+        let frame = plain(perspective(), [500, 380], express(0.02, None));
         let first = renderer.render(&mut cloud, &frame).expect("renders");
         let wanted = bits(&first.image);
         assert!(first.facts.tile_entries > 20_000 && first.facts.windows == 1, "{:?}", first.facts);
@@ -250,13 +351,13 @@ fn input_order_windows_and_further_frames_change_no_byte() {
             assert!(bits(&rendered(device, &with_field(&points, 1.0), &frame)) == wanted);
         }
         let mut most = 1;
-        for budget in [900_000, 1_300_000, 2_500_000] {
+        for budget in [2_400_000, 2_700_000, 4_000_000] {
             let small = Frame { memory_budget: Some(budget), ..frame };
             let again = renderer.render(&mut cloud, &small).expect("renders");
             assert!(bits(&again.image) == wanted, "{budget}: {} windows", again.facts.windows);
             most = most.max(again.facts.windows);
         }
-        assert!(most > 3, "{most} windows");
+        assert!(most > 2, "{most} windows");
     });
 }
 
@@ -271,9 +372,14 @@ fn an_order_is_made_once() {
         assert_eq!(cloud.orders_made(), 0);
         let [x, _, y, _, z, back] = axis_views(2.2);
         let before = cloud.bytes();
-        for (threshold, softness, camera, made) in
-            [(0.1, 0.5, z, 1), (0.6, 0.5, z, 1), (0.6, 0.9, back, 1), (0.6, 0.9, x, 2), (0.1, 0.1, y, 3), (0.2, 0.1, z, 3)]
-        {
+        for (threshold, softness, camera, made) in [
+            (0.1, 0.5, z, 1),
+            (0.6, 0.5, z, 1),
+            (0.6, 0.9, back, 1),
+            (0.6, 0.9, x, 2),
+            (0.1, 0.1, y, 3),
+            (0.2, 0.1, z, 3),
+        ] {
             let method = Method::SoftExpress(Soft { threshold, ..settings(softness, None) });
             let frame = plain(camera, [40, 40], method);
             let image = renderer.render(&mut cloud, &frame).expect("renders").image;

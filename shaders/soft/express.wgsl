@@ -37,6 +37,8 @@ struct Push {
 @group(0) @binding(7) var<storage, read> solid: array<f32>;
 @group(0) @binding(8) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read_write> depths: array<f32>;
+// Discs of each pixel.
+@group(0) @binding(10) var<storage, read_write> counts: array<u32>;
 var<immediate> push: Push;
 
 // Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
@@ -47,11 +49,14 @@ override LATER: u32 = 0u;
 override CUT: u32 = 0u;
 // 1: some splats have a W below 1.
 override MODULATED: u32 = 0u;
+// 1: those that cover a pixel before its solid point are counted.
+override COUNTED: u32 = 0u;
 // Steps between two looks at what may stop.
 const LOOK = 4u;
 #each held var<private> sum{held}: Composed;
 // Depth key of the solid point, NOTHING where there is none, 0 outside the window.
 #each held var<private> wall{held}: u32;
+#each held var<private> count{held}: u32;
 
 // A disc as it is handed from lane to lane.
 struct Disc {
@@ -60,6 +65,7 @@ struct Disc {
     rest: vec2<f32>,
     // 1 / radius².
     scale: f32,
+    radius: f32,
     key: u32,
     // Color and W.
     color: vec4<f32>,
@@ -72,14 +78,15 @@ const NOWHERE = 1e19;
 fn disc_of(splat: Splat, key: u32, color: vec4<f32>, corner: vec2<u32>) -> Disc {
     let pixel = vec2<f32>(center_pixel(splat) - vec2<i32>(corner));
     let rest = 0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Finite, since the square of a tiny radius may be 0. Of a radius of 0 nothing is left: d / r counts as 1.
+    // Finite, since the square of a tiny radius may be 0.
     let scale = min(1.0 / (splat.radius * splat.radius), 3e38);
-    return Disc(select(vec2<f32>(NOWHERE), pixel, splat.radius > 0.0), rest, scale, key, color);
+    // Of a radius of 0 nothing is left, since d / r counts as 1: its middle comes to lie beside those of all pixels.
+    return Disc(pixel, select(vec2<f32>(0.25), rest, splat.radius > 0.0), scale, splat.radius, key, color);
 }
 
-// One disc over one of this invocation's pixels, `at` relative to the tile's corner.
-fn add(front: Composed, disc: Disc, at: vec2<f32>, wall: u32) -> Composed {
-    let offset = (at - disc.pixel) + disc.rest;
+// One disc over one of this invocation's pixels, `further` along from the first one; `disc.pixel` relative to that.
+fn add(front: Composed, disc: Disc, further: vec2<u32>, wall: u32) -> Composed {
+    let offset = (vec2<f32>(further) - disc.pixel) + disc.rest;
     let squared = min(dot(offset, offset) * disc.scale, 1.0);
     var alpha = push.peak * profile(squared);
     if MODULATED != 0u {
@@ -89,6 +96,14 @@ fn add(front: Composed, disc: Disc, at: vec2<f32>, wall: u32) -> Composed {
         alpha = select(0.0, alpha, disc.key < wall);
     }
     return behind(front, disc.key, vec4<f32>(disc.color.rgb, alpha));
+}
+
+// Whether a disc covers a pixel, as `cover` in shared/splat.wgsl has it, and lies before its solid point.
+fn counts_as(disc: Disc, further: vec2<u32>, wall: u32) -> u32 {
+    let whole = vec2<f32>(further) - disc.pixel;
+    let offset = whole + disc.rest;
+    let inside = dot(offset, offset) <= disc.radius * disc.radius || all(whole == vec2<f32>(0.0));
+    return u32(inside && disc.key < wall);
 }
 
 fn is_live(live: u32, block: u32) -> bool {
@@ -115,21 +130,28 @@ fn tile_start(tile: u32) -> u32 {
 
 // Composes the discs of one step that touch a block.
 fn blend(block: u32, hits: u32, disc: Disc, lane: u32) {
+    let first = vec2<f32>(place(lane, 0u));
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
         var d: Disc;
-        d.pixel = vec2<f32>(select(NOWHERE, subgroupShuffle(disc.pixel.x, k), left != 0u), subgroupShuffle(disc.pixel.y, k));
+        d.pixel = vec2<f32>(select(NOWHERE, subgroupShuffle(disc.pixel.x, k), left != 0u), subgroupShuffle(disc.pixel.y, k)) - first;
         d.rest = vec2<f32>(subgroupShuffle(disc.rest.x, k), subgroupShuffle(disc.rest.y, k));
         d.scale = subgroupShuffle(disc.scale, k);
         d.key = subgroupShuffle(disc.key, k);
+        if COUNTED != 0u {
+            d.radius = subgroupShuffle(disc.radius, k);
+        }
         d.color = vec4<f32>(
             subgroupShuffle(disc.color.r, k), subgroupShuffle(disc.color.g, k), subgroupShuffle(disc.color.b, k), 1.0,
         );
         if MODULATED != 0u {
             d.color.a = subgroupShuffle(disc.color.a, k);
         }
-#each held         if {held}u / HELD == block { sum{held} = add(sum{held}, d, vec2<f32>(place(lane, {held}u)), wall{held}); }
+        if COUNTED != 0u {
+#each held             if {held}u / HELD == block { count{held} += counts_as(d, place(0u, {held}u), wall{held}); }
+        }
+#each held         if {held}u / HELD == block { sum{held} = add(sum{held}, d, place(0u, {held}u), wall{held}); }
         left &= left - 1u;
         if left == 0u {
             break;
@@ -156,9 +178,12 @@ fn wall_at(pixel: vec2<u32>) -> u32 {
     return depth_key(solid[window_index(pixel, view.window)]);
 }
 
-fn finish(sum: Composed, pixel: vec2<u32>) {
+fn finish(sum: Composed, count: u32, pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
+        if COUNTED != 0u {
+            counts[p] = count + select(0u, counts[p], LATER != 0u);
+        }
         image[p] = sum.rgba;
         depths[p] = composed_depth(sum.key);
     }
@@ -182,6 +207,7 @@ fn main(
     }
 #each held     sum{held} = left_by_others(corner + place(lane, {held}u));
 #each held     wall{held} = wall_at(corner + place(lane, {held}u));
+#each held     count{held} = 0u;
 #each block     let far{block} = farthest({block}u);
     var live = (1u << (BLOCKS * BLOCKS)) - 1u;
     var steps = 0u;
@@ -198,5 +224,5 @@ fn main(
 #each block             live = close(live, {block}u);
         }
     }
-#each held     finish(sum{held}, corner + place(lane, {held}u));
+#each held     finish(sum{held}, count{held}, corner + place(lane, {held}u));
 }

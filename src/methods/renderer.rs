@@ -10,7 +10,8 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
-use super::soft::{SoftModel, express};
+use super::soft::express::{self, SoftDiscs};
+use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::stochastic::Sampler;
@@ -27,7 +28,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout,
+    Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -109,10 +111,14 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Longest list as it is sorted: a soft sphere has several fragments there, but counts once in the numbers above.
+    pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
+    /// Points that are not soft, of methods that tell; the others are.
+    pub solid_points: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -263,6 +269,11 @@ pub struct Renderer {
     sampler: Sampler,
     tiles: Tiles,
     target: Target,
+    /// The solid points of a window that has soft ones.
+    layer: Layer,
+    discs: SoftDiscs,
+    /// Whether the soft points of the last window were counted.
+    soft_counted: bool,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
@@ -286,6 +297,9 @@ impl Renderer {
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            layer: Layer::default(),
+            discs: SoftDiscs::default(),
+            soft_counted: false,
             spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -314,7 +328,9 @@ impl Renderer {
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
         self.device.reset_peak();
-        if let Method::SoftExpress(_) = frame.method {
+        if let Method::SoftExpress(soft) = frame.method
+            && cloud.parts(soft.threshold).soft > 0
+        {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
         let budget = self.budget(cloud, frame);
@@ -426,6 +442,9 @@ impl Renderer {
         if matches!(frame.method, Method::Points | Method::Auto(_)) && !work.survey {
             return self.points(cloud, frame, work);
         }
+        if let Some(soft) = frame.method.soft() {
+            return self.soft(cloud, frame, *soft, work);
+        }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
         let tiled = frame.method.is_tiled();
@@ -465,8 +484,7 @@ impl Renderer {
                 Outcome::Done
             }
             Method::Hqs(_) | Method::Splats(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftBase(_) | Method::SoftConcentric(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftExpress(soft) => self.express_of(frame, &projected, &soft, budget, work)?,
+            Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::OneLayer(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -583,35 +601,6 @@ impl Renderer {
         Ok(outcome)
     }
 
-    /// A window of soft points in a presorted order.
-    fn express_of(
-        &mut self,
-        frame: &Frame,
-        projected: &Projected<'_>,
-        soft: &Soft,
-        budget: Budget,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let (device, raster) = (&self.device, projected.raster(&self.tiles));
-        let most_color = raster.cloud.most_color(&projecting(frame, raster.cloud));
-        let order = Order::Along(Axis::nearest(frame.camera.forward));
-        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget, counted_bytes: 0 };
-        if work.survey {
-            return Bins::survey(device, &bin, work.facts);
-        }
-        let model = SoftModel::new(&frame.method, soft, 0.0);
-        let (modulated, color, stop) = (soft.modulation.is_some(), frame.color, frame.stop);
-        let job = express::WindowJob { bin, model, modulated, solid: None, color, most_color, stop };
-        let outcome = express::render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?;
-        if outcome == Outcome::Done {
-            let mut recorder = device.recorder()?;
-            self.target.record_read_back(&mut recorder, bands::pixels(raster.window))?;
-            work.timeline.add(recorder.submit("image/read-back")?);
-            self.progress.inc(bands::pixels(raster.window));
-        }
-        Ok(outcome)
-    }
-
     /// Renders a window of 1-pixel points, which need no splats.
     fn points(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let (window, how) = (work.window, projecting(frame, cloud));
@@ -623,6 +612,160 @@ impl Renderer {
         Ok(Outcome::Done)
     }
 
+    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
+    fn soft(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let parts = cloud.parts(soft.threshold);
+        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
+        let mut facts = work.facts.clone();
+        facts.solid_points = parts.solid;
+        self.soft_counted = false;
+        let window = work.window;
+        let mut solid =
+            Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
+        if parts.solid > 0 && self.solids(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let outcome = if parts.soft > 0 {
+            self.soft_points(cloud, frame, soft, &mut solid)?
+        } else {
+            self.only_solids(&mut solid)?;
+            Outcome::Done
+        };
+        if outcome == Outcome::Done {
+            facts.windows = work.facts.windows + 1;
+            *work.facts = facts;
+        }
+        Ok(outcome)
+    }
+
+    /// The solid points of a window into the layer.
+    fn solids(
+        &mut self,
+        _cloud: &mut DeviceCloud,
+        _frame: &Frame,
+        _threshold: f32,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let pixels = bands::pixels(work.window);
+        if !work.survey {
+            self.layer.reserve(&self.device, pixels)?;
+            let mut recorder = self.device.recorder()?;
+            self.layer.record_nothing(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("solid points")?);
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// A window without soft points from its layer.
+    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<(), Error> {
+        let pixels = bands::pixels(work.window);
+        if !work.survey {
+            let mut recorder = self.device.recorder()?;
+            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
+            soft::record_compose(&mut recorder, &self.layer, &self.target, pixels)?;
+            self.target.record_read_back(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("solid points alone")?);
+        }
+        self.progress.inc(pixels);
+        Ok(())
+    }
+
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let Some(interior) = Interior::of(&frame.method) else {
+            return self.soft_discs(cloud, frame, soft, work);
+        };
+        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
+            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
+        }
+        let window = work.window;
+        let parts = cloud.parts(soft.threshold);
+        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let Some(budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
+            return Ok(Outcome::Overflow);
+        };
+        self.tiles.reserve(&self.device, &stats, window)?;
+        let walker = Walker::Compute;
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let spheres = Spheres {
+            interior,
+            model,
+            modulated: soft.modulation.is_some(),
+            most_radius: cloud.most_radius() * frame.factors.radius,
+            layer: (parts.solid > 0).then_some(&self.layer),
+        };
+        spheres.check(&frame.method, cloud.len())?;
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let storing = Storing::Spheres(spheres);
+        let lists =
+            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
+        let outcome = if work.survey {
+            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
+        } else {
+            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
+        };
+        self.soft_counted = true;
+        work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+
+    /// The same where soft points are discs in a presorted order.
+    fn soft_discs(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let window = work.window;
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let parts = cloud.parts(soft.threshold);
+        let (device, walker) = (&self.device, Walker::Compute);
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let counted_bytes = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
+        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
+        let outcome = if work.survey {
+            Bins::survey(device, &bin, work.facts)?
+        } else {
+            let job = express::WindowJob {
+                bin,
+                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
+                modulated: soft.modulation.is_some(),
+                layer: (parts.solid > 0).then_some(&self.layer),
+                counted: frame.fragments,
+                color: frame.color,
+                most_color: cloud.most_color(&how),
+                stop: frame.stop,
+            };
+            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
+        };
+        if outcome == Outcome::Done {
+            self.soft_counted = true;
+            self.progress.inc(bands::pixels(window));
+            work.facts.note(&stats, walker);
+        }
+        Ok(outcome)
+    }
+
     fn project(
         &self,
         cloud: &mut DeviceCloud,
@@ -631,9 +774,20 @@ impl Renderer {
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
         let how = projecting(frame, cloud);
-        cloud.set_view(&frame.camera, frame.size, window, &how);
+        self.project_as(cloud, frame, window, &how, timeline)
+    }
+
+    fn project_as(
+        &self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        window: Window,
+        how: &Projecting,
+        timeline: &mut Timeline,
+    ) -> Result<Vec<Stats>, Error> {
+        cloud.set_view(&frame.camera, frame.size, window, how);
         let mut recorder = self.device.recorder()?;
-        cloud.record_project(&mut recorder, &how)?;
+        cloud.record_project(&mut recorder, how)?;
         timeline.add(recorder.submit("splat/project")?);
         Ok(cloud.stats())
     }
@@ -689,6 +843,14 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
+        } else if let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.soft()) {
+            match Interior::of(&frame.method).filter(|_| self.soft_counted) {
+                Some(interior) => {
+                    place_counts(frame, window, &self.abuffer.read_spheres(window, interior)?, fragments);
+                }
+                None if self.soft_counted => place_counts(frame, window, self.discs.counts(), fragments),
+                None => {}
+            }
         } else if let Some(fragments) = &mut image.fragments {
             place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
         }
@@ -739,6 +901,10 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
+        method if method.soft().is_some() => {
+            let own = Interior::of(&method).map_or(soft::LAYER_BYTES, |interior| soft::pixel_bytes(interior, true));
+            abuffer::PIXEL_BYTES + own
+        }
         method if method.is_tiled() => {
             let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
             counted + approximate::pixel_bytes(&method)
@@ -803,7 +969,8 @@ struct Work<'a> {
 fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
-    let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
+    let listed = frame.method.discs().is_some() || frame.method.soft().is_some();
+    let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
@@ -823,7 +990,6 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         (_, Some(discs)) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
         (Method::Squares(splats), _) => (Footprint::Square, splats.size, splats.max_pixel_radius),
         (Method::Circles(splats), _) => (Footprint::Disc, splats.size, splats.max_pixel_radius),
-        (Method::SoftExpress(_), _) => (Footprint::Disc, 1.0, f32::MAX),
         _ => (Footprint::Point, 1.0, f32::MAX),
     };
     // Without normals there are no tilts either, and every disc is flat.
@@ -833,13 +999,20 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         radius_factor: radius_factor * frame.factors.radius,
         max_radius_px,
         opacity_factor: frame.factors.opacity,
-        part: frame.method.soft().map_or(Part::All, |soft| Part::Soft {
-            threshold: soft.threshold,
-            modulation: soft.modulation,
-        }),
+        part: frame
+            .method
+            .soft()
+            .map_or(Part::All, |soft| Part::Soft { threshold: soft.threshold, modulation: soft.modulation }),
         shading: frame.shading,
         color: frame.color,
     }
+}
+
+/// How the soft points become splats.
+fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
+    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
+    let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
+    Projecting { footprint, part, ..projecting(frame, cloud) }
 }
 
 /// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.

@@ -708,8 +708,7 @@ impl Bins {
             run_length: length,
             backward: u32::from(axis.backward),
         };
-        let (counts, starts) =
-            (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
+        let (counts, starts) = (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
         let over = |variant| Run::new(Dispatch::Groups(runs.into())).push(&push).variant(variant);
         recorder.run(&Pick { order, bounds: cloud.bounds.all(), counts }, &over(pick_variant(subgroup)))?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;

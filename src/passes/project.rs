@@ -124,6 +124,8 @@ pub enum Footprint {
     Square = 2,
     /// One pixel.
     Point = 3,
+    /// Sphere; its radius stays in world units.
+    Sphere = 4,
 }
 
 /// Which points of a cloud are projected.
@@ -271,6 +273,7 @@ pub struct DeviceCloud {
     opacity_factor: f32,
     most_opacity: f32,
     most_color: f32,
+    most_radius: f32,
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
     parts: Option<(f32, Parts)>,
@@ -343,6 +346,7 @@ impl DeviceCloud {
             opacity_factor: 1.0,
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
+            most_radius: points.radii.iter().copied().fold(0.0, f32::max),
             fields_and_radii: fields_and_radii(points),
             parts: None,
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
@@ -399,6 +403,11 @@ impl DeviceCloud {
     /// The largest opacity, with the factor of the last [`Self::set_view`].
     pub fn most_opacity(&self) -> f32 {
         (self.most_opacity * self.opacity_factor).min(1.0)
+    }
+
+    /// The largest radius of all points, as uploaded.
+    pub fn most_radius(&self) -> f32 {
+        self.most_radius
     }
 
     /// How many points a threshold makes solid and soft.

@@ -60,8 +60,8 @@ mod tests {
 
     #[test]
     fn orders_by_hand() {
-        let positions =
-            [[1.0, -0.0, 5.0], [-2.0, 0.0, 5.0 + 1e-15], [1e-300, -1.0, -5.0], [1.0, -1.0 - 1e-15, 5.0]].map(DVec3::from);
+        let positions = [[1.0, -0.0, 5.0], [-2.0, 0.0, 5.0 + 1e-15], [1e-300, -1.0, -5.0], [1.0, -1.0 - 1e-15, 5.0]]
+            .map(DVec3::from);
         assert_eq!(order(&positions, 0), [1, 2, 0, 3]);
         // Both zeros are equal, so that the index decides.
         assert_eq!(order(&positions, 1), [3, 2, 0, 1]);

@@ -1,9 +1,12 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
 pub mod express;
+mod spheres;
+
+pub use spheres::*;
 
 use super::Error;
-use crate::gpu::{Device, Kept, Memory, Slice};
+use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
 use crate::scene::{Density, Method, Soft};
 
 /// Pixels of a window's solid points, which soft ones are drawn before.
@@ -27,6 +30,12 @@ impl Layer {
         self.image.reserve(device, pixels)?;
         self.depths.reserve(device, pixels)?;
         Ok(())
+    }
+
+    /// Records that there are no solid points.
+    pub fn record_nothing<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
+        recorder.fill("image/clear", self.image().first(pixels), 0)?;
+        Ok(recorder.fill("image/clear", self.depths().first(pixels), f32::INFINITY.to_bits())?)
     }
 
     /// Premultiplied color, A = 1 where something is.
