@@ -3,6 +3,7 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
+use crate::methods::splats::PASSES as SPLATTED;
 use crate::methods::{Facts, Frame, Renderer, cost, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
@@ -96,10 +97,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::Points | Method::Auto(_) => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
-        Method::Hqs(_) | Method::Splats(_) => {}
+        Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
         Method::SoftBase(_) | Method::SoftConcentric(_) => {}
         Method::SoftExpress(_) => plan.express(device, frame, facts, why),
-        Method::OneLayer(_) => {}
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {
@@ -114,6 +114,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
+    plan.rest(&SPLATTED, &format!("no splats are blended in three passes: {why}"));
+    plan.rest(&["one-layer/compose"], "no layer of soft points");
     plan.rest(&["image/clear"], &without("every pixel is written"));
     plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
     plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
@@ -131,6 +133,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 
 /// Why a pass over splats is off.
 const NOTHING: &str = "no splat touches the image";
+
+/// Why splats go through tiles where any order would do.
+const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
@@ -226,7 +231,8 @@ impl Plan {
         let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
         let mut counters = 0;
         if ordered {
-            counters = self.order(device, frame, facts, "splats are large and flat: sorted, they make ordered lists");
+            let why = "splats are large and flat: sorted, they make ordered lists";
+            counters = self.order(device, frame, facts, frame.method.order(), why);
         }
         self.count(frame, facts, seen, why, unordered, counters);
         self.add("image/clear", true, "pixels without fragments stay empty");
@@ -271,10 +277,10 @@ impl Plan {
     }
 
     /// The sort of splats and their tiles; returns how many counters are summed.
-    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
-        let bits = bin::key_bits(frame.method.order(), depth_range(frame), facts.points);
+    fn order(&mut self, device: &Device, frame: &Frame, facts: &Facts, order: Order, why: &str) -> u64 {
+        let bits = bin::key_bits(order, depth_range(frame), facts.points);
         let Digits { digits, bits: digit, counters } = Digits::new(device, facts.points, bits);
-        let by = match frame.method.order() {
+        let by = match order {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
@@ -332,7 +338,7 @@ impl Plan {
     /// asked for.
     fn tiled(&mut self, stage: &'static str, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
         let seen = facts.visible > 0;
-        let counters = if seen { self.order(device, frame, facts, why) } else { 0 };
+        let counters = if seen { self.order(device, frame, facts, frame.method.order(), why) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {
@@ -344,6 +350,33 @@ impl Plan {
         self.rest(&ORDER, NOTHING);
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("splats are sorted, not fragments: {why}"));
+    }
+
+    /// Splats in three passes, and perhaps a layer over them.
+    fn splatted(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let counters = self.solids(device, frame, facts, why);
+        self.scan(counters, "counters of digits and tiles");
+        let layered = facts.layered > 0;
+        let layer = format!("soft points lie before others in {} window(s)", facts.layered);
+        self.add("one-layer/compose", layered, if layered { &layer } else { "no soft point touches the image" });
+        // A window with a layer is drawn into twice.
+        let empty = facts.windows.saturating_sub(facts.splatted - facts.layered);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+    }
+
+    /// The passes of opaque splats that are blended, tiles included; returns how many counters are summed.
+    fn solids(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) -> u64 {
+        let seen = facts.splatted > 0;
+        let counters = if seen { self.order(device, frame, facts, Order::Index, EACH_PIXEL) } else { 0 };
+        let reasons = [
+            format!("{why}; what is nearest hides what lies deeper"),
+            "what is not hidden is summed by weight".to_owned(),
+            "sums to colors".to_owned(),
+        ];
+        for (name, reason) in SPLATTED.into_iter().zip(reasons) {
+            self.add(name, seen, if seen { reason } else { NOTHING.to_owned() });
+        }
+        counters
     }
 
     /// The rasteriser's samples, stratum by stratum.
@@ -377,7 +410,8 @@ impl Plan {
         if facts.raster == "hardware" {
             return self.drawn(frame, facts, of, seen, why);
         }
-        let counters = if seen { self.order(device, frame, facts, "tiles give each pixel to one subgroup") } else { 0 };
+        let order = frame.method.order();
+        let counters = if seen { self.order(device, frame, facts, order, EACH_PIXEL) } else { 0 };
         if frame.fragments {
             self.count(frame, facts, seen, "lengths of lists are asked for", true, counters);
         } else {

@@ -6,7 +6,9 @@ use common::{P, frame, perspective, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
-use pellucid::scene::{DiscShape, Discs, Hybrid, LongLists, Method, Peel, Raster, ScreenSplats, Stochastic};
+use pellucid::scene::{
+    BlendedSplats, DiscShape, Discs, Hybrid, LongLists, Method, OneLayer, Peel, Raster, ScreenSplats, Stochastic,
+};
 
 /// Six samples of each pixel, by the rasteriser.
 fn in_hardware() -> Stochastic {
@@ -67,6 +69,9 @@ fn a_survey_finds_what_a_frame_meets() {
             Method::Weighted(Discs::default()),
             Method::Average(Discs::default()),
             Method::Unsorted(Discs::default()),
+            Method::Hqs(BlendedSplats::default()),
+            Method::Splats(BlendedSplats::default()),
+            Method::OneLayer(OneLayer::default()),
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
@@ -129,6 +134,9 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             Method::Weighted(Discs::default()),
             Method::Average(Discs::default()),
             Method::Unsorted(Discs::default()),
+            Method::Hqs(BlendedSplats::default()),
+            Method::Splats(BlendedSplats::default()),
+            Method::OneLayer(OneLayer::default()),
         ] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);

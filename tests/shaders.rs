@@ -5,7 +5,9 @@ use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::stochastic::hardware;
-use pellucid::methods::{abuffer, approximate, linked_list, peel, points, sorted, splat, stochastic};
+use pellucid::methods::{
+    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+};
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Part, Projecting};
@@ -31,19 +33,15 @@ fn raster_variants() -> Vec<Variant> {
 /// All ways to shade.
 fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
-    let of = |model, color| {
+    let of = |model, color, part| {
         let shading = Shading { model, ..Shading::default() };
-        Projecting {
-            footprint,
-            radius_factor: 1.0,
-            max_radius_px: f32::MAX,
-            opacity_factor: 1.0,
-            part: Part::All,
-            shading,
-            color,
-        }
+        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, opacity_factor: 1.0, part, shading, color }
     };
-    models.into_iter().flat_map(|m| [ColorSpace::Linear, ColorSpace::Encoded].map(|c| of(m, c))).collect()
+    let soft = Part::Soft { threshold: 0.5, modulation: None };
+    let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
+    let colors = [ColorSpace::Linear, ColorSpace::Encoded];
+    let all = models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
+    all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
 }
 
 fn point_variants() -> Vec<Variant> {
@@ -135,6 +133,15 @@ fn round_variants() -> Vec<Variant> {
     fold_variants(|shape, run| rounds.map(|round| approximate::round_variant(shape.clone(), run, round)).to_vec())
 }
 
+/// The variants of a tile pass of three-pass splats: one run, and the first and second of two; before a layer and behind it.
+fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant> {
+    let runs = [(false, false), (false, true), (true, true)];
+    let runs = runs.iter().flat_map(|(later, kept)| [false, true].map(|behind| (*later, *kept, behind)));
+    let sized = runs
+        .flat_map(|(later, kept, behind)| SUBGROUPS.map(|subgroup| splats::OneRun { later, kept, behind, subgroup }));
+    sized.flat_map(|run| [Footprint::Disc, Footprint::Oriented].map(|footprint| of(run, footprint))).collect()
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
@@ -208,6 +215,10 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<approximate::Unsorted>(&mut seen, sum_variants());
     check::<approximate::HybridFlat>(&mut seen, sum_variants());
     check::<approximate::HybridOriented>(&mut seen, round_variants());
+    check::<splats::Visibility>(&mut seen, splats_variants(splats::OneRun::visibility));
+    check::<splats::Attributes>(&mut seen, splats_variants(splats::OneRun::attributes));
+    check::<splats::Normalise>(&mut seen, [Variant::plain()]);
+    check::<one_layer::Compose>(&mut seen, [Variant::plain()]);
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
@@ -231,6 +242,7 @@ fn every_compute_shader_has_the_common_workgroup() {
             "soft/express" => express_variants().remove(0),
             "bin/pick" => bin::pick_variant(SUBGROUPS[0]),
             "bin/gather_picked" => picked_variants().remove(0),
+            "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
@@ -254,6 +266,8 @@ fn every_compute_shader_has_the_common_workgroup() {
                 "abuffer/store_tiles",
                 "stochastic/visibility",
                 "stochastic/accumulate",
+                "splats/visibility",
+                "splats/attributes",
             ]
             .contains(&stem.as_str());
             let wanted = if single { 1 } else { WORKGROUP };

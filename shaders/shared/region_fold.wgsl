@@ -30,13 +30,17 @@ override FALLOFF: u32 = 0u;
 // Pixels of a region in x and y.
 const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
 
-// A splat in a pixel.
+// A splat in a pixel; what a stage does not read costs nothing.
 struct Fragment {
     // Linear or encoded RGB, and the opacity here: 0 where the splat misses the pixel.
     color: vec4<f32>,
     depth_key: u32,
     // The splat's, in canonical order: what breaks ties of depth.
     index: u32,
+    hit: bool,
+    // Distance from the splat's centre over its radius, at most 1; and that radius in world units.
+    rho: f32,
+    radius: f32,
 }
 
 fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pixel: vec2<u32>) -> Fragment {
@@ -47,7 +51,8 @@ fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pi
     }
     c.a = select(0.0, c.a, coverage.hit);
     let key = select(record.x + push.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);
-    return Fragment(c, key, record.y);
+    let distance = select(key_depth(record.x + push.nearest), 1.0, view.orthographic != 0u);
+    return Fragment(c, key, record.y, coverage.hit, coverage.rho, splat.radius * (distance / view.focal.x));
 }
 
 // Those of the run's splats that touch the block, by rank.

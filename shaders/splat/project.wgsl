@@ -30,10 +30,11 @@ var<immediate> push: Push;
 // 1: the buffer of normals is filled.
 override NORMALS: u32 = 0u;
 
-// Which points: all, those whose field is at most the threshold, or those above.
+// Which points: all, those whose field is at most the threshold, or those above; or all, with a mark on the former.
 const PART_ALL = 0u;
 const PART_SOLID = 1u;
 const PART_SOFT = 2u;
+const PART_MARKED = 3u;
 override PART: u32 = 0u;
 
 // Points of one invocation, at most 32.
@@ -146,7 +147,7 @@ fn project(i: u32) -> vec2<u32> {
         tilt.normal = vec4<f32>(rounded(normal), facing);
     }
     var drawn = point.drawn;
-    if PART != PART_ALL {
+    if PART == PART_SOLID || PART == PART_SOFT {
         drawn = drawn && (fields[i] > view.threshold) == (PART == PART_SOFT);
     }
     let rect = select(vec4<u32>(0u), rectangle(splat, tilt, point.center), drawn);
@@ -161,6 +162,9 @@ fn project(i: u32) -> vec2<u32> {
         var a = min(lo.w * view.opacity_factor, 1.0);
         if PART == PART_SOFT {
             a = modulation(fields[i]);
+        }
+        if PART == PART_MARKED {
+            a = select(1.0, 0.0, fields[i] > view.threshold);
         }
         colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), a);
     }

@@ -5,12 +5,14 @@ pub mod approximate;
 pub mod bands;
 pub mod cost;
 pub mod linked_list;
+pub mod one_layer;
 pub mod peel;
 pub mod points;
 pub mod renderer;
 pub mod soft;
 pub mod sorted;
 pub mod splat;
+pub mod splats;
 pub mod stochastic;
 
 pub use renderer::{Factors, Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
@@ -124,7 +126,7 @@ pub enum Error {
     },
     /// The device has no shuffles.
     #[error(
-        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer"
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
     )]
     NoSubgroups {
         /// The device.

@@ -14,9 +14,10 @@ use super::soft::express::{self, SoftDiscs};
 use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
+use super::splats::{self, Pixels, Splatter};
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::{Error, Outcome, abuffer, linked_list, peel, splat, stochastic};
+use super::{Error, Outcome, abuffer, linked_list, one_layer, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -28,8 +29,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, Shading, Soft, SoftLayout,
-    Stochastic,
+    BlendedSplats, ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, OneLayer, Raster,
+    ScreenSplats, Shading, Soft, SoftLayout, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -97,7 +98,8 @@ impl Frame {
 pub struct Facts {
     /// Points of the scene.
     pub points: u64,
-    /// Splats whose rectangle touches the image (summed over windows).
+    /// Splats whose rectangle touches the image (summed over windows; those of solid and of soft points, if a method tells
+    /// them apart).
     pub visible: u64,
     /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
@@ -123,6 +125,11 @@ pub struct Facts {
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
     pub bands: u64,
+    /// Drawings of opaque splats in three passes: windows of `hqs` and `splats` with anything in them, windows of the soft
+    /// methods with solid points, layers of `one-layer` over all windows.
+    pub splatted: u64,
+    /// Windows of `one-layer` in which a layer of soft points lies over what is opaque.
+    pub layered: u64,
     /// Windows of the image.
     pub windows: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
@@ -233,6 +240,11 @@ impl Target {
         self.depths.get().all()
     }
 
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
+    }
+
     /// Records the copy to the host.
     pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
         recorder.copy("image/read-back", self.image.get().slice(0, pixels), self.image_host.get().slice(0, pixels))?;
@@ -265,12 +277,13 @@ pub struct Renderer {
     bins: Bins,
     approximations: Approximations,
     opaque: Opaque,
+    splatter: Splatter,
+    layer: Layer,
     peeler: Peeler,
     sampler: Sampler,
     tiles: Tiles,
     target: Target,
     /// The solid points of a window that has soft ones.
-    layer: Layer,
     discs: SoftDiscs,
     /// Whether the soft points of the last window were counted.
     soft_counted: bool,
@@ -293,11 +306,12 @@ impl Renderer {
             bins: Bins::new(device)?,
             approximations: Approximations::default(),
             opaque: Opaque::default(),
+            splatter: Splatter::default(),
+            layer: Layer::default(),
             peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
-            layer: Layer::default(),
             discs: SoftDiscs::default(),
             soft_counted: false,
             spare: None,
@@ -445,6 +459,11 @@ impl Renderer {
         if let Some(soft) = frame.method.soft() {
             return self.soft(cloud, frame, *soft, work);
         }
+        match frame.method {
+            Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
+            Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
+            _ => {}
+        }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
         let tiled = frame.method.is_tiled();
@@ -483,9 +502,8 @@ impl Renderer {
                 }
                 Outcome::Done
             }
-            Method::Hqs(_) | Method::Splats(_) => return Err(Error::NotYet { name: frame.method.name() }),
             Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
-            Method::OneLayer(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     let raster = projected.raster(&self.tiles);
@@ -628,7 +646,7 @@ impl Renderer {
         let window = work.window;
         let mut solid =
             Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
-        if parts.solid > 0 && self.solids(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
+        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         let outcome = if parts.soft > 0 {
@@ -642,24 +660,6 @@ impl Renderer {
             *work.facts = facts;
         }
         Ok(outcome)
-    }
-
-    /// The solid points of a window into the layer.
-    fn solids(
-        &mut self,
-        _cloud: &mut DeviceCloud,
-        _frame: &Frame,
-        _threshold: f32,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let pixels = bands::pixels(work.window);
-        if !work.survey {
-            self.layer.reserve(&self.device, pixels)?;
-            let mut recorder = self.device.recorder()?;
-            self.layer.record_nothing(&mut recorder, pixels)?;
-            work.timeline.add(recorder.submit("solid points")?);
-        }
-        Ok(Outcome::Done)
     }
 
     /// A window without soft points from its layer.
@@ -766,6 +766,136 @@ impl Renderer {
         Ok(outcome)
     }
 
+    /// Renders a window of three-pass splats.
+    fn splats(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        settings: BlendedSplats,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (how, blend_depth) = (projecting(frame, cloud), settings.blend_depth);
+        let stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
+        let mut facts = work.facts.clone();
+        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto: Onto::Target };
+        if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
+            return Ok(Outcome::Overflow);
+        }
+        facts.note(&stats, Walker::Compute);
+        *work.facts = facts;
+        self.read_back(work)
+    }
+
+    /// Draws a window's solid points into the layer, or nothing where none is to be seen, without any pass over splats. Of its
+    /// facts `windows` stays as it is: soft points follow.
+    fn solid_layer(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        threshold: f32,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        if !work.survey {
+            self.layer.reserve(&self.device, bands::pixels(work.window))?;
+        }
+        let (mut facts, mut stats) = (work.facts.clone(), Vec::new());
+        let how = solid_projecting(frame, cloud, Part::Solid(threshold));
+        if cloud.parts(threshold).solid > 0 {
+            stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
+        }
+        let blend_depth = BlendedSplats::default().blend_depth;
+        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto: Onto::Layer };
+        let outcome = self.draw_splats(frame, &drawing, work, &mut facts)?;
+        if outcome == Outcome::Done {
+            facts.meet(&stats);
+            *work.facts = facts;
+        }
+        Ok(outcome)
+    }
+
+    /// Renders a window of `one-layer`: soft points into the layer; then all, but soft ones only behind it, which is laid over
+    /// them. Where there is no layer, the solid points.
+    fn one_layer(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        OneLayer { threshold, softness }: OneLayer,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (mut facts, mut met) = (work.facts.clone(), Vec::new());
+        let blend_depth = BlendedSplats::default().blend_depth;
+        if cloud.parts(threshold).soft > 0 {
+            let how = solid_projecting(frame, cloud, Part::Soft { threshold, modulation: None });
+            met = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
+            if !work.survey {
+                self.layer.reserve(&self.device, bands::pixels(work.window))?;
+            }
+            let drawing = Drawing { cloud, stats: &met, footprint: how.footprint, blend_depth, onto: Onto::Layer };
+            if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
+                return Ok(Outcome::Overflow);
+            }
+        }
+        let layered = met.iter().any(|s| s.visible > 0);
+        let (part, onto) = if layered {
+            (Part::Marked(threshold), Onto::TargetBehindLayer)
+        } else {
+            (Part::Solid(threshold), Onto::Target)
+        };
+        let how = solid_projecting(frame, cloud, part);
+        let stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
+        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto };
+        if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
+            return Ok(Outcome::Overflow);
+        }
+        facts.layered += u64::from(layered);
+        facts.note(&[met, stats].concat(), Walker::Compute);
+        *work.facts = facts;
+        if layered && !work.survey {
+            let mut recorder = self.device.recorder()?;
+            one_layer::record(&mut recorder, self.layer.pixels(), self.target.pixels(), work.window, softness)?;
+            work.timeline.add(recorder.submit("one-layer/compose")?);
+        }
+        self.read_back(work)
+    }
+
+    /// Draws projected splats in three passes, or decides only how they are binned.
+    fn draw_splats(
+        &mut self,
+        frame: &Frame,
+        drawing: &Drawing<'_>,
+        work: &mut Work<'_>,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let Drawing { cloud, stats, footprint, blend_depth, onto } = *drawing;
+        let window = work.window;
+        let raster = raster::Raster { cloud, stats, tiles: &self.tiles, walker: Walker::Compute, footprint, window };
+        let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
+        let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
+        let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
+        if work.survey {
+            return splats::survey(&self.device, &bin, facts);
+        }
+        let (into, layer) = match onto {
+            Onto::Target => (self.target.pixels(), None),
+            Onto::TargetBehindLayer => (self.target.pixels(), Some(self.layer.depths())),
+            Onto::Layer => (self.layer.pixels(), None),
+        };
+        let job = splats::WindowJob { bin, blend_depth, layer };
+        self.splatter.render(&mut self.bins, &self.device, &job, into, work.timeline, facts)
+    }
+
+    /// Copies a finished window to the host.
+    fn read_back(&self, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        if !work.survey {
+            let pixels = bands::pixels(work.window);
+            let mut recorder = self.device.recorder()?;
+            self.target.record_read_back(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("image/read-back")?);
+            self.progress.inc(pixels);
+        }
+        Ok(Outcome::Done)
+    }
+
     fn project(
         &self,
         cloud: &mut DeviceCloud,
@@ -773,8 +903,7 @@ impl Renderer {
         window: Window,
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
-        let how = projecting(frame, cloud);
-        self.project_as(cloud, frame, window, &how, timeline)
+        self.project_as(cloud, frame, window, &projecting(frame, cloud), timeline)
     }
 
     fn project_as(
@@ -905,6 +1034,7 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
             let own = Interior::of(&method).map_or(soft::LAYER_BYTES, |interior| soft::pixel_bytes(interior, true));
             abuffer::PIXEL_BYTES + own
         }
+        method if splatting_bytes(&method) > 0 => bin::PIXEL_BYTES + splatting_bytes(&method),
         method if method.is_tiled() => {
             let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
             counted + approximate::pixel_bytes(&method)
@@ -931,6 +1061,11 @@ impl Facts {
             Walker::Compute => "compute",
             Walker::Hardware => "hardware",
         };
+        self.meet(stats);
+    }
+
+    /// Adds what was projected.
+    fn meet(&mut self, stats: &[Stats]) {
         for s in stats {
             self.visible += u64::from(s.visible);
             self.large += u64::from(s.large);
@@ -952,6 +1087,34 @@ impl Projected<'_> {
     fn raster<'a>(&'a self, tiles: &'a Tiles) -> raster::Raster<'a> {
         let Self { cloud, stats, walker, footprint, window } = *self;
         raster::Raster { cloud, stats, tiles, walker, footprint, window }
+    }
+}
+
+/// Splats that are drawn in three passes.
+struct Drawing<'a> {
+    cloud: &'a DeviceCloud,
+    stats: &'a [Stats],
+    footprint: Footprint,
+    blend_depth: f32,
+    onto: Onto,
+}
+
+/// What three-pass splats are drawn into.
+#[derive(Clone, Copy)]
+enum Onto {
+    Target,
+    /// The target; only what is solid or lies behind the layer.
+    TargetBehindLayer,
+    Layer,
+}
+
+/// Device bytes per pixel of a window that three-pass splats take, with those of a layer; 0 if the method has none.
+fn splatting_bytes(method: &Method) -> u64 {
+    match method {
+        Method::Hqs(_) | Method::Splats(_) => splats::PIXEL_BYTES,
+        Method::OneLayer(_) => splats::PIXEL_BYTES + soft::LAYER_BYTES,
+        method if method.soft().is_some() => splats::PIXEL_BYTES + soft::LAYER_BYTES,
+        _ => 0,
     }
 }
 
@@ -986,23 +1149,37 @@ pub fn depth_range(frame: &Frame) -> [f32; 2] {
 
 /// How a method's splats are made.
 fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
-    let (footprint, radius_factor, max_radius_px) = match (frame.method, frame.method.discs()) {
-        (_, Some(discs)) => (abuffer::footprint(discs.shape), 1.0, f32::MAX),
-        (Method::Squares(splats), _) => (Footprint::Square, splats.size, splats.max_pixel_radius),
-        (Method::Circles(splats), _) => (Footprint::Disc, splats.size, splats.max_pixel_radius),
-        _ => (Footprint::Point, 1.0, f32::MAX),
+    let (footprint, settings) = match (frame.method, frame.method.discs()) {
+        (_, Some(discs)) => (abuffer::footprint(discs.shape), UNCLAMPED),
+        (Method::Squares(splats), _) => (Footprint::Square, splats),
+        (Method::Circles(splats), _) => (Footprint::Disc, splats),
+        (Method::Hqs(blended), _) => (Footprint::Disc, blended.splats),
+        (Method::Splats(blended), _) => (Footprint::Oriented, blended.splats),
+        _ => (Footprint::Point, UNCLAMPED),
     };
+    projecting_of(frame, cloud, footprint, settings, Part::All)
+}
+
+/// How the splats of a part of the points are made that are drawn in three passes: as those of `splats`, with its defaults.
+fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
+    projecting_of(frame, cloud, Footprint::Oriented, ScreenSplats::default(), part)
+}
+
+fn projecting_of(
+    frame: &Frame,
+    cloud: &DeviceCloud,
+    footprint: Footprint,
+    settings: ScreenSplats,
+    part: Part,
+) -> Projecting {
     // Without normals there are no tilts either, and every disc is flat.
     let footprint = if footprint == Footprint::Oriented && !cloud.has_normals() { Footprint::Disc } else { footprint };
     Projecting {
         footprint,
-        radius_factor: radius_factor * frame.factors.radius,
-        max_radius_px,
+        radius_factor: settings.size * frame.factors.radius,
+        max_radius_px: settings.max_pixel_radius,
         opacity_factor: frame.factors.opacity,
-        part: frame
-            .method
-            .soft()
-            .map_or(Part::All, |soft| Part::Soft { threshold: soft.threshold, modulation: soft.modulation }),
+        part,
         shading: frame.shading,
         color: frame.color,
     }
@@ -1012,8 +1189,11 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
 fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
     let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
     let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
-    Projecting { footprint, part, ..projecting(frame, cloud) }
+    projecting_of(frame, cloud, footprint, UNCLAMPED, part)
 }
+
+/// Radii as they are.
+const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX };
 
 /// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.
 /// `lengths` are those of all lists, if they were read back.
@@ -1050,7 +1230,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
     let normal = if cloud.has_normals() { 16 } else { 0 };
     let discs = frame.method.discs();
     let transparent = discs.is_some();
-    let oriented = discs.is_some_and(|d| d.shape == DiscShape::Oriented) && cloud.has_normals();
+    let tilted = matches!(frame.method, Method::Splats(_)) || discs.is_some_and(|d| d.shape == DiscShape::Oriented);
+    let oriented = tilted && cloud.has_normals();
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
@@ -1075,7 +1256,7 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "image/clear" => Some(pixels * 20),
         "abuffer/classify" => Some(pixels * 4),
         "abuffer/order" => Some(pixels * 8),
-        "splat/clear" if !transparent => Some(pixels * 8),
+        "splat/clear" if !transparent && splatting_bytes(&frame.method) == 0 => Some(pixels * 8),
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
@@ -1088,6 +1269,13 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
                 stochastic::least_bytes(name, samples, kind, facts, pixels, splat)
                     .or_else(|| hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels))
             }
+            Method::Hqs(_) | Method::Splats(_) => {
+                let binned = Facts { bands: facts.splatted, ..facts.clone() };
+                bin::least_bytes(name, runs, &binned, splat)
+                    .or_else(|| splats::least_bytes(name, facts, oriented, pixels))
+            }
+            // How many splats are solid is not known.
+            method if method.threshold().is_some() => None,
             _ => bin::least_bytes(name, runs, facts, splat)
                 .or_else(|| approximate::least_bytes(name, facts, &frame.method, oriented, pixels)),
         },

@@ -142,6 +142,8 @@ pub enum Part {
         /// l_m
         modulation: Option<f32>,
     },
+    /// All; the fourth component of their splats is 1 for those whose field is at most the threshold, else 0.
+    Marked(f32),
 }
 
 impl Part {
@@ -151,6 +153,7 @@ impl Part {
             Self::All => 0,
             Self::Solid(_) => 1,
             Self::Soft { .. } => 2,
+            Self::Marked(_) => 3,
         }
     }
 
@@ -164,7 +167,7 @@ impl Part {
     fn threshold(self) -> f32 {
         match self {
             Self::All => 0.0,
-            Self::Solid(threshold) | Self::Soft { threshold, .. } => threshold,
+            Self::Solid(threshold) | Self::Marked(threshold) | Self::Soft { threshold, .. } => threshold,
         }
     }
 }

@@ -493,6 +493,7 @@ impl Method {
     pub fn order(&self) -> Order {
         match self {
             Self::Stochastic(_) | Self::Weighted(_) | Self::Average(_) => Order::Index,
+            Self::Hqs(_) | Self::Splats(_) | Self::OneLayer(_) => Order::Index,
             Self::Unsorted(_) => Order::File,
             _ => Order::Depth,
         }

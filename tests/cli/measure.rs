@@ -260,6 +260,16 @@ fn the_plan_is_what_runs() {
             assert!(has(&planned, &stage) && !has(&planned, "sorted/blend"), "{planned:?}");
         }
     }
+    // Opaque splats in three passes: of one window and of several, large and small.
+    for method in ["hqs", "splats"] {
+        for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&tori, "--size", "40x30"]] {
+            let planned = assert_planned(&folder, &[&["-q"], &args[..], &["--method", method]].concat());
+            assert!(has(&planned, "splats/normalise") && !has(&planned, "image/clear"), "{planned:?}");
+        }
+    }
+    // Points without a field are solid.
+    let solid = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "one-layer"]);
+    assert!(has(&solid, "splats/attributes") && !has(&solid, "one-layer/compose"), "{solid:?}");
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
     fs::write(inside(&folder, "away.toml"), away).unwrap();
@@ -269,7 +279,7 @@ fn the_plan_is_what_runs() {
     for method in ["points", "peel"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
-    for method in ["hybrid", "weighted", "average", "unsorted"] {
+    for method in ["hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
     let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);

@@ -59,6 +59,7 @@ fn assert_close(got: f64, want: f64, tolerance: f64) {
 
 mod abuffer_lists;
 mod approximations;
+mod blended_splats;
 mod compositing;
 mod coverage;
 mod margins;

@@ -6,6 +6,7 @@ mod spheres;
 pub use spheres::*;
 
 use super::Error;
+use super::splats::Pixels;
 use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
 use crate::scene::{Density, Method, Soft};
 
@@ -46,6 +47,11 @@ impl Layer {
     /// Depths along the viewing axis, +inf where nothing is.
     pub fn depths(&self) -> Slice<'_, f32> {
         self.depths.get().all()
+    }
+
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
     }
 }
 

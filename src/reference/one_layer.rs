@@ -1,0 +1,78 @@
+//! One-layer transparency: the nearest soft points let through what else there is, which is opaque.
+
+use glam::DVec3;
+
+use super::Picture;
+use super::abuffer::Composite;
+use super::coverage::Shape;
+use super::splats::{self, Fragment};
+use crate::camera::Camera;
+use crate::points::Points;
+use crate::scene::{BlendedSplats, OneLayer};
+
+/// The fragments of a pixel, soft and solid ones apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parts {
+    /// Of points with a field above the threshold.
+    pub soft: Vec<Fragment>,
+    /// Of all others.
+    pub solid: Vec<Fragment>,
+}
+
+impl Parts {
+    /// Whether a soft fragment lies behind the layer: farther than the layer's depth by more than the reach of its blending.
+    fn is_behind(f: &Fragment, layer: f64, blend_depth: f64) -> bool {
+        f.z > layer + blend_depth * f.radius
+    }
+
+    /// What is opaque: the solid fragments, and the soft ones behind the layer.
+    fn others(&self, layer: f64, blend_depth: f64) -> Vec<Fragment> {
+        let behind = self.soft.iter().filter(|f| Self::is_behind(f, layer, blend_depth));
+        self.solid.iter().chain(behind).copied().collect()
+    }
+
+    /// The pixel.
+    pub fn blend(&self, colors: &[DVec3], softness: f64, blend_depth: f64) -> Composite {
+        let layer = splats::blend(&self.soft, colors, blend_depth);
+        let rest = splats::blend(&self.others(layer.depth, blend_depth), colors, blend_depth);
+        let solid = self.solid.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
+        if self.soft.is_empty() || solid <= layer.depth {
+            return rest;
+        }
+        Composite {
+            color: softness * layer.color + (1.0 - softness) * rest.color,
+            alpha: if rest.alpha > 0.0 { 1.0 } else { softness },
+            depth: if softness > 0.0 { layer.depth } else { rest.depth },
+        }
+    }
+
+    /// How close the pixel is to other sets of fragments, or to another order of layer and solids; as [`splats::margin`].
+    pub fn margin(&self, blend_depth: f64) -> f64 {
+        let layer = self.soft.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
+        let solid = self.solid.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
+        let behind = |f: &Fragment| ((f.z - (layer + blend_depth * f.radius)) / f.z).abs();
+        let soft = self.soft.iter().map(behind).filter(|apart| *apart > 0.0).fold(f64::INFINITY, f64::min);
+        let order =
+            if layer.is_finite() && solid.is_finite() { ((layer - solid) / solid).abs() } else { f64::INFINITY };
+        let [front, rest] = [&self.soft, &self.others(layer, blend_depth)].map(|l| splats::margin(l, blend_depth));
+        soft.min(order).min(front).min(rest)
+    }
+}
+
+/// The fragments of each pixel, soft and solid ones apart. Points without a field are solid.
+pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -> Vec<Parts> {
+    let shape = if points.normals.is_some() { Shape::Oriented } else { Shape::Disc };
+    let is_soft = |index: usize| points.fields.get(index).is_some_and(|field| *field > threshold);
+    let settings = BlendedSplats::default().splats;
+    let soft = splats::lists(camera, size, points, shape, &settings, is_soft);
+    let solid = splats::lists(camera, size, points, shape, &settings, |index| !is_soft(index));
+    soft.into_iter().zip(solid).map(|(soft, solid)| Parts { soft, solid }).collect()
+}
+
+/// The whole image; `colors` as those of [`splats::render`].
+pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], settings: &OneLayer) -> Picture {
+    let lists = lists(camera, size, points, settings.threshold);
+    let (softness, blend_depth) = (f64::from(settings.softness), f64::from(BlendedSplats::default().blend_depth));
+    let pixels: Vec<Composite> = lists.iter().map(|parts| parts.blend(colors, softness, blend_depth)).collect();
+    splats::picture(size, &pixels, lists.iter().map(|parts| (parts.soft.len() + parts.solid.len()) as u32).collect())
+}
