@@ -4,8 +4,6 @@
 struct Push {
     // Points.
     count: u32,
-    // Key of the nearest depth.
-    nearest: u32,
     run_length: u32,
     // 1: the last point comes first.
     backward: u32,

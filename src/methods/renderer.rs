@@ -121,6 +121,10 @@ pub struct Facts {
     pub samples: u32,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
+    /// Splats of soft points among the visible ones.
+    pub soft_visible: u64,
+    /// Splats of soft points among the large ones.
+    pub soft_large: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -278,12 +282,12 @@ pub struct Renderer {
     approximations: Approximations,
     opaque: Opaque,
     splatter: Splatter,
-    layer: Layer,
     peeler: Peeler,
     sampler: Sampler,
     tiles: Tiles,
     target: Target,
     /// The solid points of a window that has soft ones.
+    layer: Layer,
     discs: SoftDiscs,
     /// Whether the soft points of the last window were counted.
     soft_counted: bool,
@@ -307,11 +311,11 @@ impl Renderer {
             approximations: Approximations::default(),
             opaque: Opaque::default(),
             splatter: Splatter::default(),
-            layer: Layer::default(),
             peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            layer: Layer::default(),
             discs: SoftDiscs::default(),
             soft_counted: false,
             spare: None,
@@ -374,7 +378,8 @@ impl Renderer {
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
-        let lengths = image.fragments.as_deref().unwrap_or_default();
+        // Lists of soft spheres are of events, whose numbers are not those of the image.
+        let lengths = image.fragments.as_deref().filter(|_| frame.method.discs().is_some()).unwrap_or_default();
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
@@ -456,13 +461,13 @@ impl Renderer {
         if matches!(frame.method, Method::Points | Method::Auto(_)) && !work.survey {
             return self.points(cloud, frame, work);
         }
-        if let Some(soft) = frame.method.soft() {
-            return self.soft(cloud, frame, *soft, work);
-        }
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
             _ => {}
+        }
+        if let Some(soft) = frame.method.soft() {
+            return self.soft(cloud, frame, *soft, work);
         }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
@@ -630,142 +635,6 @@ impl Renderer {
         Ok(Outcome::Done)
     }
 
-    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
-    fn soft(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let parts = cloud.parts(soft.threshold);
-        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
-        let mut facts = work.facts.clone();
-        facts.solid_points = parts.solid;
-        self.soft_counted = false;
-        let window = work.window;
-        let mut solid =
-            Work { window, budget: work.budget, timeline: work.timeline, facts: &mut facts, survey: work.survey };
-        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
-            return Ok(Outcome::Overflow);
-        }
-        let outcome = if parts.soft > 0 {
-            self.soft_points(cloud, frame, soft, &mut solid)?
-        } else {
-            self.only_solids(&mut solid)?;
-            Outcome::Done
-        };
-        if outcome == Outcome::Done {
-            facts.windows = work.facts.windows + 1;
-            *work.facts = facts;
-        }
-        Ok(outcome)
-    }
-
-    /// A window without soft points from its layer.
-    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<(), Error> {
-        let pixels = bands::pixels(work.window);
-        if !work.survey {
-            let mut recorder = self.device.recorder()?;
-            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
-            soft::record_compose(&mut recorder, &self.layer, &self.target, pixels)?;
-            self.target.record_read_back(&mut recorder, pixels)?;
-            work.timeline.add(recorder.submit("solid points alone")?);
-        }
-        self.progress.inc(pixels);
-        Ok(())
-    }
-
-    /// The soft points of a window before its layer, and the window from both.
-    fn soft_points(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let Some(interior) = Interior::of(&frame.method) else {
-            return self.soft_discs(cloud, frame, soft, work);
-        };
-        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
-            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
-        }
-        let window = work.window;
-        let parts = cloud.parts(soft.threshold);
-        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
-        let how = soft_projecting(frame, cloud, &soft);
-        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
-        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
-        let Some(budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
-            return Ok(Outcome::Overflow);
-        };
-        self.tiles.reserve(&self.device, &stats, window)?;
-        let walker = Walker::Compute;
-        let raster =
-            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
-        let spheres = Spheres {
-            interior,
-            model,
-            modulated: soft.modulation.is_some(),
-            most_radius: cloud.most_radius() * frame.factors.radius,
-            layer: (parts.solid > 0).then_some(&self.layer),
-        };
-        spheres.check(&frame.method, cloud.len())?;
-        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
-        let storing = Storing::Spheres(spheres);
-        let lists =
-            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
-        let outcome = if work.survey {
-            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
-        } else {
-            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
-        };
-        self.soft_counted = true;
-        work.facts.note(&stats, walker);
-        Ok(outcome)
-    }
-
-    /// The same where soft points are discs in a presorted order.
-    fn soft_discs(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let window = work.window;
-        let how = soft_projecting(frame, cloud, &soft);
-        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
-        let parts = cloud.parts(soft.threshold);
-        let (device, walker) = (&self.device, Walker::Compute);
-        let raster =
-            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
-        let order = Order::Along(Axis::nearest(frame.camera.forward));
-        let counted_bytes = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
-        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
-        let outcome = if work.survey {
-            Bins::survey(device, &bin, work.facts)?
-        } else {
-            let job = express::WindowJob {
-                bin,
-                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
-                modulated: soft.modulation.is_some(),
-                layer: (parts.solid > 0).then_some(&self.layer),
-                counted: frame.fragments,
-                color: frame.color,
-                most_color: cloud.most_color(&how),
-                stop: frame.stop,
-            };
-            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
-        };
-        if outcome == Outcome::Done {
-            self.soft_counted = true;
-            self.progress.inc(bands::pixels(window));
-            work.facts.note(&stats, walker);
-        }
-        Ok(outcome)
-    }
-
     /// Renders a window of three-pass splats.
     fn splats(
         &mut self,
@@ -872,7 +741,17 @@ impl Renderer {
         let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
         let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
         let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
-        if work.survey {
+        if work.survey && frame.method.soft().is_some() {
+            // What the bins hold, lists cannot: it decides about their bands.
+            return match self.bins.bin(&self.device, &bin, work.timeline, facts)? {
+                Bin::TooLarge => Ok(Outcome::Overflow),
+                Bin::Nothing => Ok(Outcome::Done),
+                Bin::Done(_) => {
+                    facts.splatted += 1;
+                    Ok(Outcome::Done)
+                }
+            };
+        } else if work.survey {
             return splats::survey(&self.device, &bin, facts);
         }
         let (into, layer) = match onto {
@@ -894,6 +773,146 @@ impl Renderer {
             self.progress.inc(pixels);
         }
         Ok(Outcome::Done)
+    }
+
+    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
+    fn soft(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let parts = cloud.parts(soft.threshold);
+        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
+        let mut facts = work.facts.clone();
+        facts.solid_points = parts.solid;
+        self.soft_counted = false;
+        let Work { window, budget, survey, .. } = *work;
+        let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
+        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut both)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let outcome = if parts.soft > 0 {
+            self.soft_points(cloud, frame, soft, &mut both)?
+        } else {
+            self.only_solids(&mut both)?
+        };
+        if outcome == Outcome::Done {
+            *work.facts = facts;
+        }
+        Ok(outcome)
+    }
+
+    /// A window without soft points from its layer.
+    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        if !work.survey {
+            let mut recorder = self.device.recorder()?;
+            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
+            soft::record_compose(&mut recorder, &self.layer, &self.target, bands::pixels(work.window))?;
+            work.timeline.add(recorder.submit("solid points alone")?);
+        }
+        work.facts.note(&[], Walker::Compute);
+        self.read_back(work)
+    }
+
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let Some(interior) = Interior::of(&frame.method) else {
+            return self.soft_discs(cloud, frame, soft, work);
+        };
+        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
+            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
+        }
+        let window = work.window;
+        let parts = cloud.parts(soft.threshold);
+        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let Some(mut budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
+            return Ok(Outcome::Overflow);
+        };
+        if parts.solid > 0 {
+            budget.tiles += self.bins.bytes();
+        }
+        self.tiles.reserve(&self.device, &stats, window)?;
+        let walker = Walker::Compute;
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let solid = parts.solid > 0;
+        let spheres = Spheres {
+            interior,
+            model,
+            modulated: soft.modulation.is_some(),
+            most_radius: cloud.most_radius() * frame.factors.radius,
+            layer: solid.then_some(&self.layer),
+        };
+        spheres.check(&frame.method, cloud.len())?;
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let storing = Storing::Spheres(spheres);
+        let lists =
+            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
+        let outcome = if work.survey {
+            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
+        } else {
+            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
+        };
+        self.soft_counted = true;
+        work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
+        work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
+        work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+
+    /// The same where soft points are discs in a presorted order.
+    fn soft_discs(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let window = work.window;
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let parts = cloud.parts(soft.threshold);
+        let (device, walker) = (&self.device, Walker::Compute);
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let counts = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
+        // Solid points are sorted, and what that took is still there.
+        let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
+        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
+        let outcome = if work.survey {
+            Bins::survey(device, &bin, work.facts)?
+        } else {
+            let job = express::WindowJob {
+                bin,
+                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
+                modulated: soft.modulation.is_some(),
+                layer: (parts.solid > 0).then_some(&self.layer),
+                counted: frame.fragments,
+                color: frame.color,
+                most_color: cloud.most_color(&how),
+                stop: frame.stop,
+            };
+            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
+        };
+        if outcome == Outcome::Done {
+            self.soft_counted = true;
+            work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
+            self.progress.inc(bands::pixels(window));
+            work.facts.note(&stats, walker);
+        }
+        Ok(outcome)
     }
 
     fn project(
@@ -1032,7 +1051,7 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
         method if method.soft().is_some() => {
             let own = Interior::of(&method).map_or(soft::LAYER_BYTES, |interior| soft::pixel_bytes(interior, true));
-            abuffer::PIXEL_BYTES + own
+            abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + own
         }
         method if splatting_bytes(&method) > 0 => bin::PIXEL_BYTES + splatting_bytes(&method),
         method if method.is_tiled() => {
@@ -1189,7 +1208,7 @@ fn projecting_of(
 fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
     let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
     let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
-    projecting_of(frame, cloud, footprint, UNCLAMPED, part)
+    Projecting { footprint, part, ..projecting(frame, cloud) }
 }
 
 /// Radii as they are.
@@ -1258,6 +1277,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "abuffer/order" => Some(pixels * 8),
         "splat/clear" if !transparent && splatting_bytes(&frame.method) == 0 => Some(pixels * 8),
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+        "soft/count" => Some(walks + facts.fragments * 8),
+        "soft/compose" => Some(pixels * 3 * 20),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => match frame.method {
@@ -1273,6 +1294,9 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
                 let binned = Facts { bands: facts.splatted, ..facts.clone() };
                 bin::least_bytes(name, runs, &binned, splat)
                     .or_else(|| splats::least_bytes(name, facts, oriented, pixels))
+            }
+            Method::SoftExpress(_) if facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&name) => {
+                bin::least_bytes(name, runs, facts, splat)
             }
             // How many splats are solid is not known.
             method if method.threshold().is_some() => None,

@@ -89,7 +89,6 @@ gpu_struct! {
     /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl says what the members are.
     pub struct PresortedPush {
         count: u32,
-        nearest: u32,
         run_length: u32,
         backward: u32,
     }
@@ -105,17 +104,12 @@ pass! {
 }
 
 pass! {
-    /// As [`Gather`], out of a presorted order.
-    pub GatherPicked(PresortedPush) = "bin/gather" in "bin/gather_picked" {
-        composing: Shared<ComposingGroup>,
-        bounds: Read<Bounds>,
-        records: ReadWrite<[u32; 2]>,
-        footprints: ReadWrite<[u32; 4]>,
-        colors: ReadWrite<[f32; 4]>,
-        slopes: ReadWrite<[f32; 4]>,
-        rectangles: ReadWrite<[u32; 2]>,
+    /// The drawn points of a presorted order.
+    pub Place(PresortedPush) = "bin/place" {
         order: Read<u32>,
+        bounds: Read<Bounds>,
         starts: Read<u32>,
+        records: ReadWrite<[u32; 2]>,
     }
 }
 
@@ -551,14 +545,11 @@ impl Bins {
         let Some(left) = binning.left(device, job)? else { return Ok(None) };
         self.reserve(device, job, &binning)?;
         let mut recorder = device.recorder()?;
-        let last = if let Order::Along(axis) = job.order {
-            self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?;
-            0
-        } else {
-            let last = self.record_sort(&mut recorder, device, job, binning.subgroup)?;
-            self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
-            last
+        let last = match job.order {
+            Order::Along(axis) => self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?,
+            _ => self.record_sort(&mut recorder, device, job, binning.subgroup)?,
         };
+        self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
         self.record_tile_count(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("bin/sort and count")?);
         let words = self.summary.mapped_slice();
@@ -690,7 +681,7 @@ impl Bins {
         Ok(recorder.run(&gather, &run)?)
     }
 
-    /// Records what takes the drawn splats straight out of the cloud's order along an axis.
+    /// Records what takes the drawn splats out of the cloud's order along an axis; returns which of the records they are.
     fn record_pick<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -698,34 +689,19 @@ impl Bins {
         job: &Job<'a>,
         axis: Axis,
         subgroup: u32,
-    ) -> Result<(), Error> {
+    ) -> Result<usize, Error> {
         let cloud = job.raster.cloud;
-        let (Some(scan), Some(order)) = (&self.scan, cloud.along(axis.index)) else { return Ok(()) };
+        let (Some(scan), Some(order)) = (&self.scan, cloud.along(axis.index)) else { return Ok(0) };
         let Runs { runs, length } = order_runs(device, cloud.len());
-        let push = PresortedPush {
-            count: cloud.len() as u32,
-            nearest: depth_keys(job.depth_range)[0],
-            run_length: length,
-            backward: u32::from(axis.backward),
-        };
+        let push = PresortedPush { count: cloud.len() as u32, run_length: length, backward: u32::from(axis.backward) };
         let (counts, starts) = (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
-        let over = |variant| Run::new(Dispatch::Groups(runs.into())).push(&push).variant(variant);
-        recorder.run(&Pick { order, bounds: cloud.bounds.all(), counts }, &over(pick_variant(subgroup)))?;
+        let (bounds, records) = (cloud.bounds.all(), self.records[0].get().all());
+        let run = || Run::new(Dispatch::Groups(runs.into())).push(&push).variant(presorted_variant(subgroup));
+        recorder.run(&Pick { order, bounds, counts }, &run())?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;
         scan.record(recorder, counts, starts, self.overflow.all())?;
-        let cut = Cut::new(device, cloud.len())?;
-        let gather = GatherPicked {
-            composing: Composing::new(cloud, cut),
-            bounds: cloud.bounds.all(),
-            records: self.records[0].get().all(),
-            footprints: self.footprints.get().all(),
-            colors: self.colors.get().all(),
-            slopes: self.slopes.get().all(),
-            rectangles: self.rectangles.get().all(),
-            order,
-            starts,
-        };
-        Ok(recorder.run(&gather, &over(gather_picked_variant(cut, subgroup)))?)
+        recorder.run(&Place { order, bounds, starts, records }, &run())?;
+        Ok(0)
     }
 
     /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
@@ -828,14 +804,9 @@ pub fn keys_variant(order: Order) -> Variant {
     Variant::plain().with("ORDER", value)
 }
 
-/// The variant of `bin/pick`.
-pub fn pick_variant(subgroup: u32) -> Variant {
+/// The variant of `bin/pick` and `bin/place`.
+pub fn presorted_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup)
-}
-
-/// The variant of `bin/gather` out of a presorted order; whoever asks for one draws flat discs.
-pub fn gather_picked_variant(cut: Cut, subgroup: u32) -> Variant {
-    compose::variant(cut, Footprint::Disc, Falloff::Flat).subgroup(subgroup)
 }
 
 /// The key of a depth, as `depth_key` in WGSL.
@@ -853,8 +824,9 @@ pub fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u
         "bin/keys" => Some((facts.points * (4 + 4) + sorted) * facts.bands),
         "radix/count" => Some(sorted * runs),
         "radix/scatter" => Some(2 * sorted * runs),
-        // Twice an index and a rectangle.
+        // An index and a rectangle of each, and the record.
         "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
+        "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
         // A record, then splat, color and rectangle: read, and written but for the depth.
         "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
         "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
@@ -985,6 +957,9 @@ mod tests {
         assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
         // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
         assert_eq!(least_bytes("bin/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
+        assert_eq!(least_bytes("bin/pick", 2, &facts, 20), Some(2 * 10 * 12));
+        let soft = Facts { soft_visible: 3, ..facts.clone() };
+        assert_eq!(least_bytes("bin/place", 2, &soft, 20), Some(2 * 10 * 12 + 3 * 8));
         assert_eq!(least_bytes("bin/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
         assert_eq!(least_bytes("bin/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
         assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);

@@ -1,10 +1,11 @@
-// bin/gather out of a presorted order: what stages that go through tiles need of each drawn splat, in that order. One subgroup
-// per run, which bin/pick counted; starts are the prefix sums.
+// bin/place: a record for each drawn point of a presorted order, in that order; its key is for bin/gather to fill in. One
+// subgroup per run, which bin/pick counted; starts are the prefix sums.
 #import presorted
-#import gather
 
-@group(0) @binding(19) var<storage, read> order: array<u32>;
-@group(0) @binding(20) var<storage, read> starts: array<u32>;
+@group(0) @binding(0) var<storage, read> order: array<u32>;
+@group(0) @binding(1) var<storage, read> bounds: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> starts: array<u32>;
+@group(0) @binding(3) var<storage, read_write> records: array<vec2<u32>>;
 
 @compute @workgroup_size(SUBGROUP)
 fn main(
@@ -21,11 +22,10 @@ fn main(
     var rank = starts[run];
     for (var next = start; next < end; next += SUBGROUP) {
         let i = point_at(min(next + lane, end - 1u));
-        let rectangle = bounds[i];
-        let drawn = next + lane < end && is_drawn(rectangle);
+        let drawn = next + lane < end && is_drawn(bounds[i]);
         let among = subgroupBallot(drawn).x;
         if drawn {
-            gather(rank + countOneBits(among & ((1u << lane) - 1u)), i, rectangle);
+            records[rank + countOneBits(among & ((1u << lane) - 1u))] = vec2<u32>(0u, i);
         }
         rank += countOneBits(among);
     }
