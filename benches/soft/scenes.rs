@@ -13,10 +13,13 @@ use pellucid::scene::{self, Method, OneLayer, Overrides, Scene, Soft, procedural
 type Builtin = (&'static str, &'static [(&'static str, &'static str)]);
 
 const BUILTINS: [Builtin; 3] = [
-    ("garden", &[("cloud.*.field", "\"uncertainty\"")]),
-    ("tori", &[("cloud.*.field", "\"distance-to-axis\"")]),
-    ("volume", &[("cloud.*.field", "\"distance-to-axis\"")]),
+    ("garden", &[("cloud.*.field", "uncertainty"), SIZE]),
+    ("tori", &[("cloud.*.field", "distance-to-axis"), SIZE]),
+    ("volume", &[("cloud.*.field", "distance-to-axis"), SIZE]),
 ];
+
+/// Pixels that a CPU driver gets through in minutes, path and all.
+const SIZE: (&str, &str) = ("image.size", "[640, 480]");
 
 /// A scene with the settings of its soft points.
 pub struct Subject {

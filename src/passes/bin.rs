@@ -749,7 +749,7 @@ impl Bins {
 }
 
 /// Device bytes of the records of so many points, and of sorting them.
-fn sort_bytes(device: &Device, points: u64) -> u64 {
+pub fn sort_bytes(device: &Device, points: u64) -> u64 {
     2 * RECORD_BYTES * points + Radix::bytes(device, points)
 }
 

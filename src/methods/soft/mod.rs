@@ -7,7 +7,7 @@ pub use spheres::*;
 
 use super::Error;
 use super::splats::Pixels;
-use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
+use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
 
 /// Pixels of a window's solid points, which soft ones are drawn before.
@@ -31,12 +31,6 @@ impl Layer {
         self.image.reserve(device, pixels)?;
         self.depths.reserve(device, pixels)?;
         Ok(())
-    }
-
-    /// Records that there are no solid points.
-    pub fn record_nothing<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
-        recorder.fill("image/clear", self.image().first(pixels), 0)?;
-        Ok(recorder.fill("image/clear", self.depths().first(pixels), f32::INFINITY.to_bits())?)
     }
 
     /// Premultiplied color, A = 1 where something is.

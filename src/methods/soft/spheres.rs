@@ -11,10 +11,10 @@
 
 use super::{Layer, SoftModel};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::Error;
 use crate::methods::abuffer::{self, CountPush, LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, ResolvingGroup};
 use crate::methods::bands::Band;
 use crate::methods::renderer::Target;
+use crate::methods::{Error, splats};
 use crate::passes::compose::{self, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
@@ -312,9 +312,9 @@ impl<'a> Spheres<'a> {
     }
 }
 
-/// Device bytes per pixel beside those of lists.
+/// Device bytes per pixel beside those of lists, those by which the solid points were drawn included.
 pub fn pixel_bytes(interior: Interior, solids: bool) -> u64 {
-    let layer = if solids { super::LAYER_BYTES } else { 0 };
+    let layer = if solids { super::LAYER_BYTES + splats::PIXEL_BYTES } else { 0 };
     layer + if interior.counted() { SPHERES_BYTES } else { 0 }
 }
 
