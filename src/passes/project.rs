@@ -184,12 +184,22 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// Of a scene's points.
+    pub fn of(points: &Points, threshold: f32) -> Self {
+        Self::new(points.len() as u64, &fields_and_radii(points), threshold)
+    }
+
     /// Of `len` points, of which fields and radii are known if there is a field.
     fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
         let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
         let soft = radii.len() as u64;
         Self { solid: len - soft, soft, median_radius: median(&mut radii) }
     }
+}
+
+/// Field and radius of each point; nothing without a field.
+fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
+    points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
 }
 
 /// The median, the mean of the middle two of an even number; 0 of none.
@@ -343,7 +353,7 @@ impl DeviceCloud {
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
             most_radius: points.radii.iter().copied().fold(0.0, f32::max),
-            fields_and_radii: points.fields.iter().zip(&points.radii).map(|(f, r)| [*f, *r]).collect(),
+            fields_and_radii: fields_and_radii(points),
             parts: None,
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
             orders: [None, None, None],
