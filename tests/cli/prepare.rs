@@ -184,17 +184,26 @@ fn pictures_of_prepared_clouds_are_those_of_their_sources() {
     let folder = folder();
     write_source(&folder, "a.ply", "ushort");
     prepare(&folder, &["a.ply", "-o", "b.ply"]);
-    let picture = |cloud: &str, out: &str| {
+    let picture = |cloud: &str, out: &str, method: &[&str]| {
         // The metadata name the input: the two get the same name.
         fs::rename(inside(&folder, cloud), inside(&folder, "c.ply")).unwrap();
-        let args = ["render", "c.ply", "-o", out, "--method", "abuffer", "--opacity", "0.5", "--size", "64x64"];
-        done(&folder, &args);
+        done(&folder, &[&["render", "c.ply", "-o", out, "--size", "64x64", "--method"], method].concat());
         fs::rename(inside(&folder, "c.ply"), inside(&folder, cloud)).unwrap();
         fs::read(inside(&folder, out)).unwrap()
     };
-    for format in ["exr", "png"] {
-        assert!(picture("a.ply", &format!("1.{format}")) == picture("b.ply", &format!("2.{format}")), "{format}");
+    let threshold = "method.threshold=0.4";
+    let methods: [&[&str]; 3] =
+        [&["abuffer", "--opacity", "0.5"], &["soft-base", "--set", threshold], &["one-layer", "--set", threshold]];
+    for method in methods {
+        for format in ["exr", "png"] {
+            let [source, prepared] = ["a.ply", "b.ply"].map(|it| picture(it, &format!("1.{format}"), method));
+            assert!(source == prepared, "{method:?}, {format}");
+        }
     }
+    // The field has a say.
+    let [all, none] =
+        ["0", "1"].map(|t| picture("b.ply", "1.exr", &["soft-base", "--set", &format!("method.threshold={t}")]));
+    assert!(all != none);
 }
 
 #[test]
