@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::prepare::field::Field;
+
 /// Which axis of a file points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
@@ -35,9 +37,31 @@ pub struct Cloud {
     pub non_finite: usize,
     /// The file's vertical.
     pub up: UpAxis,
+    /// What `pellucid prepare` stored with the points, if they are still those for which it was computed.
+    pub prepared: Option<Prepared>,
+    /// What was odd in the file but did not keep it from being read, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What `pellucid prepare` stored with a cloud (docs/prepared-clouds.md).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// K of the radii and of an uncertainty field.
+    pub neighbors: usize,
+    /// Whether the cloud's radii are those of Eq. 20, and not the source's own.
+    pub estimated_radii: bool,
+    /// What the field is.
+    pub field: Field,
+    /// F of each point, in [0, 1].
+    pub values: Vec<f32>,
 }
 
 impl Cloud {
+    /// The radii of the points themselves, not those of Eq. 20 that were stored with them.
+    pub fn own_radii(&self) -> Option<&[f32]> {
+        self.radii.as_deref().filter(|_| !self.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii))
+    }
+
     /// Number of finite points.
     pub fn len(&self) -> usize {
         self.positions.len()

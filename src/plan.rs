@@ -4,12 +4,13 @@ use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
 use crate::methods::splats::PASSES as SPLATTED;
-use crate::methods::{Facts, Frame, Renderer, cost, stochastic};
+use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::random::STRATUM;
 use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
 
@@ -97,8 +98,10 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
         Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
-        Method::SoftBase(_) | Method::SoftConcentric(_) => {}
-        Method::SoftExpress(_) => {}
+        Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
+            plan.soft_spheres(device, frame, facts, soft.threshold, why);
+        }
+        Method::SoftExpress(soft) => plan.soft_discs(device, frame, facts, soft.threshold, why),
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {
@@ -106,9 +109,12 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         None => format!("no transparency: {why}"),
     };
     plan.rest(&ORDER, &without("splats are not sorted"));
+    plan.rest(&PRESORTED, "no order of the points was made beforehand");
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
+    plan.rest(&["soft/express"], &format!("no soft discs: {why}"));
     plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
+    plan.rest(&soft_passes(), &format!("no soft spheres: {why}"));
     plan.rest(&COUNT, &without("no lists"));
     plan.rest(&list_passes(), &without("no lists"));
     plan.rest(&PEEL, &without("no peeling"));
@@ -137,7 +143,7 @@ const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
-/// The passes that sort splats and put them into tiles.
+/// The passes that sort splats, four of them, and put them into tiles.
 const ORDER: [&str; 10] = [
     "bin/keys",
     "radix/clear",
@@ -150,6 +156,8 @@ const ORDER: [&str; 10] = [
     "bin/summary",
     "bin/tile-store",
 ];
+/// The passes that go through an order of points that was made beforehand.
+const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
 /// The stages that go through tiles of ordered splats.
 const TILED: [&str; 5] =
     ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
@@ -195,6 +203,16 @@ fn list_passes() -> Vec<&'static str> {
     let kernels = ["abuffer/resolve-ordered"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
     stores.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
+
+/// The passes of soft spheres, without those that they share.
+fn soft_passes() -> Vec<&'static str> {
+    let kernels = soft::classes().map(|(_, (_, name))| name);
+    let first = ["soft/count", "soft/store"].into_iter().chain(kernels);
+    first.chain(SOFT_LONG).chain(["soft/compose"]).collect()
+}
+
+/// Those of them that long lists need; the optical depths of segments only where density varies within a sphere.
+const SOFT_LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
 
 /// Elements that a prefix sum takes in one run, without a level of sums above.
 const SCAN_RUN: u64 = 64;
@@ -257,6 +275,66 @@ impl Plan {
         self.rest(&list_passes(), "no list has to be sorted, or none is in order");
     }
 
+    /// Solid points as opaque splats, and soft ones as spheres before them.
+    fn soft_spheres(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let soft = facts.points.saturating_sub(solid);
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{soft} soft points above threshold {threshold}");
+        let counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
+        self.add("image/clear", true, "pixels without fragments stay empty");
+        if soft == 0 {
+            self.scan(counters, "counters of digits and tiles");
+        } else {
+            let seen = facts.soft_visible > 0;
+            let any = facts.fragments > 0;
+            let pick = |reason: &str| if seen { reason.to_owned() } else { NOTHING.to_owned() };
+            self.add("abuffer/clear", true, "counters start at zero");
+            self.add("soft/count", seen, pick(&softs));
+            self.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
+            let counts = pixels(frame).div_ceil(facts.windows.max(1)) + 1;
+            let tiled = self.tiles(frame, &Facts { large: facts.soft_large, ..facts.clone() });
+            self.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
+            self.add("abuffer/cursors", true, "the next free slot of each list is its first");
+            self.add("abuffer/summary", true, "the events' total decides the bands");
+            let stored = format!(
+                "{} spheres on pixels, each with two events or more, in {} band(s)",
+                facts.fragments, facts.bands
+            );
+            self.add("soft/store", any, pick(&stored));
+            for name in BY_LENGTH {
+                self.add(name, any, pick("lists of each length get their own kernel"));
+            }
+            self.soft_kernels(facts.max_events, matches!(frame.method, Method::SoftBase(_)));
+        }
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        self.rest(&soft_passes(), &softs);
+        self.rest(&COUNT, if soft > 0 { "soft spheres have a count of their own" } else { &softs });
+        self.rest(&list_passes(), &format!("events of soft spheres, not fragments: {why}"));
+    }
+
+    /// The kernels of the lengths that there are, for events of soft spheres.
+    fn soft_kernels(&mut self, longest: u32, integrated: bool) {
+        let reason = |on: bool, least: u32, most: u32| match on {
+            true => format!("lists of {least} to {most} events (longest: {longest})"),
+            false => format!("no list has {least} events or more (longest: {longest})"),
+        };
+        for (class, (most, name)) in soft::classes() {
+            let least = lower_bound(class) + 1;
+            self.add(name, longest >= least, reason(longest >= least, least, most));
+        }
+        let long = longest > LOCAL_LENGTH;
+        let reason = reason(long, LOCAL_LENGTH + 1, longest.max(LOCAL_LENGTH));
+        for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs", "abuffer/merge"] {
+            self.add(name, long, reason.clone());
+        }
+        for name in SOFT_LONG {
+            let on = long && (integrated || name != "soft/segments");
+            self.add(name, on, if on || !long { reason.clone() } else { "densities are constant".to_owned() });
+        }
+        self.add("abuffer/combine", long, reason);
+    }
+
     /// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.
     fn count(&mut self, frame: &Frame, facts: &Facts, seen: bool, why: &str, visited: bool, others: u64) {
         let counted = if seen { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
@@ -281,25 +359,64 @@ impl Plan {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
+            Order::Along(_) => "along an axis",
         };
         let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
         let zero = || "counters start at zero".to_owned();
+        let reasons = [format!("{why}: {} splats {by}", facts.visible), zero(), by_digit.clone(), by_digit];
+        for (name, reason) in ORDER.into_iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+        self.bins(facts, by);
+        counters.max(facts.tile_cells)
+    }
+
+    /// Splats that are in order into their tiles.
+    fn bins(&mut self, facts: &Facts, by: &str) {
         let reasons = [
-            format!("{why}: {} splats {by}", facts.visible),
-            zero(),
-            by_digit.clone(),
-            by_digit,
             format!("splats are read {by}"),
-            zero(),
+            "counters start at zero".to_owned(),
             format!("{} counters of tiles and runs of splats", facts.tile_cells),
             "the longest list of a tile decides how often tiles are run".to_owned(),
             "the total of the lists decides whether the window fits".to_owned(),
             "each tile gets its splats in order".to_owned(),
         ];
-        for (name, reason) in ORDER.into_iter().zip(reasons) {
+        for (name, reason) in ORDER[4..].iter().zip(reasons) {
             self.add(name, true, reason);
         }
-        counters.max(facts.tile_cells)
+    }
+
+    /// Solid points as opaque splats, and soft ones as discs in a presorted order before them.
+    fn soft_discs(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{} soft points above threshold {threshold}", facts.points.saturating_sub(solid));
+        let mut counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
+        let Axis { index, backward } = Axis::nearest(frame.camera.forward);
+        let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
+        let seen = facts.soft_visible > 0;
+        if seen {
+            self.rest(&ORDER[..4], "points were sorted along the axes once");
+            self.add("bin/pick", true, format!("{} soft points are drawn, in order {by}", facts.soft_visible));
+            self.add("bin/place", true, "only what is drawn is fetched and binned");
+            if facts.splatted == 0 {
+                self.bins(facts, &by);
+            }
+            counters = counters.max(facts.tile_cells).max(bin::order_runs(device, facts.points).runs.into());
+        }
+        self.scan(counters, "counters of runs, tiles and digits");
+        let blended = format!("{softs}, {by}, in {} window(s)", facts.bands);
+        self.add("soft/express", seen, if seen { &blended } else { NOTHING });
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        let empty = facts.windows - facts.bands.min(facts.windows);
+        let bare = if solid > 0 { facts.windows.saturating_sub(facts.splatted) } else { 0 };
+        let windows = format!("{empty} window(s) show no soft point, {bare} with solid points none of these");
+        self.add("image/clear", empty + bare > 0, windows);
+        self.rest(&PRESORTED, NOTHING);
+        self.rest(&ORDER, NOTHING);
+        self.rest(&soft_passes(), &format!("discs, not spheres: {why}"));
+        self.rest(&COUNT, "the method needs no lists");
+        self.rest(&list_passes(), "soft discs are blended tile by tile: no lists");
     }
 
     /// The sort of splats, the stage that goes through their tiles, and what counts lists beside them where their lengths are

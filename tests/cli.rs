@@ -8,6 +8,7 @@ mod cli {
     mod compare;
     mod failures;
     mod measure;
+    mod prepare;
     mod render;
     mod stress;
     mod tradeoff;

@@ -7,6 +7,7 @@ use indicatif::ProgressBar;
 use pellucid::camera::{Camera, Projection};
 use pellucid::cloud::{Cloud, UpAxis};
 use pellucid::points::Points;
+use pellucid::prepare::field::Field;
 use pellucid::scene::*;
 
 const CLOUD: &str = "[[cloud]]\npath = \"a.ply\"\n";
@@ -43,7 +44,8 @@ fn defaults_are_those_of_the_contract() {
     assert_eq!(scene.shading, Shading::default());
     let cloud = &scene.clouds[0];
     assert_eq!(cloud.path, PathBuf::from("dir/a.ply"), "relative to the scene file");
-    assert_eq!((cloud.opacity, cloud.radius, cloud.neighbors, cloud.scale), (1.0, None, 24, 1.0));
+    assert_eq!((cloud.opacity, cloud.radius, cloud.scale), (1.0, None, 1.0));
+    assert_eq!((cloud.neighbors, &cloud.field), (None, &None), "24 and uncertainty, unless a prepared file says more");
     assert_eq!(scene.warnings, [""; 0]);
 }
 
@@ -217,12 +219,52 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
 }
 
 #[test]
-fn shadows_and_fields_are_known_but_have_no_effect() {
+fn shadows_are_known_but_have_no_effect() {
     let scene = with_cloud("[shadows]\nmethod = \"texture\"\nresolution = 512");
     assert!(scene.warnings[0].contains("casts no shadows"), "{:?}", scene.warnings);
-    let scene = read(&format!("{CLOUD}field = \"classification\"\nsoft_classes = [3, 4]\n")).unwrap();
-    assert_eq!(scene.warnings.len(), 2);
     assert!(refused(&format!("[shadows]\nsample = 3\n{CLOUD}")).contains("did you mean `samples`?"));
+}
+
+/// The settings of a cloud with these keys, under a method that reads them, and the warnings.
+fn field_of(keys: &str) -> (Option<Field>, Vec<String>) {
+    let scene = with_method("soft-base", keys);
+    (scene.clouds[0].field.clone(), scene.warnings)
+}
+
+fn with_method(method: &str, keys: &str) -> Scene {
+    read(&format!("[method]\nname = {method:?}\n{CLOUD}{keys}\n")).unwrap()
+}
+
+#[test]
+fn fields_are_read() {
+    let quiet = |field| (Some(field), Vec::new());
+    assert_eq!(field_of(""), (None, Vec::new()));
+    assert_eq!(field_of("field = \"uncertainty\""), quiet(Field::Uncertainty));
+    assert_eq!(field_of("field = \"intensity\""), quiet(Field::Intensity));
+    assert_eq!(field_of("field = \"height\""), quiet(Field::Property { name: "height".into() }));
+    let classes = field_of("field = \"classification\"\nsoft_classes = [5, 3, 3, 255]");
+    assert_eq!(classes, quiet(Field::Classification { classes: vec![3, 5, 255] }));
+    let axis = |point, direction| quiet(Field::DistanceToAxis { point, direction });
+    assert_eq!(field_of("field = \"distance-to-axis\""), axis(None, None));
+    let both = field_of("field = \"distance-to-axis\"\naxis = { point = [1, 2, 3.5], direction = [0, 0, 2] }");
+    assert_eq!(both, axis(Some([1.0, 2.0, 3.5]), Some([0.0, 0.0, 2.0])));
+}
+
+#[test]
+fn keys_of_fields_that_have_no_effect_warn() {
+    let warning = |keys: &str| {
+        let (_, warnings) = field_of(keys);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        warnings[0].clone()
+    };
+    assert!(warning("soft_classes = [3]").contains(":5:16: `soft_classes` has no effect without field = "));
+    assert!(warning("field = \"intensity\"\naxis = {}").contains("`axis` has no effect without field = "));
+    let scene = with_method("abuffer", "field = \"classification\"\nsoft_classes = [3, 4]");
+    assert_eq!(scene.warnings.len(), 2);
+    assert!(scene.warnings[0].contains("method \"abuffer\" does not use `field`"), "{:?}", scene.warnings);
+    // Wrong all the same.
+    assert!(refused(&format!("{CLOUD}field = \"classification\"\n")).contains("needs soft_classes"));
+    assert!(refused(&format!("{CLOUD}field = \"\"\n")).contains("a string that is not empty"));
 }
 
 #[test]
@@ -313,6 +355,104 @@ fn radii_are_estimated_after_the_scale() {
     // Eq. 20 at the end of the line: its 4 neighbors reach to 4, so 2·4/sqrt(4).
     assert_eq!(radius(1.0), 4.0);
     assert_eq!(radius(1000.0), 4000.0);
+}
+
+const SOFT: &str = "[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"a\"\n";
+
+/// F of the points of one cloud by their x, under a soft method.
+fn fields(cloud: &Cloud, keys: &str) -> Vec<f32> {
+    let points = assembled(&format!("{SOFT}{keys}"), vec![cloud.clone()], true);
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points.positions[a].x.total_cmp(&points.positions[b].x));
+    order.into_iter().map(|i| points.fields[i]).collect()
+}
+
+fn with_properties() -> Cloud {
+    Cloud {
+        positions: (0..5).map(|i| DVec3::new(f64::from(i), 2.0, f64::from(i % 2))).collect(),
+        classification: Some(vec![2, 3, 4, 5, 3]),
+        intensity: Some(vec![0.0, 100.0, 50.0, 200.0, 25.0]),
+        scalars: vec![
+            ("share".into(), vec![0.5, 0.25, 1.0, 0.75, 0.5]),
+            ("pulse width".into(), vec![-1.0, 0.0, 3.0, f32::NAN, f32::INFINITY]),
+            ("constant".into(), vec![7.0; 5]),
+        ],
+        ..Cloud::default()
+    }
+}
+
+#[test]
+fn fields_of_every_kind() {
+    let cloud = with_properties();
+    assert_eq!(fields(&cloud, "field = \"classification\"\nsoft_classes = [3, 5]"), [0.0, 1.0, 0.0, 1.0, 1.0]);
+    assert_eq!(fields(&cloud, "field = \"classification\"\nsoft_classes = []"), [0.0; 5]);
+    assert_eq!(fields(&cloud, "field = \"intensity\""), [0.0, 0.5, 0.25, 1.0, 0.125]);
+    assert_eq!(fields(&cloud, "field = \"share\""), [0.5, 0.25, 1.0, 0.75, 0.5], "within [0, 1]: as stored");
+    assert_eq!(fields(&cloud, "field = \"pulse width\""), [0.0, 0.25, 1.0, 0.0, 1.0], "NaN 0, infinity 1");
+    assert_eq!(fields(&cloud, "field = \"pulse_width\""), [0.0, 0.25, 1.0, 0.0, 1.0], "as PLY files spell it");
+    assert_eq!(fields(&cloud, "field = \"constant\""), [0.0; 5]);
+    assert_eq!(fields(&cloud, "field = \"x\""), [0.0, 0.25, 0.5, 0.75, 1.0]);
+    assert_eq!(fields(&cloud, "field = \"label\""), [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0 / 3.0], "the codes");
+    // The vertical through the centre (2, 2, 0.5) is along Y: distances √(4.25), √(1.25), 0.5, √(1.25), √(4.25).
+    let [near, middle, far] = [0.5f64, 1.25f64.sqrt(), 4.25f64.sqrt()];
+    let share = ((middle - near) / (far - near)) as f32;
+    assert_eq!(fields(&cloud, "field = \"distance-to-axis\""), [1.0, share, 0.0, share, 1.0]);
+    let axis = "field = \"distance-to-axis\"\naxis = { point = [0, 7, 0], direction = [0, 0, -3] }";
+    assert!(fields(&cloud, axis).is_sorted(), "5 from each, and x beside");
+}
+
+#[test]
+fn an_axis_is_in_the_scenes_coordinates() {
+    let cloud = with_properties();
+    let keys = |point: &str, more: &str| {
+        format!("field = \"distance-to-axis\"\naxis = {{ point = {point}, direction = [0, 0, 1] }}\n{more}")
+    };
+    let moved = keys("[500004, 4500008, 0]", "scale = 2\ntranslate = [500000, 4500000, 100]");
+    assert_eq!(fields(&cloud, &moved), fields(&cloud, &keys("[2, 4, 0]", "")));
+    assert_ne!(fields(&cloud, &moved), fields(&cloud, &keys("[2, 5, 0]", "")));
+}
+
+#[test]
+fn methods_without_soft_points_get_no_fields() {
+    let cloud = with_properties();
+    assert!(assembled("[[cloud]]\npath = \"a\"\nfield = \"nonsense\"", vec![cloud], true).fields.is_empty());
+}
+
+#[test]
+fn fields_are_scaled_cloud_by_cloud_and_dropped_with_their_points() {
+    let cloud = |values: [f32; 2]| Cloud {
+        positions: vec![DVec3::X, DVec3::X * 1e300],
+        scalars: vec![("v".into(), values.to_vec())],
+        ..Cloud::default()
+    };
+    let text = format!("{SOFT}field = \"v\"\n[[cloud]]\npath = \"b\"\nfield = \"v\"\nscale = 1e10");
+    let points = assembled(&text, vec![cloud([0.0, 2.0]), cloud([9.0, 3.0])], true);
+    let field = |x: f64| points.fields[points.positions.iter().position(|p| p.x == x).unwrap()];
+    assert_eq!((points.len(), points.fields.len()), (3, 3));
+    assert_eq!([1.0, 1e300, 1e10].map(field), [0.0, 1.0, 1.0]);
+}
+
+#[test]
+fn clouds_that_lack_what_a_field_needs_are_refused_by_name() {
+    let refused = |cloud: Cloud, keys: &str| {
+        let scene = scene_of(&format!("{SOFT}{keys}"));
+        let error = assemble(&scene, vec![cloud], true, &ProgressBar::hidden()).unwrap_err();
+        assert_eq!(error.exit_status(), 1, "the scene is fine, the file lacks something: {error}");
+        error.to_string()
+    };
+    let bare = || Cloud { classification: None, intensity: None, ..with_properties() };
+    let message = refused(bare(), "field = \"classification\"\nsoft_classes = [3]");
+    let there = "it has share, pulse width, constant, x, y, z";
+    assert_eq!(message, format!("a: field = \"classification\" needs classes, but the file has none; {there}"));
+    assert_eq!(
+        refused(bare(), "field = \"intensity\""),
+        format!("a: field = \"intensity\", but the file has none; {there}")
+    );
+    let message = refused(with_properties(), "field = \"shape\"");
+    assert_eq!(message, "a: no scalar property `shape` for field; did you mean `share`?");
+    let message = refused(with_properties(), "field = \"temperature\"");
+    let all = "classification, intensity, share, pulse width, constant, x, y, z";
+    assert_eq!(message, format!("a: no scalar property `temperature` for field; the file has: {all}"));
 }
 
 #[test]

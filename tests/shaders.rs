@@ -3,6 +3,8 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::soft::express::{self, Way};
+use pellucid::methods::soft::{self, Interior};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
     abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
@@ -11,7 +13,7 @@ use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Part, Projecting};
 use pellucid::passes::{radix, raster, scan, tiles};
-use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel};
+use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel, Shells};
 use pellucid::{gpu_struct, pass};
 
 /// Sizes of subgroups that a device may have.
@@ -74,6 +76,38 @@ fn blend_variants() -> Vec<Variant> {
         .collect()
 }
 
+/// The variants of `soft/express`.
+fn express_variants() -> Vec<Variant> {
+    let stops = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
+    let ways = stops.flat_map(|(stop, cut)| {
+        (0..8).map(move |i| Way { stop, cut, modulated: i & 1 != 0, counted: i & 2 != 0, later: i & 4 != 0 })
+    });
+    ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
+}
+
+const INTERIORS: [Interior; 3] =
+    [Interior::Linear, Interior::Shells(Shells::Adaptive, 4.0), Interior::Shells(Shells::Fixed(5), 4.0)];
+
+/// The variants of a pass that visits the pixels of spheres.
+fn sphere_variants(of: fn(Variant, Interior, bool) -> Variant) -> Vec<Variant> {
+    let walkers = || ["walk_small", "walk_tiles"].map(|w| raster::variant(Footprint::Sphere, w).with("SEGMENT", 512));
+    let variants = INTERIORS.iter().flat_map(|i| [false, true].map(|cut| walkers().map(|w| of(w, *i, cut))));
+    variants.flatten().collect()
+}
+
+/// The variants of a pass that blends spheres.
+fn interior_variants(of: impl Fn(Interior, bool, Cut) -> Variant) -> Vec<Variant> {
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    let modulated = INTERIORS.iter().flat_map(|i| [false, true].map(|m| (*i, m)));
+    modulated.flat_map(|(i, m)| cuts.map(|cut| of(i, m, cut))).collect()
+}
+
+/// The variants of the kernels for events of spheres, of up to the lengths that `wanted` picks.
+fn sphere_kernels(wanted: fn(u32) -> bool) -> Vec<Variant> {
+    let capacities = soft::classes().map(|(_, (capacity, _))| capacity).filter(|c| wanted(*c));
+    capacities.flat_map(|c| interior_variants(|i, m, cut| soft::resolve_variant(i, m, cut, 1, c))).collect()
+}
+
 /// The variants of the draws of `stochastic`.
 fn draw_variants() -> Vec<Variant> {
     let shapes = [Footprint::Disc, Footprint::Oriented];
@@ -129,7 +163,7 @@ fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant>
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
-    let project = FOOTPRINTS.iter().flat_map(|f| {
+    let project = FOOTPRINTS.iter().chain(&[Footprint::Sphere]).flat_map(|f| {
         projectings(*f).into_iter().flat_map(|how| [false, true].map(|n| project::project_variant(&how, n)))
     });
     check::<project::Project>(&mut seen, project);
@@ -139,7 +173,7 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<scan::Spread>(&mut seen, scan::variants());
     check::<abuffer::Count>(&mut seen, raster_variants());
     check::<abuffer::Store>(&mut seen, raster_variants());
-    check::<abuffer::Measure>(&mut seen, [abuffer::measure_variant()]);
+    check::<abuffer::Measure>(&mut seen, [0, 256].map(abuffer::measure_variant));
     let classes = || [abuffer::class_variant()];
     check::<abuffer::Classify>(&mut seen, classes());
     check::<abuffer::Groups>(&mut seen, classes());
@@ -175,6 +209,9 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<radix::Scatter>(&mut seen, SUBGROUPS.map(radix::scatter_variant));
     check::<bin::Keys>(&mut seen, [Order::Depth, Order::Index, Order::File].map(bin::keys_variant));
     check::<bin::Gather>(&mut seen, compose_variants());
+    check::<bin::Pick>(&mut seen, SUBGROUPS.map(bin::presorted_variant));
+    check::<bin::Place>(&mut seen, SUBGROUPS.map(bin::presorted_variant));
+    check::<express::Express>(&mut seen, express_variants());
     check::<bin::TileCount>(&mut seen, [bin::tile_variant()]);
     check::<bin::Measure>(&mut seen, [Variant::plain()]);
     check::<bin::TileStore>(&mut seen, SUBGROUPS.map(|size| bin::tile_variant().subgroup(size)));
@@ -202,6 +239,15 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<one_layer::Compose>(&mut seen, [Variant::plain()]);
     check::<abuffer::CountTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
     check::<abuffer::StoreTiles>(&mut seen, SUBGROUPS.map(bin::gather_variant));
+    check::<soft::Count>(&mut seen, sphere_variants(soft::count_variant));
+    check::<soft::Store>(&mut seen, sphere_variants(soft::store_variant));
+    check::<soft::ResolveNetwork>(&mut seen, sphere_kernels(abuffer::is_network));
+    check::<soft::ResolveMerge>(&mut seen, sphere_kernels(|c| !abuffer::is_network(c)));
+    check::<soft::SumRuns>(&mut seen, interior_variants(soft::run_variant));
+    check::<soft::Carry>(&mut seen, [Variant::plain()]);
+    check::<soft::Segments>(&mut seen, interior_variants(|_, modulated, cut| soft::segments_variant(modulated, cut)));
+    check::<soft::BlendRuns>(&mut seen, interior_variants(soft::run_variant));
+    check::<soft::Compose>(&mut seen, [Variant::plain()]);
     let falloffs = [Falloff::Flat, Falloff::Gaussian];
     let ordered = falloffs.iter().flat_map(|f| (1..4).map(|stop| abuffer::ordered_variant(*f, stop)));
     check::<abuffer::ResolveOrdered>(&mut seen, ordered);
@@ -220,10 +266,15 @@ fn every_compute_shader_has_the_common_workgroup() {
             "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
             "approximate/hybrid_oriented" => round_variants().remove(0),
             other if other.starts_with("approximate/") => sum_variants().remove(0),
+            "soft/express" => express_variants().remove(0),
+            "bin/pick" | "bin/place" => bin::presorted_variant(SUBGROUPS[0]),
             "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
+            other if other.starts_with("soft/resolve") => {
+                soft::resolve_variant(Interior::Linear, false, Cut { parts: 1, len: 1 }, 1, 128)
+            }
             _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
         };
         let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
@@ -236,6 +287,9 @@ fn every_compute_shader_has_the_common_workgroup() {
             let by_subgroup = [
                 "radix/scatter",
                 "sorted/blend",
+                "soft/express",
+                "bin/pick",
+                "bin/place",
                 "bin/tile_store",
                 "abuffer/count_tiles",
                 "abuffer/store_tiles",

@@ -1,7 +1,6 @@
 // abuffer/measure: the longest list, and how many fragments lie in long ones. One invocation per run of RUN pixels, so
 // that few atomics meet.
 #import dispatch
-#import long_list
 
 struct Lengths {
     longest: atomic<u32>,
@@ -16,6 +15,8 @@ struct Push {
 @group(0) @binding(1) var<storage, read_write> lengths: Lengths;
 var<immediate> push: Push;
 override RUN: u32 = 64u;
+// Lists of more fragments are long ones.
+override LONG: u32 = 256u;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -33,7 +34,7 @@ fn main(
     for (var i = start; i < end; i++) {
         let count = counts[i];
         most = max(most, count);
-        in_long += select(0u, count, count > RUN_LENGTH);
+        in_long += select(0u, count, count > LONG);
     }
     atomicMax(&lengths.longest, most);
     if in_long > 0u {

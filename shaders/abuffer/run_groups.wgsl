@@ -7,7 +7,9 @@ const MOST = 65535u;
 
 @compute @workgroup_size(1)
 fn main() {
-    let run_groups = (atomicLoad(&work.run_count) + WG_SIZE - 1u) / WG_SIZE;
+    let runs = atomicLoad(&work.run_count);
+    work.whole_groups = array<u32, 3>(min(runs, MOST), (runs + MOST - 1u) / MOST, 1u);
+    let run_groups = (runs + WG_SIZE - 1u) / WG_SIZE;
     work.run_groups = array<u32, 3>(min(run_groups, MOST), (run_groups + MOST - 1u) / MOST, 1u);
     let list_groups = (atomicLoad(&work.list_count) + WG_SIZE - 1u) / WG_SIZE;
     work.list_groups = array<u32, 3>(min(list_groups, MOST), (list_groups + MOST - 1u) / MOST, 1u);

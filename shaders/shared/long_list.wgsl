@@ -11,12 +11,15 @@ struct ListRun {
     pixel: u32,
 }
 
-// Indirect arguments of the passes over runs and over lists, each followed by its count.
+// Indirect arguments of the passes over runs and over lists, each followed by its count; and of those that give a workgroup
+// to each run.
 struct LongWork {
     run_groups: array<u32, 3>,
     run_count: atomic<u32>,
     list_groups: array<u32, 3>,
     list_count: atomic<u32>,
+    whole_groups: array<u32, 3>,
+    unused: u32,
 }
 
 // A long list: its pixel, and its runs in the list of runs.

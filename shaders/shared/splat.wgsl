@@ -5,6 +5,8 @@ const SHAPE_DISC = 0u;
 const SHAPE_ORIENTED = 1u;
 const SHAPE_SQUARE = 2u;
 const SHAPE_POINT = 3u;
+// A soft sphere (shared/sphere.wgsl): no pixel is always covered.
+const SHAPE_SPHERE = 4u;
 override SHAPE: u32 = 0u;
 
 struct Splat {
@@ -14,9 +16,9 @@ struct Splat {
     fraction_y: f32,
     // Column (low 16 bits) and row of that pixel, signed; a centre farther out has a fraction beyond [0, 1).
     pixel: u32,
-    // z of the centre.
+    // z of the centre; of a sphere relative to that in the view.
     depth: f32,
-    // In pixels.
+    // In pixels; of a sphere in world units.
     radius: f32,
 }
 
@@ -122,8 +124,8 @@ const SMALL_AREA = 1024u;
 // Side of a tile in pixels. Tiles start at the corner of the rectangle in work.
 const TILE = 16u;
 // Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that
-// lavapipe allows.
-const SEGMENT = 4096u;
+// lavapipe allows. A stage that loops for each pixel takes fewer.
+override SEGMENT: u32 = 4096u;
 
 fn tile_columns(window: vec4<u32>) -> u32 {
     return (window.z - window.x + TILE - 1u) / TILE;

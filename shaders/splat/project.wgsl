@@ -56,10 +56,35 @@ fn extent_perspective(slope: f32, n: f32, n_z: f32, depth: f32, radius: f32) -> 
     return vec2<f32>(max((root - squared * b) / a, 0.0), max((root + squared * b) / a, 0.0));
 }
 
+// Half extent of a sphere along one axis of the screen, at depth 1, as (below, above) the projected centre: the planes through
+// the eye and a line x = const that touch it. `ratio` = r / z.
+fn extent_sphere(slope: f32, ratio: f32) -> vec2<f32> {
+    // A sphere that reaches the eye's plane may cover any part of the screen.
+    if !(ratio < 0.999) {
+        return vec2<f32>(HUGE);
+    }
+    let squared = ratio * ratio;
+    let shift = slope * squared;
+    let half = ratio * sqrt(1.0 + slope * slope - squared);
+    return vec2<f32>(max(half - shift, 0.0), max(half + shift, 0.0)) / ((1.0 - ratio) * (1.0 + ratio));
+}
+
 // Distances from the projected centre to the left, top, right and bottom of the covered area, in pixels.
 fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     if SHAPE == SHAPE_POINT {
         return vec4<f32>(0.0);
+    }
+    if SHAPE == SHAPE_SPHERE {
+        var reach = vec4<f32>(splat.radius * view.focal.x);
+        if view.orthographic == 0u {
+            let depth = splat.depth + view.eye_hi.w;
+            let slope = center / view.focal.x;
+            let x = extent_sphere(slope.x, splat.radius / depth);
+            let y = extent_sphere(slope.y, splat.radius / depth);
+            reach = vec4<f32>(x.x, y.x, x.y, y.y) * view.focal.x;
+        }
+        // The exact test follows per pixel.
+        return reach + (0.01 + 1e-5 * (reach + abs(center.xyxy)));
     }
     if SHAPE == SHAPE_ORIENTED && any(tilt.normal.xyz != vec3<f32>(0.0)) {
         let n = tilt.normal.xyz;
@@ -83,14 +108,15 @@ fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<u32> {
     let reach = extents(splat, tilt, center);
     let pixel = center_pixel(splat);
     let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own.
+    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own, but for spheres.
     let limit = vec2<f32>(65536.0);
     let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5), -limit, limit));
     let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));
     let window_low = vec2<i32>(view.window.xy);
     let window_high = vec2<i32>(view.window.zw);
-    let l = vec2<u32>(clamp(min(low, pixel), window_low, window_high));
-    let h = vec2<u32>(clamp(max(high, pixel) + 1, window_low, window_high));
+    let always = SHAPE != SHAPE_SPHERE;
+    let l = vec2<u32>(clamp(select(low, min(low, pixel), always), window_low, window_high));
+    let h = vec2<u32>(clamp(select(high, max(high, pixel), always) + 1, window_low, window_high));
     return select(vec4<u32>(0u), vec4<u32>(l, h), all(l < h));
 }
 
@@ -107,8 +133,13 @@ fn project(i: u32) -> vec2<u32> {
     let point = locate(hi.xyz, lo.xyz);
     let position = rounded(point.place);
     let pixel = bitcast<u32>(point.column.pixel & 0xffff | point.row.pixel << 16u);
-    let radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
-    let splat = Splat(point.column.fraction, point.row.fraction, pixel, position.z, radius);
+    var radius = min(hi.w * view.radius_limits.x, HUGE);
+    var depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0)).x;
+    if SHAPE != SHAPE_SPHERE {
+        depth = position.z;
+        radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
+    }
+    let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth, radius);
     var tilt = Tilt(vec4<f32>(0.0));
     if NORMALS != 0u {
         let normal = turned(normals[i].xyz);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid::cloud::Cloud;
+use pellucid::cloud::{Cloud, Prepared};
 use pellucid::{Result, io};
 use serde_json::{Value, json};
 
@@ -18,7 +18,8 @@ pub struct InfoArgs {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
-    /// classes maps a code to its points. Several files: an array of these, each with `file`.
+    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
+    /// where quantiles has the F that so many points don't exceed. Several files: an array of these, each with `file`.
     #[arg(long)]
     json: bool,
 }
@@ -32,6 +33,9 @@ pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
     progress.finish_and_clear();
+    for (file, cloud) in &clouds {
+        cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{}: {warning}", file.display())));
+    }
     match (args.json, clouds.as_slice()) {
         (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
         (true, clouds) => print_json(&clouds.iter().map(|(file, cloud)| with_file(file, cloud)).collect())?,
@@ -52,6 +56,7 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
         ("radius", cloud.radii.is_some()),
         ("classification", cloud.classification.is_some()),
         ("intensity", cloud.intensity.is_some()),
+        ("field", cloud.prepared.is_some()),
     ];
     let usual = usual.into_iter().filter(|(_, given)| *given).map(|(name, _)| name);
     usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
@@ -69,13 +74,44 @@ fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
 fn to_json(cloud: &Cloud) -> Value {
     let classes: serde_json::Map<_, _> =
         classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
-    json!({
+    let mut value = json!({
         "points": cloud.len() + cloud.non_finite,
         "non_finite": cloud.non_finite,
         "bounds": cloud.bounds().map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() })),
         "attributes": attributes(cloud),
         "classes": classes,
-    })
+    });
+    if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
+        let quantiles: serde_json::Map<_, _> = quantiles(prepared)
+            .into_iter()
+            .map(|(share, threshold)| (share.to_string(), f64::from(threshold).into()))
+            .collect();
+        let prepared = json!({
+            "neighbors": prepared.neighbors,
+            "estimated_radii": prepared.estimated_radii,
+            "field": prepared.field,
+            "quantiles": quantiles,
+        });
+        object.insert("prepared".to_owned(), prepared);
+    }
+    value
+}
+
+/// Thresholds with the share of points whose F is at most that: 1 less it are soft.
+fn quantiles(prepared: &Prepared) -> Vec<(f64, f32)> {
+    let mut values = prepared.values.clone();
+    values.sort_unstable_by(f32::total_cmp);
+    let last = |share: f64| ((share * values.len() as f64).ceil() as usize).saturating_sub(1);
+    let at = |share: f64| values.get(last(share)).copied().unwrap_or_default();
+    [0.5, 0.75, 0.9, 0.99].into_iter().map(|share| (share, at(share))).collect()
+}
+
+fn prepared_text(prepared: &Prepared) -> String {
+    let radii = if prepared.estimated_radii { "radii and field" } else { "field" };
+    let quantile = |(share, threshold)| format!("{:.0}% above {threshold:.3}", 100.0 * (1.0 - share));
+    let above: Vec<_> = quantiles(prepared).into_iter().map(quantile).collect();
+    let (name, k) = (prepared.field.name(), prepared.neighbors);
+    format!("\n  prepared    {radii}, {k} neighbors\n  field       {name}: {}", above.join(", "))
 }
 
 fn with_file(file: &Path, cloud: &Cloud) -> Value {
@@ -103,5 +139,6 @@ fn to_text(file: &Path, cloud: &Cloud) -> String {
     if !classes.is_empty() {
         let _ = write!(text, "\n  classes     {}", classes.join(", "));
     }
+    cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
     text + "\n"
 }

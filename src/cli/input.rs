@@ -151,6 +151,7 @@ pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<R
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, talk);
     }
+    scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
     let up = scene::up_axis(&clouds);
     let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), progress)?;
     let (camera, warnings) = scene::camera(&scene, &points, up)?;
@@ -182,10 +183,12 @@ fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Resu
     Ok((scene, clouds))
 }
 
-fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
+/// Says what was read and what was odd about it.
+pub fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
     let path = path.display();
     talk.detail(format_args!("{path}: {} points", cloud.len()));
     if cloud.non_finite > 0 {
         talk.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
+    cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{path}: {warning}")));
 }

@@ -8,6 +8,7 @@ mod input;
 mod limit;
 mod noise;
 mod plan;
+mod prepare;
 mod profile;
 mod render;
 mod scene;
@@ -51,6 +52,8 @@ enum Command {
     Tradeoff(tradeoff::TradeoffArgs),
     /// Print which passes a frame would have, and why.
     Plan(plan::PlanArgs),
+    /// Compute radii and the field of soft transparency once, and store them with the cloud.
+    Prepare(prepare::PrepareArgs),
     /// Print what point-cloud files hold.
     Info(info::InfoArgs),
     /// Write one of the built-in scenes.
@@ -103,6 +106,7 @@ pub fn run() -> Result<ExitCode> {
         Command::Stress(args) => stress::run(args, talk),
         Command::Tradeoff(args) => tradeoff::run(args, talk),
         Command::Plan(args) => plan::run(args, talk),
+        Command::Prepare(args) => prepare::run(args, talk),
         Command::Info(args) => info::run(args, talk),
         Command::Scene(args) => scene::run(args, talk),
         Command::Devices(args) => devices::run(args, talk),

@@ -71,6 +71,20 @@ pub enum Error {
         /// Fragments of the longest list that is sorted in place.
         most: u32,
     },
+    /// More points than events of soft spheres can name.
+    #[error(
+        "{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do"
+    )]
+    TooManySpheres {
+        /// Points of the scene.
+        points: u64,
+        /// The method.
+        method: &'static str,
+        /// Shells of a sphere.
+        shells: u32,
+        /// Points that can be told apart.
+        limit: u64,
+    },
     /// One pixel alone overflows the 32-bit counters.
     #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]
     PixelOverflow {

@@ -10,7 +10,8 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
-use super::soft::{LAYER_BYTES, Layer};
+use super::soft::express::{self, SoftDiscs};
+use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
 use super::splats::{self, Pixels, Splatter};
@@ -26,9 +27,10 @@ use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::scene::{
     BlendedSplats, ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, OneLayer, Raster,
-    ScreenSplats, Shading, Stochastic,
+    ScreenSplats, Shading, Soft, SoftLayout, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -111,10 +113,18 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
+    /// Longest list as it is sorted: a soft sphere has several fragments there, but counts once in the numbers above.
+    pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
+    /// Points that are not soft, of methods that tell; the others are.
+    pub solid_points: u64,
+    /// Splats of soft points among the visible ones.
+    pub soft_visible: u64,
+    /// Splats of soft points among the large ones.
+    pub soft_large: u64,
     /// Bytes of the fragment buffer.
     pub fragment_bytes: u64,
     /// Bands over all windows; windows with anything in them, if splats are sorted.
@@ -272,11 +282,15 @@ pub struct Renderer {
     approximations: Approximations,
     opaque: Opaque,
     splatter: Splatter,
-    layer: Layer,
     peeler: Peeler,
     sampler: Sampler,
     tiles: Tiles,
     target: Target,
+    /// The solid points of a window that has soft ones.
+    layer: Layer,
+    discs: SoftDiscs,
+    /// Whether the soft points of the last window were counted.
+    soft_counted: bool,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
@@ -297,11 +311,13 @@ impl Renderer {
             approximations: Approximations::default(),
             opaque: Opaque::default(),
             splatter: Splatter::default(),
-            layer: Layer::default(),
             peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
             tiles: Tiles::new(device)?,
             target: Target::new(),
+            layer: Layer::default(),
+            discs: SoftDiscs::default(),
+            soft_counted: false,
             spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -330,6 +346,11 @@ impl Renderer {
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
         self.device.reset_peak();
+        if let Method::SoftExpress(soft) = frame.method
+            && cloud.parts(soft.threshold).soft > 0
+        {
+            cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
+        }
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
@@ -357,7 +378,8 @@ impl Renderer {
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
-        let lengths = image.fragments.as_deref().unwrap_or_default();
+        // Lists of soft spheres are of events, whose numbers are not those of the image.
+        let lengths = image.fragments.as_deref().filter(|_| frame.method.discs().is_some()).unwrap_or_default();
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
@@ -444,6 +466,9 @@ impl Renderer {
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
             _ => {}
         }
+        if let Some(soft) = frame.method.soft() {
+            return self.soft(cloud, frame, *soft, work);
+        }
         let stats = self.project(cloud, frame, window, work.timeline)?;
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
         let tiled = frame.method.is_tiled();
@@ -482,8 +507,7 @@ impl Renderer {
                 }
                 Outcome::Done
             }
-            Method::SoftBase(_) | Method::SoftConcentric(_) => return Err(Error::NotYet { name: frame.method.name() }),
-            Method::SoftExpress(_) => return Err(Error::NotYet { name: frame.method.name() }),
+            Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
@@ -633,7 +657,6 @@ impl Renderer {
 
     /// Draws a window's solid points into the layer, or nothing where none is to be seen, without any pass over splats. Of its
     /// facts `windows` stays as it is: soft points follow.
-    #[allow(dead_code, reason = "the soft methods call it")]
     fn solid_layer(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -718,7 +741,17 @@ impl Renderer {
         let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
         let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
         let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
-        if work.survey {
+        if work.survey && frame.method.soft().is_some() {
+            // What the bins hold, lists cannot: it decides about their bands.
+            return match self.bins.bin(&self.device, &bin, work.timeline, facts)? {
+                Bin::TooLarge => Ok(Outcome::Overflow),
+                Bin::Nothing => Ok(Outcome::Done),
+                Bin::Done(_) => {
+                    facts.splatted += 1;
+                    Ok(Outcome::Done)
+                }
+            };
+        } else if work.survey {
             return splats::survey(&self.device, &bin, facts);
         }
         let (into, layer) = match onto {
@@ -740,6 +773,146 @@ impl Renderer {
             self.progress.inc(pixels);
         }
         Ok(Outcome::Done)
+    }
+
+    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
+    fn soft(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let parts = cloud.parts(soft.threshold);
+        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
+        let mut facts = work.facts.clone();
+        facts.solid_points = parts.solid;
+        self.soft_counted = false;
+        let Work { window, budget, survey, .. } = *work;
+        let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
+        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut both)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let outcome = if parts.soft > 0 {
+            self.soft_points(cloud, frame, soft, &mut both)?
+        } else {
+            self.only_solids(&mut both)?
+        };
+        if outcome == Outcome::Done {
+            *work.facts = facts;
+        }
+        Ok(outcome)
+    }
+
+    /// A window without soft points from its layer.
+    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        if !work.survey {
+            let mut recorder = self.device.recorder()?;
+            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
+            soft::record_compose(&mut recorder, &self.layer, &self.target, bands::pixels(work.window))?;
+            work.timeline.add(recorder.submit("solid points alone")?);
+        }
+        work.facts.note(&[], Walker::Compute);
+        self.read_back(work)
+    }
+
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let Some(interior) = Interior::of(&frame.method) else {
+            return self.soft_discs(cloud, frame, soft, work);
+        };
+        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
+            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
+        }
+        let window = work.window;
+        let parts = cloud.parts(soft.threshold);
+        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let Some(mut budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
+            return Ok(Outcome::Overflow);
+        };
+        if parts.solid > 0 {
+            budget.tiles += self.bins.bytes();
+        }
+        self.tiles.reserve(&self.device, &stats, window)?;
+        let walker = Walker::Compute;
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let solid = parts.solid > 0;
+        let spheres = Spheres {
+            interior,
+            model,
+            modulated: soft.modulation.is_some(),
+            most_radius: cloud.most_radius() * frame.factors.radius,
+            layer: solid.then_some(&self.layer),
+        };
+        spheres.check(&frame.method, cloud.len())?;
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let storing = Storing::Spheres(spheres);
+        let lists =
+            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
+        let outcome = if work.survey {
+            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
+        } else {
+            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
+        };
+        self.soft_counted = true;
+        work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
+        work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
+        work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+
+    /// The same where soft points are discs in a presorted order.
+    fn soft_discs(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let window = work.window;
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let parts = cloud.parts(soft.threshold);
+        let (device, walker) = (&self.device, Walker::Compute);
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let counts = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
+        // Solid points are sorted, and what that took is still there.
+        let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
+        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
+        let outcome = if work.survey {
+            Bins::survey(device, &bin, work.facts)?
+        } else {
+            let job = express::WindowJob {
+                bin,
+                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
+                modulated: soft.modulation.is_some(),
+                layer: (parts.solid > 0).then_some(&self.layer),
+                counted: frame.fragments,
+                color: frame.color,
+                most_color: cloud.most_color(&how),
+                stop: frame.stop,
+            };
+            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
+        };
+        if outcome == Outcome::Done {
+            self.soft_counted = true;
+            work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
+            self.progress.inc(bands::pixels(window));
+            work.facts.note(&stats, walker);
+        }
+        Ok(outcome)
     }
 
     fn project(
@@ -818,6 +991,14 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
+        } else if let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.soft()) {
+            match Interior::of(&frame.method).filter(|_| self.soft_counted) {
+                Some(interior) => {
+                    place_counts(frame, window, &self.abuffer.read_spheres(window, interior)?, fragments);
+                }
+                None if self.soft_counted => place_counts(frame, window, self.discs.counts(), fragments),
+                None => {}
+            }
         } else if let Some(fragments) = &mut image.fragments {
             place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
         }
@@ -868,6 +1049,10 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
+        method if method.soft().is_some() => {
+            let own = Interior::of(&method).map_or(soft::LAYER_BYTES, |interior| soft::pixel_bytes(interior, true));
+            abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + own
+        }
         method if splatting_bytes(&method) > 0 => bin::PIXEL_BYTES + splatting_bytes(&method),
         method if method.is_tiled() => {
             let counted = if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES };
@@ -946,8 +1131,8 @@ enum Onto {
 fn splatting_bytes(method: &Method) -> u64 {
     match method {
         Method::Hqs(_) | Method::Splats(_) => splats::PIXEL_BYTES,
-        Method::OneLayer(_) => splats::PIXEL_BYTES + LAYER_BYTES,
-        method if method.soft().is_some() => splats::PIXEL_BYTES + LAYER_BYTES,
+        Method::OneLayer(_) => splats::PIXEL_BYTES + soft::LAYER_BYTES,
+        method if method.soft().is_some() => splats::PIXEL_BYTES + soft::LAYER_BYTES,
         _ => 0,
     }
 }
@@ -966,7 +1151,8 @@ struct Work<'a> {
 fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
-    let fragments = (frame.fragments && frame.method.discs().is_some()).then(|| vec![0; pixels]);
+    let listed = frame.method.discs().is_some() || frame.method.soft().is_some();
+    let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
@@ -1016,6 +1202,13 @@ fn projecting_of(
         shading: frame.shading,
         color: frame.color,
     }
+}
+
+/// How the soft points become splats.
+fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
+    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
+    let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
+    Projecting { footprint, part, ..projecting(frame, cloud) }
 }
 
 /// Radii as they are.
@@ -1084,6 +1277,8 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "abuffer/order" => Some(pixels * 8),
         "splat/clear" if !transparent && splatting_bytes(&frame.method) == 0 => Some(pixels * 8),
         "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
+        "soft/count" => Some(walks + facts.fragments * 8),
+        "soft/compose" => Some(pixels * 3 * 20),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => match frame.method {
@@ -1099,6 +1294,9 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
                 let binned = Facts { bands: facts.splatted, ..facts.clone() };
                 bin::least_bytes(name, runs, &binned, splat)
                     .or_else(|| splats::least_bytes(name, facts, oriented, pixels))
+            }
+            Method::SoftExpress(_) if facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&name) => {
+                bin::least_bytes(name, runs, facts, splat)
             }
             // How many splats are solid is not known.
             method if method.threshold().is_some() => None,

@@ -111,7 +111,21 @@ impl<'a> Raster<'a> {
         band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
-        self.record_visits(recorder, band, stage, None)
+        self.record_visits(recorder, self.visits(band, SEGMENT), stage, None, |variant| variant)
+    }
+
+    /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large splats of
+    /// a tile, at most [`SEGMENT`].
+    pub fn record_variant<P: Pass + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        band: &Band,
+        stage: impl Fn(Chunk<'a>) -> P,
+        segment: u32,
+        with: impl Fn(Variant) -> Variant,
+    ) -> Result<(), Error> {
+        let with = |variant| with(variant).with("SEGMENT", segment);
+        self.record_visits(recorder, self.visits(band, segment), stage, None, with)
     }
 
     /// Records a stage as [`Self::record`] does, but with the sizes of its dispatches or draws from a buffer: as many
@@ -123,7 +137,7 @@ impl<'a> Raster<'a> {
         stage: impl Fn(Chunk<'a>) -> P,
         arguments: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        self.record_visits(recorder, band, stage, Some(arguments))
+        self.record_visits(recorder, self.visits(band, SEGMENT), stage, Some(arguments), |variant| variant)
     }
 
     /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first word is 0.
@@ -132,7 +146,7 @@ impl<'a> Raster<'a> {
             Amount::Compute(dispatch) => recorder.arguments(visit.walker, dispatch),
             Amount::Vertices(count) => Ok([count, 1, 0, 0]),
         };
-        self.visits(band).map(of).collect()
+        self.visits(band, SEGMENT).map(of).collect()
     }
 
     /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants from the
@@ -165,15 +179,16 @@ impl<'a> Raster<'a> {
     fn record_visits<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        band: &Band,
+        visits: impl Iterator<Item = Visit>,
         stage: impl Fn(Chunk<'a>) -> P,
         arguments: Option<Slice<'a, u32>>,
+        with: impl Fn(Variant) -> Variant,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        for (number, visit) in self.visits(band).enumerate() {
+        for (number, visit) in visits.enumerate() {
             let arguments = arguments.map(|all| all.skip(4 * number as u64).first(4));
             let pass = stage(self.chunk(visit.chunk, u64::from(visit.push.first), u64::from(visit.push.count)));
-            let variant = variant(self.footprint, visit.walker);
+            let variant = with(variant(self.footprint, visit.walker));
             match visit.amount {
                 Amount::Compute(dispatch) => {
                     let dispatch = arguments.map_or(dispatch, Dispatch::Indirect);
@@ -190,12 +205,12 @@ impl<'a> Raster<'a> {
     }
 
     /// The dispatches or draws that visit all splats: chunks without visible ones have none.
-    fn visits(&self, band: &Band) -> impl Iterator<Item = Visit> {
+    fn visits(&self, band: &Band, segment: u32) -> impl Iterator<Item = Visit> {
         let [first_tile, tiles] = self.tiles_of(band);
         let chunks = self.cloud.chunks().zip(self.stats).enumerate().filter(|(_, (_, stats))| stats.visible > 0);
         chunks
             .flat_map(move |(chunk, ((first, count), stats))| {
-                let segments = stats.large.div_ceil(SEGMENT);
+                let segments = stats.large.div_ceil(segment);
                 let push = RasterPush {
                     count: count as u32,
                     first: first as u32,

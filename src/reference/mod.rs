@@ -6,10 +6,12 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
+pub mod field;
 pub mod one_layer;
 pub mod peel;
 pub mod scan;
 pub mod shading;
+pub mod soft;
 pub mod sorted;
 pub mod splat;
 pub mod splats;

@@ -43,18 +43,42 @@ pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
     if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
 }
 
+/// What prepared clouds hold that the scene can't use, one sentence each.
+pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
+    let of = |(settings, cloud): (&CloudSettings, &Cloud)| {
+        let path = settings.path.display().to_string();
+        let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
+        notes.into_iter().map(move |note| format!("{path}: {note}"))
+    };
+    scene.clouds.iter().zip(clouds).flat_map(of).collect()
+}
+
+/// What a scene wants to know of a cloud's points.
+fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
+    prepare::Request {
+        neighbors: settings.neighbors,
+        field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
+        radii: radii && settings.radius.is_none(),
+        fields,
+        normals: false,
+    }
+}
+
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
 /// Positions become scale·p + translate in float64; those that are not finite then are dropped. Colors stay linear,
 /// whatever the scene's color space; clouds without color are white. A radius is the scene's, else the file's times
-/// `scale`, else, only if `needs_radii`, that of Eq. 20 over the scaled positions of its own cloud, else 0.
+/// `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0. F is there if the method
+/// asks for it. Neighbors and fields are found in the cloud's own coordinates, before `scale` and `translate` round them:
+/// that is what a prepared file holds.
 ///
 /// # Errors
-/// No point is left.
+/// No point is left, or a cloud lacks what its field is made of.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &ProgressBar) -> Result<Points, Error> {
     let mut points = Points::default();
     for (settings, cloud) in scene.clouds.iter().zip(clouds) {
-        append(&mut points, transformed(settings, cloud, needs_radii, progress));
+        let request = request(settings, needs_radii, scene.method.needs_field());
+        append(&mut points, transformed(settings, cloud, &request, progress)?);
     }
     if points.is_empty() {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
@@ -64,12 +88,24 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
 }
 
 /// One cloud with its settings applied.
-fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, progress: &ProgressBar) -> Points {
-    for position in &mut cloud.positions {
-        *position = settings.scale * *position + settings.translate;
+fn transformed(
+    settings: &CloudSettings,
+    mut cloud: Cloud,
+    request: &prepare::Request,
+    progress: &ProgressBar,
+) -> Result<Points, Error> {
+    if request.radii || request.fields {
+        progress.reset();
+        progress.set_message("finding neighbors");
     }
-    drop_non_finite(&mut cloud);
-    let count = cloud.positions.len();
+    let found = prepare::find(&cloud, request, progress);
+    let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
+    let count = cloud.len();
+    let radii = match (settings.radius, found.radii.or(cloud.radii)) {
+        (Some(radius), _) => vec![radius; count],
+        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
+        (None, None) => vec![0.0; count],
+    };
     let colors = match (settings.color, cloud.colors) {
         (Some(color), _) => vec![color; count],
         (None, Some(colors)) => colors,
@@ -79,25 +115,20 @@ fn transformed(settings: &CloudSettings, mut cloud: Cloud, needs_radii: bool, pr
         Some(alphas) => alphas.iter().map(|alpha| alpha * settings.opacity).collect(),
         None => vec![settings.opacity; count],
     };
-    let radii = match (settings.radius, cloud.radii) {
-        (Some(radius), _) => vec![radius; count],
-        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
-        (None, None) if needs_radii => {
-            progress.reset();
-            progress.set_message("finding neighbors");
-            prepare::radius::estimate(&cloud.positions, settings.neighbors, progress)
-        }
-        (None, None) => vec![0.0; count],
-    };
-    Points {
+    for position in &mut cloud.positions {
+        *position = settings.scale * *position + settings.translate;
+    }
+    let mut points = Points {
         positions: cloud.positions,
         colors,
         opacities,
         radii,
         normals: cloud.normals,
         file_order: Vec::new(),
-        fields: Vec::new(),
-    }
+        fields: found.fields.unwrap_or_default(),
+    };
+    drop_non_finite(&mut points);
+    Ok(points)
 }
 
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
@@ -105,24 +136,25 @@ fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
 }
 
-/// Drops points that a huge `scale` or `translate` moved out of float64, from the columns that are drawn.
-fn drop_non_finite(cloud: &mut Cloud) {
-    let keep: Vec<_> = cloud.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
+/// Drops points that a huge `scale` or `translate` moved out of float64.
+fn drop_non_finite(points: &mut Points) {
+    let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
     if keep.iter().all(|keep| *keep) {
         return;
     }
-    retain(Some(&mut cloud.positions), &keep);
-    retain(cloud.colors.as_mut(), &keep);
-    retain(cloud.alphas.as_mut(), &keep);
-    retain(cloud.radii.as_mut(), &keep);
-    retain(cloud.normals.as_mut(), &keep);
+    retain(&mut points.positions, &keep);
+    retain(&mut points.colors, &keep);
+    retain(&mut points.opacities, &keep);
+    retain(&mut points.radii, &keep);
+    retain(&mut points.fields, &keep);
+    if let Some(normals) = &mut points.normals {
+        retain(normals, &keep);
+    }
 }
 
-fn retain<T>(column: Option<&mut Vec<T>>, keep: &[bool]) {
+fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
-    if let Some(column) = column {
-        column.retain(|_| keep.next().copied().unwrap_or(false));
-    }
+    column.retain(|_| keep.next().copied().unwrap_or(false));
 }
 
 /// Puts `more` behind `points`; whoever has no normals gets zeros if the other has some.

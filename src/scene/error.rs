@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::procedural;
+use crate::prepare::field;
 
 /// Where a key or value was given.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -115,6 +116,14 @@ pub enum Error {
         /// The clouds' paths.
         clouds: String,
     },
+    /// A cloud lacks what its field is made of.
+    #[error("{path}: {source}", path = path.display())]
+    Field {
+        /// The cloud.
+        path: PathBuf,
+        /// What it lacks.
+        source: field::Error,
+    },
     /// Coordinates beyond what the camera can be computed for.
     #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
     Extent {
@@ -129,7 +138,11 @@ impl Error {
     /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Read { .. } | Self::Empty { .. } | Self::NoPoints { .. } | Self::Extent { .. } => 1,
+            Self::Read { .. }
+            | Self::Empty { .. }
+            | Self::NoPoints { .. }
+            | Self::Field { .. }
+            | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
             _ => 2,
         }

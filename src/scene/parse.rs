@@ -10,6 +10,7 @@ use super::overrides::Overrides;
 use super::settings::*;
 use super::table::{Range, Table};
 use super::tree::{self, Node, Value};
+use crate::prepare::field::Field;
 
 /// Scene files are text written by hand; one above this size is something else.
 const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -95,6 +96,9 @@ fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let clouds: Vec<_> =
         table.tables("cloud")?.iter().map(|t| cloud(t, folder, &mut warnings)).collect::<Result<_, _>>()?;
     let method = method::read(&table.table("method")?, &mut warnings)?;
+    if !method.needs_field() {
+        table.tables("cloud")?.iter().for_each(|cloud| warn_of_fields(cloud, &method, &mut warnings));
+    }
     shadows(&table, &mut warnings)?;
     if clouds.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
@@ -195,27 +199,32 @@ fn light(table: &Table<'_>) -> Result<Option<Light>, Error> {
     }
 }
 
-/// The keys of a cloud that only methods of later versions read.
+/// The keys of a cloud that only methods with solid and soft points read.
 const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
 
 fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -> Result<CloudSettings, Error> {
     let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale"];
     table.refuse_unknown(&[&own[..], &FIELD_KEYS].concat())?;
-    check_field(table)?;
-    for key in FIELD_KEYS {
-        if let Some(node) = table.get(key) {
-            warnings.push(format!("{}: `{key}` is not used by any method of this version", node.place));
-        }
-    }
     Ok(CloudSettings {
         path: path(table, folder)?,
         color: table.color("color")?,
         opacity: table.number32("opacity", Range::UNIT)?.unwrap_or(1.0),
         radius: table.number32("radius", Range::NOT_NEGATIVE)?,
-        neighbors: table.integer("neighbors", 1, 65_535)?.map_or(DEFAULT_NEIGHBORS, |k| k as usize),
+        neighbors: table.integer("neighbors", 1, 65_535)?.map(|k| k as usize),
+        field: field(table, warnings)?,
         translate: table.vector("translate")?.unwrap_or(DVec3::ZERO),
         scale: table.number("scale", Range::POSITIVE)?.unwrap_or(1.0),
     })
+}
+
+fn warn_of_fields(cloud: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {
+    for node in FIELD_KEYS.into_iter().filter_map(|key| Some((key, cloud.get(key)?))) {
+        let (key, Node { place, .. }) = node;
+        let name = method.name();
+        warnings.push(format!(
+            "{place}: method {name:?} does not use `{key}` (a key for soft-base, soft-concentric, soft-express, one-layer)"
+        ));
+    }
 }
 
 fn path(table: &Table<'_>, folder: Option<&Path>) -> Result<std::path::PathBuf, Error> {
@@ -231,14 +240,36 @@ fn path(table: &Table<'_>, folder: Option<&Path>) -> Result<std::path::PathBuf, 
     }
 }
 
-fn check_field(table: &Table<'_>) -> Result<(), Error> {
-    table.string("field")?;
-    table.check_integers("soft_classes", 255)?;
+fn field(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Field>, Error> {
+    let classes = table.integers("soft_classes", 255)?;
     let axis = table.table("axis")?;
     axis.refuse_unknown(&["point", "direction"])?;
-    axis.vector("point")?;
-    axis.direction("direction")?;
-    Ok(())
+    let point = axis.vector("point")?.map(|p| p.to_array());
+    let direction = axis.direction("direction")?.map(|d| d.to_array());
+    let name = table.string("field")?;
+    for (key, kind) in [("soft_classes", "classification"), ("axis", "distance-to-axis")] {
+        if let (Some(node), true) = (table.get(key), name != Some(kind)) {
+            warnings.push(format!("{}: `{key}` has no effect without field = {kind:?}", node.place));
+        }
+    }
+    Ok(Some(match name {
+        None => return Ok(None),
+        Some("uncertainty") => Field::Uncertainty,
+        Some("classification") => {
+            let Some(mut classes) = classes else {
+                let place = table.get("field").map_or(&table.place, |node| &node.place).clone();
+                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]".into();
+                return Err(Error::Conflict { place, problem });
+            };
+            classes.sort_unstable();
+            classes.dedup();
+            // The range was checked.
+            Field::Classification { classes: classes.into_iter().map(|class| class as u8).collect() }
+        }
+        Some("intensity") => Field::Intensity,
+        Some("distance-to-axis") => Field::DistanceToAxis { point, direction },
+        Some(name) => Field::Property { name: name.to_owned() },
+    }))
 }
 
 fn shadows(root: &Table<'_>, warnings: &mut Vec<String>) -> Result<(), Error> {

@@ -6,15 +6,13 @@ use glam::{DVec3, Vec3};
 
 use super::view::View;
 use crate::passes::bin::Order;
+use crate::prepare::field::Field;
 
 /// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
 pub const MAX_SIDE: u32 = 16_384;
 
 /// Layers that depth peeling goes through at most, since each of them visits every splat.
 pub const MAX_LAYERS: u32 = 65_536;
-
-/// K of Eq. 20 and 21 if a cloud doesn't say.
-pub const DEFAULT_NEIGHBORS: usize = 24;
 
 /// `[image]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,8 +63,11 @@ pub struct CloudSettings {
     pub opacity: f32,
     /// World units, not scaled; else the file's own, else Eq. 20.
     pub radius: Option<f32>,
-    /// K of Eq. 20, at least 1.
-    pub neighbors: usize,
+    /// K of Eq. 20 and 21, at least 1; else that of a prepared file, else 24.
+    pub neighbors: Option<usize>,
+    /// What tells solid points from soft ones, in the scene's coordinates; else what a prepared file holds, else
+    /// uncertainty.
+    pub field: Option<Field>,
     /// World units, added after `scale`.
     pub translate: DVec3,
     /// Factor on positions and on the file's own radii, above 0.

@@ -232,9 +232,9 @@ impl<'a> Table<'a> {
         Ok(Some([self.integer_at(key, width, 1, max)?, self.integer_at(key, height, 1, max)?]))
     }
 
-    /// Checks that a list of integers from 0 to `max` is one.
-    pub fn check_integers(&self, key: &str, max: u32) -> Result<(), Error> {
-        let Some(node) = self.get(key) else { return Ok(()) };
+    /// A list of integers from 0 to `max`.
+    pub fn integers(&self, key: &str, max: u32) -> Result<Option<Vec<u32>>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
         let Value::Array(items) = &node.value else {
             return Err(self.error(
                 key,
@@ -242,7 +242,7 @@ impl<'a> Table<'a> {
                 format!("must be an array of integers, found {}", node.value.describe()),
             ));
         };
-        items.iter().try_for_each(|item| self.integer_at(key, item, 0, max).map(drop))
+        items.iter().map(|item| self.integer_at(key, item, 0, max)).collect::<Result<_, _>>().map(Some)
     }
 }
 

@@ -67,6 +67,9 @@ mod opaque;
 mod oriented_discs;
 mod peeling;
 mod shaded;
+mod soft_approximations;
+mod soft_density;
+mod soft_spheres;
 mod sorted_splats;
 mod stochastic_samples;
 

@@ -11,11 +11,15 @@ const NORMAL: [[&str; 3]; 3] =
     [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"], ["normalx", "normaly", "normalz"]];
 const COLOR: [[&str; 3]; 3] =
     [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+/// Linear colors, which only files have that 16-bit sRGB would round.
+pub(super) const LINEAR_COLOR: [[&str; 3]; 1] = [["linear_red", "linear_green", "linear_blue"]];
 const ALPHA: [&str; 2] = ["alpha", "diffuse_alpha"];
 const RADIUS: [&str; 1] = ["radius"];
-const CLASSIFICATION: [&str; 6] =
+/// Names of a classification, in lower case.
+pub(crate) const CLASSIFICATION_NAMES: [&str; 6] =
     ["classification", "scalar_classification", "class", "scalar_class", "label", "scalar_label"];
-const INTENSITY: [&str; 2] = ["intensity", "scalar_intensity"];
+/// Names of an intensity, in lower case.
+pub(crate) const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 
 /// How far from 1 a normal's length may be to be left as it is: float32 unit vectors are within 2e-7.
 const UNIT_TOLERANCE: f32 = 1e-6;
@@ -45,11 +49,12 @@ impl Columns {
             return Err(missing.unwrap_or("x"));
         };
         let normal = names.take_three(&NORMAL);
-        let color = names.take_three(&COLOR).map(|at| at.map(|at| names.channel(at)));
+        let linear = names.take_three(&LINEAR_COLOR).map(|at| at.map(Channel::linear_float));
+        let color = linear.or_else(|| names.take_three(&COLOR).map(|at| at.map(|at| names.channel(at))));
         let alpha = names.take(&ALPHA).map(|at| names.channel(at));
         let radius = names.take(&RADIUS);
-        let classification = names.take(&CLASSIFICATION);
-        let intensity = names.take(&INTENSITY);
+        let classification = names.take(&CLASSIFICATION_NAMES);
+        let intensity = names.take(&INTENSITY_NAMES);
         let scalars: Vec<usize> = names.rest().collect();
         let cloud = Cloud {
             colors: color.as_ref().map(|_| Vec::new()),
@@ -151,9 +156,23 @@ enum Scale {
         signed_byte: bool,
     },
     Float,
+    /// As it is.
+    Linear,
+}
+
+/// Whether the reader would take a property of this name for one of its columns, if need be together with others.
+pub(super) fn is_known(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    let threes = POSITION.iter().chain(&NORMAL).chain(&COLOR).chain(&LINEAR_COLOR).flatten();
+    let ones = ALPHA.iter().chain(&RADIUS).chain(&CLASSIFICATION_NAMES).chain(&INTENSITY_NAMES);
+    threes.chain(ones).any(|known| *known == lower)
 }
 
 impl Channel {
+    fn linear_float(at: usize) -> Self {
+        Self { at, scale: Scale::Linear, table: Vec::new() }
+    }
+
     fn new(at: usize, scalar: &ScalarType) -> Self {
         let scale = match scalar {
             ScalarType::Float | ScalarType::Double => Scale::Float,
@@ -167,7 +186,7 @@ impl Channel {
             Scale::Integer { largest, .. } => {
                 (0..=largest).map(|value| decode_srgb(f32::from(value) / f32::from(largest))).collect()
             }
-            Scale::Float => Vec::new(),
+            Scale::Float | Scale::Linear => Vec::new(),
         };
         Self { at, scale, table }
     }
@@ -188,6 +207,10 @@ impl Channel {
                 let value = row[self.at] as f32;
                 if value.is_nan() { 0.0 } else { decode_srgb(value.clamp(0.0, 1.0)) }
             }
+            Scale::Linear => {
+                let value = row[self.at] as f32;
+                if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
+            }
         }
     }
 
@@ -197,7 +220,7 @@ impl Channel {
             Scale::Integer { largest, signed_byte } => {
                 f32::from(self.integer(row, largest, signed_byte)) / f32::from(largest)
             }
-            Scale::Float => {
+            Scale::Float | Scale::Linear => {
                 let value = row[self.at] as f32;
                 if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
             }

@@ -20,6 +20,8 @@ pub(super) struct Header {
     pub len: u64,
     /// Lines of the header.
     pub lines: u64,
+    /// What follows the word `comment`, with the number of the line from 1.
+    pub comments: Vec<(u64, String)>,
 }
 
 /// A kind of record and how many there are.
@@ -80,7 +82,8 @@ pub(super) fn read(source: &mut Source) -> Result<Header, Error> {
         let found = e.line().and_then(|line| tidy.original.get(line - 1));
         source.malformed(place, found.map_or(message.clone(), |found| format!("{message} Found `{found}`")))
     })?;
-    Ok(Header { encoding: parsed.encoding, elements: tidy.names.restore(parsed), len, lines: tidy.lines })
+    let Tidy { names, lines, comments, .. } = tidy;
+    Ok(Header { encoding: parsed.encoding, elements: names.restore(parsed), len, lines, comments })
 }
 
 /// The header as the parser likes it, line by line the same.
@@ -94,11 +97,15 @@ struct Tidy {
     original: Vec<String>,
     names: Names,
     lines: u64,
+    comments: Vec<(u64, String)>,
 }
 
 impl Tidy {
     /// Adds a trimmed line; true if it is the last one.
     fn add(&mut self, line: &str) -> bool {
+        if let Some(comment) = line.strip_prefix("comment ") {
+            self.comments.push((self.lines + 1, comment.trim().to_owned()));
+        }
         let mut words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
         match (words.first().map(String::as_str), words.len()) {
             (None | Some("comment" | "obj_info"), _) => words = vec!["comment".to_owned()],

@@ -7,17 +7,20 @@
 //! | position | `x y z` | any type, world units |
 //! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalised |
 //! | color | `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue` | sRGB-encoded: `ushort` of 65535, floats of 1 (as other tools write them), other integers of 255 |
+//! | color | `linear_red linear_green linear_blue` | linear |
 //! | alpha | `alpha`, `diffuse_alpha` | integers as colors; floats as they are |
 //! | radius | `radius` | negative and non-finite values count as 0 |
 //! | classification | `classification`, `class`, `label`, and these after `scalar_` | integers in 0–255, else a scalar |
 //! | intensity | `intensity`, `scalar_intensity` | as stored |
 //!
 //! Values out of range are clamped, a color that is not a number is 0. Normals and colors need all three properties;
-//! otherwise, and for any other name, a property is a scalar column of its own name.
+//! otherwise, and for any other name, a property is a scalar column of its own name. What `pellucid prepare` adds is told
+//! by a comment (docs/prepared-clouds.md).
 
 mod columns;
 mod header;
 mod payload;
+mod prepared;
 mod write;
 
 use indicatif::ProgressBar;
@@ -26,8 +29,9 @@ use ply_rs_bw::ply::Encoding;
 use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::Cloud;
 use columns::Columns;
+pub(crate) use columns::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 use header::{Element, Kind};
-pub use write::write;
+pub use write::{write, write_prepared};
 
 /// Reads the vertices of a PLY file.
 pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {
@@ -72,7 +76,9 @@ pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud,
         }
     }
     progress.set_position(vertex.count);
-    Ok(columns.finish())
+    let mut cloud = columns.finish();
+    prepared::recognize(&mut cloud, &header.comments);
+    Ok(cloud)
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.

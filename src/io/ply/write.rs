@@ -3,13 +3,16 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use glam::DVec3;
+use glam::Vec3;
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
 use ply_rs_bw::writer::Writer;
 
+use super::columns::{LINEAR_COLOR, is_known};
+use super::prepared::{self, FIELD};
 use crate::cloud::Cloud;
-use crate::color::encode_srgb;
+use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
+use crate::prepare::field::without_blanks;
 
 /// Writes a cloud: float positions if that keeps every one exactly, else double; colors and alphas as 8 bits (colors
 /// sRGB-encoded), all other columns as they are. What a PLY file can't say, the vertical and the number of dropped
@@ -18,10 +21,81 @@ use crate::io::Error;
 /// # Errors
 /// If the file can't be written; then the old file, or none, is there.
 pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
-    write_atomically(path, cloud).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+    let double = !cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
+    let layout = Layout { double, color: Coding::Byte, alpha: Coding::Byte };
+    write_atomically(path, cloud, &layout).map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-fn write_atomically(path: &Path, cloud: &Cloud) -> std::io::Result<()> {
+/// Writes a cloud with what was prepared for it, so that reading it gives the same points to the bit, the vertical
+/// included. Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors
+/// linear ones). A scalar whose name the reader would take for another column gets a `_` behind it.
+///
+/// # Errors
+/// If the file can't be written; then the old file, or none, is there.
+pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
+    let channels = |colors: &Vec<Vec3>| Coding::of(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
+    let layout = Layout {
+        double: true,
+        color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
+        alpha: cloud.alphas.as_ref().map_or(Coding::Byte, |alphas| Coding::of(alphas.iter().copied(), same, same)),
+    };
+    write_atomically(path, cloud, &layout).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+}
+
+fn same(x: f32) -> f32 {
+    x
+}
+
+/// Types of the columns for which there is a choice.
+struct Layout {
+    double: bool,
+    color: Coding,
+    alpha: Coding,
+}
+
+/// How a number in [0, 1] is stored.
+#[derive(Clone, Copy, PartialEq)]
+enum Coding {
+    Byte,
+    Short,
+    Float,
+}
+
+impl Coding {
+    /// The smallest one from which all values come back exactly.
+    fn of(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
+        let exact = |value: f32, largest: f32| {
+            let stored = (encode(value) * largest).round().clamp(0.0, largest);
+            decode(stored / largest).to_bits() == value.to_bits()
+        };
+        values.fold(Self::Byte, |coding, value| match coding {
+            Self::Byte if exact(value, 255.0) => Self::Byte,
+            // What is exact in 255ths is so in 65535ths, since 65535 = 257·255.
+            Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
+            _ => Self::Float,
+        })
+    }
+
+    fn scalar(self) -> ScalarType {
+        match self {
+            Self::Byte => ScalarType::UChar,
+            Self::Short => ScalarType::UShort,
+            Self::Float => ScalarType::Float,
+        }
+    }
+
+    /// Appends a value: encoded as integer, as it is as float.
+    fn push(self, record: &mut Vec<u8>, value: f32, encode: fn(f32) -> f32) {
+        match self {
+            // The nearest integer; the conversion saturates.
+            Self::Byte => record.push((encode(value) * 255.0).round() as u8),
+            Self::Short => record.extend(((encode(value) * 65535.0).round() as u16).to_le_bytes()),
+            Self::Float => record.extend(value.to_le_bytes()),
+        }
+    }
+}
+
+fn write_atomically(path: &Path, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut temporary = tempfile::Builder::new();
     #[cfg(unix)]
@@ -32,12 +106,11 @@ fn write_atomically(path: &Path, cloud: &Cloud) -> std::io::Result<()> {
     }
     let file = temporary.tempfile_in(folder)?;
     let mut out = BufWriter::with_capacity(1 << 20, file);
-    write_header(&mut out, cloud)?;
-    let double = !fits_float(&cloud.positions);
+    write_header(&mut out, cloud, layout)?;
     let mut record = Vec::new();
     for index in 0..cloud.len() {
         record.clear();
-        push_record(&mut record, cloud, index, double);
+        push_record(&mut record, cloud, index, layout);
         out.write_all(&record)?;
     }
     let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
@@ -45,14 +118,15 @@ fn write_atomically(path: &Path, cloud: &Cloud) -> std::io::Result<()> {
     Ok(())
 }
 
-fn write_header(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
-    let position = if fits_float(&cloud.positions) { ScalarType::Float } else { ScalarType::Double };
+fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
+    let position = if layout.double { ScalarType::Double } else { ScalarType::Float };
     let mut properties: Vec<(&str, ScalarType)> = ["x", "y", "z"].map(|name| (name, position.clone())).to_vec();
     if cloud.colors.is_some() {
-        properties.extend(["red", "green", "blue"].map(|name| (name, ScalarType::UChar)));
+        let names = if layout.color == Coding::Float { LINEAR_COLOR[0] } else { ["red", "green", "blue"] };
+        properties.extend(names.map(|name| (name, layout.color.scalar())));
     }
     if cloud.alphas.is_some() {
-        properties.push(("alpha", ScalarType::UChar));
+        properties.push(("alpha", layout.alpha.scalar()));
     }
     if cloud.normals.is_some() {
         properties.extend(["nx", "ny", "nz"].map(|name| (name, ScalarType::Float)));
@@ -60,53 +134,66 @@ fn write_header(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
     if cloud.radii.is_some() {
         properties.push(("radius", ScalarType::Float));
     }
+    if cloud.prepared.is_some() {
+        properties.push((FIELD, ScalarType::Float));
+    }
     if cloud.classification.is_some() {
         properties.push(("classification", ScalarType::UChar));
     }
     if cloud.intensity.is_some() {
         properties.push(("intensity", ScalarType::Float));
     }
-    properties.extend(cloud.scalars.iter().map(|(name, _)| (name.as_str(), ScalarType::Float)));
+    let scalars: Vec<String> = cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect();
+    properties.extend(scalars.iter().map(|name| (name.as_str(), ScalarType::Float)));
 
     let writer = Writer::<DefaultElement>::new();
     writer.write_line_magic_number(out)?;
     writer.write_line_format(out, &Encoding::BinaryLittleEndian, &Version { major: 1, minor: 0 })?;
+    if let Some(comment) = prepared::comment(cloud)? {
+        writeln!(out, "comment {comment}")?;
+    }
     let mut vertex = ElementDef::new("vertex".to_owned());
     vertex.count = cloud.len();
     writer.write_line_element_definition(out, &vertex)?;
     for (name, scalar) in properties {
-        let name = name.split_whitespace().collect::<Vec<_>>().join("_");
-        let property = PropertyDef::new(name, PropertyType::Scalar(scalar));
+        let property = PropertyDef::new(name.to_owned(), PropertyType::Scalar(scalar));
         writer.write_line_property_definition(out, &property)?;
     }
     writer.write_line_end_header(out)?;
     Ok(())
 }
 
-fn fits_float(positions: &[DVec3]) -> bool {
-    positions.iter().all(|&p| p.as_vec3().as_dvec3() == p)
+/// The name of a scalar's property: in a prepared file none that the reader takes for another column.
+fn scalar_name(cloud: &Cloud, name: &str) -> String {
+    let name = without_blanks(name);
+    if cloud.prepared.is_some() && is_known(&name) { format!("{name}_") } else { name }
 }
 
 /// The bytes of one vertex, in the order of the header.
-fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, double: bool) {
+fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, layout: &Layout) {
     for value in cloud.positions[index].to_array() {
-        if double {
+        if layout.double {
             record.extend(value.to_le_bytes());
         } else {
             record.extend((value as f32).to_le_bytes());
         }
     }
     if let Some(colors) = &cloud.colors {
-        record.extend(colors[index].to_array().map(|linear| byte(encode_srgb(linear))));
+        for linear in colors[index].to_array() {
+            layout.color.push(record, linear, encode_srgb);
+        }
     }
     if let Some(alphas) = &cloud.alphas {
-        record.push(byte(alphas[index]));
+        layout.alpha.push(record, alphas[index], same);
     }
     if let Some(normals) = &cloud.normals {
         record.extend(normals[index].to_array().into_iter().flat_map(f32::to_le_bytes));
     }
     if let Some(radii) = &cloud.radii {
         record.extend(radii[index].to_le_bytes());
+    }
+    if let Some(prepared) = &cloud.prepared {
+        record.extend(prepared.values[index].to_le_bytes());
     }
     if let Some(classification) = &cloud.classification {
         record.push(classification[index]);
@@ -117,9 +204,4 @@ fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, double: bool) 
     for (_, values) in &cloud.scalars {
         record.extend(values[index].to_le_bytes());
     }
-}
-
-/// The nearest 8-bit value of a share; the conversion saturates.
-fn byte(share: f32) -> u8 {
-    (share * 255.0).round() as u8
 }

@@ -5,6 +5,7 @@ use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
+use crate::methods::soft::{self, LongSpheres, Spheres};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
 use crate::passes::project::Footprint;
@@ -42,6 +43,7 @@ pub struct Blender {
     lists: Kept<LongList>,
     partials: Kept<Partial>,
     work: Buffer<LongWork>,
+    spheres: LongSpheres,
 }
 
 /// A band whose fragments are stored.
@@ -67,6 +69,7 @@ impl Blender {
             lists: Kept::new("long lists", Memory::Device),
             partials: Kept::new("partial sums", Memory::Device),
             work: device.buffer("long work", 1, Memory::Device)?,
+            spheres: LongSpheres::default(),
         })
     }
 
@@ -84,6 +87,23 @@ impl Blender {
         Ok(())
     }
 
+    /// Room for what long lists of spheres need besides: in them at most `long` events, if there are any; and for the segments
+    /// of at least so many events, but of no more than the limit.
+    pub fn reserve_spheres(
+        &mut self,
+        device: &Device,
+        long: Option<u64>,
+        [events, limit]: [u64; 2],
+    ) -> Result<(), super::Error> {
+        match long {
+            Some(long) => self.spheres.reserve(device, soft::long_runs(long), events, limit),
+            None => {
+                self.spheres.release();
+                Ok(())
+            }
+        }
+    }
+
     /// Records everything from a band's stored fragments to its pixels in the target.
     pub fn record<'a>(
         &'a self,
@@ -93,13 +113,16 @@ impl Blender {
         target: &'a Target,
         band: &Band,
         counted: &Counted,
-    ) -> Result<(), Error> {
+    ) -> Result<(), super::Error> {
         let Stored { cut, offsets, fragments, .. } = stored;
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         if let Storing::Ordered(tiles) = &job.storing {
-            return Self::record_ordered(recorder, job, stored, tiles, target, band, counted);
+            return Ok(Self::record_ordered(recorder, job, stored, tiles, target, band, counted)?);
+        }
+        if let Storing::Spheres(spheres) = &job.storing {
+            return self.record_spheres(recorder, job, stored, spheres, target, band, counted);
         }
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
@@ -136,7 +159,51 @@ impl Blender {
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
         recorder.run(&blend, &self.over_runs().variant(variant))?;
-        recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())?)
+    }
+
+    /// Records the sorting and blending of events of soft spheres.
+    #[expect(clippy::too_many_arguments, reason = "as the others, and the spheres")]
+    fn record_spheres<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stored: Stored<'a>,
+        spheres: &Spheres<'a>,
+        target: &'a Target,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), super::Error> {
+        let Stored { cut, offsets, fragments, .. } = stored;
+        let composing = Composing::new(job.raster.cloud, cut);
+        let (image, depths) = (target.image(), target.depths());
+        self.record_classes(recorder, offsets, band)?;
+        let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
+        let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
+        let longest = counted.lengths.longest;
+        // There is no list of one event.
+        for (index, (capacity, name)) in soft::classes() {
+            if longest <= lower_bound(index) {
+                break;
+            }
+            let push = spheres.push(index as u32, band.first_fragment, job.stop.1);
+            let kernel = spheres.resolve_variant(cut, job.stop.0, capacity);
+            let run = self.over_class(index, band).label(name).push(&push).variant(kernel);
+            if is_network(capacity) {
+                recorder.run(&soft::ResolveNetwork { lists }, &run)?;
+            } else {
+                recorder.run(&soft::ResolveMerge { lists }, &run)?;
+            }
+        }
+        let (true, Some(spare)) = (counted.lengths.in_long_lists > 0, stored.spare) else { return Ok(()) };
+
+        self.record_split(recorder, stored, band)?;
+        let fragments = self.record_merge_sort(recorder, fragments, spare, longest)?;
+        let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
+        let partials = self.partials.get().all();
+        let sorted = soft::Sorted { composing, cut, work, runs, lists, fragments, partials };
+        self.spheres.record(recorder, spheres, &sorted, longest)?;
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())?)
     }
 
     /// Records the blending of lists that were stored in order: nothing is sorted.

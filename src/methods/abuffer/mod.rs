@@ -22,6 +22,7 @@ use indicatif::ProgressBar;
 use super::bands::{self, Band, Budget, Window};
 use super::linked_list::{self, LinkedList};
 use super::renderer::{Facts, Target, Timeline};
+use super::soft::{self, Interior, Spheres};
 use super::{Error, Outcome};
 use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::bin::OrderedTiles;
@@ -62,6 +63,9 @@ pub struct ABuffer {
     fragments: Kept<[u32; 2]>,
     /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
     spare: Kept<[u32; 2]>,
+    /// Spheres of each pixel, where they have several events, and what was found in them.
+    spheres: Kept<u32>,
+    sphere_lengths: Buffer<Lengths>,
     linked: LinkedList,
     blender: Blender,
 }
@@ -76,6 +80,17 @@ pub enum Storing<'a> {
     Ordered(OrderedTiles<'a>),
     /// Through linked lists: `linked-list`.
     Links,
+    /// Events of soft spheres, into slots as they come.
+    Spheres(Spheres<'a>),
+}
+
+impl<'a> Storing<'a> {
+    fn spheres(&self) -> Option<&Spheres<'a>> {
+        match self {
+            Self::Spheres(spheres) => Some(spheres),
+            _ => None,
+        }
+    }
 }
 
 /// What count and scan found in a window.
@@ -84,13 +99,17 @@ struct Counted {
     overflow: bool,
     total: u32,
     lengths: Lengths,
+    /// As the last two, but a sphere counts once, however many events it has.
+    spheres: u32,
+    most_spheres: u32,
 }
 
 impl Counted {
     fn note(&self, bands: &[Band], facts: &mut Facts) {
         facts.bands += bands.len() as u64;
-        facts.fragments += u64::from(self.total);
-        facts.max_list = facts.max_list.max(self.lengths.longest);
+        facts.fragments += u64::from(self.spheres);
+        facts.max_list = facts.max_list.max(self.most_spheres);
+        facts.max_events = facts.max_events.max(self.lengths.longest);
     }
 }
 
@@ -129,9 +148,11 @@ impl ABuffer {
             scan: None,
             overflow: device.buffer("scan overflow", 1, Memory::Device)?,
             lengths: device.buffer("list lengths", 1, Memory::Device)?,
-            summary: device.buffer("fragment summary", 4, Memory::Readback)?,
+            summary: device.buffer("fragment summary", 6, Memory::Readback)?,
             fragments: Kept::new("fragments", Memory::Device),
             spare: Kept::new("spare fragments", Memory::Device),
+            spheres: Kept::new("sphere counts", Memory::Device),
+            sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
             blender: Blender::new(device)?,
         })
@@ -171,7 +192,11 @@ impl ABuffer {
                 self.blender.record(&mut recorder, job, stored, target, band, &counted)?;
             }
             if i + 1 == bands.len() {
-                target.record_read_back(&mut recorder, bands::pixels(job.raster.window))?;
+                let pixels = bands::pixels(job.raster.window);
+                if let Some(spheres) = job.storing.spheres() {
+                    spheres.record_compose(&mut recorder, target, pixels)?;
+                }
+                target.record_read_back(&mut recorder, pixels)?;
             }
             timeline.add(recorder.submit("abuffer/store and blend")?);
             job.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
@@ -218,6 +243,14 @@ impl ABuffer {
         Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
     }
 
+    /// Spheres of every pixel of the window, in its order, as [`Self::read_counts`].
+    pub fn read_spheres(&self, window: Window, interior: Interior) -> Result<Vec<u32>, Error> {
+        if interior.counted() {
+            return Ok(self.spheres.get().read(0, bands::pixels(window))?);
+        }
+        Ok(self.read_counts(window)?.into_iter().map(|events| events / 2).collect())
+    }
+
     /// Count, scan and store of a window that fits as one band, without sorting or blending.
     pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<Lists, Error> {
         let mut timeline = Timeline::default();
@@ -244,6 +277,8 @@ impl ABuffer {
             Some(scan) => scan,
             None => Scan::new(device, pixels + 1)?,
         });
+        let counted = job.storing.spheres().filter(|spheres| spheres.interior.counted());
+        self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
         let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
         let mut recorder = device.recorder()?;
@@ -255,14 +290,23 @@ impl ABuffer {
             let counts = counts.all();
             let view = job.raster.cloud.view();
             tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
+        } else if let Some(spheres) = job.storing.spheres() {
+            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            job.raster.record_tiles(&mut recorder)?;
+            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
         } else {
             job.raster.record_tiles(&mut recorder)?;
             job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
         }
         let measure =
             Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN))).push(&CountPush { count: pixels as u32 });
-        recorder
-            .run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure.variant(measure_variant()))?;
+        if counted.is_some() {
+            let run = measure.clone().variant(measure_variant(0));
+            recorder.run(&Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() }, &run)?;
+        }
+        let measure = measure.variant(measure_variant(LOCAL_LENGTH));
+        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure)?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
         if !matches!(job.storing, Storing::Links) {
             // From here on the counts are the cursors that hand out slots.
@@ -271,18 +315,25 @@ impl ABuffer {
         recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
         recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
         recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
+        if counted.is_some() {
+            recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
+        }
         timeline.add(recorder.submit("abuffer/count and scan")?);
         let words = self.summary.mapped_slice();
-        Ok(Counted {
-            overflow: words[0] != 0,
-            lengths: Lengths { longest: words[1], in_long_lists: words[2] },
-            total: words[3],
-        })
+        let (longest, total) = (words[1], words[3]);
+        let [most_spheres, spheres] = match job.storing.spheres() {
+            Some(spheres) if spheres.interior.counted() => [words[4], words[5]],
+            Some(_) => [longest / 2, total / 2],
+            None => [longest, total],
+        };
+        let lengths = Lengths { longest, in_long_lists: words[2] };
+        Ok(Counted { overflow: words[0] != 0, lengths, total, spheres, most_spheres })
     }
 
     /// Fragments that fit at a time: within the budget, and within a binding.
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
-        let left = job.budget.left(bands::pixels(job.raster.window) * PIXEL_BYTES);
+        let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
+        let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::of(job, counted);
         (left / need.bytes()).min(device.limits().binding_bytes / need.fragment)
     }
@@ -340,6 +391,8 @@ impl ABuffer {
             self.linked.reserve(device, most, limit)?;
         }
         let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
+        let events = if need.segments { [most, limit] } else { [0, 0] };
+        self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
         Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
     }
 
@@ -356,6 +409,7 @@ impl ABuffer {
             Storing::Slots => {
                 job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
             }
+            Storing::Spheres(spheres) => spheres.record_store(recorder, &job.raster, band, counts, fragments)?,
             Storing::Ordered(tiles) => {
                 let view = job.raster.cloud.view();
                 tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
@@ -385,6 +439,8 @@ struct Need {
     links: bool,
     /// Records of long lists and their runs.
     runs: bool,
+    /// Optical depths of segments.
+    segments: bool,
 }
 
 impl Need {
@@ -393,18 +449,20 @@ impl Need {
         let sorted = matches!(job.storing, Storing::Ordered(_));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
         let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
-        Self { fragment, spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs }
+        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.interior == Interior::Linear);
+        Self { fragment, spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs, segments }
     }
 
     /// Bytes for each fragment of a band, those in the fragment buffer included.
     fn bytes(self) -> u64 {
         let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
         let links = if self.links { linked_list::LINK_BYTES } else { 0 };
-        self.fragment + spare + links + u64::from(self.runs)
+        let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
+        self.fragment + spare + links + segments + u64::from(self.runs)
     }
 }
 
-/// The variant of `abuffer/measure`.
-pub fn measure_variant() -> Variant {
-    Variant::plain().with("RUN", MEASURE_RUN as f64)
+/// The variant of `abuffer/measure`: lists longer than `long` are long.
+pub fn measure_variant(long: u32) -> Variant {
+    Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
 }

@@ -89,6 +89,8 @@ gpu_struct! {
         run_count: u32,
         list_groups: [u32; 3],
         list_count: u32,
+        whole_groups: [u32; 3],
+        unused: u32,
     }
 }
 

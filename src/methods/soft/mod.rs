@@ -1,5 +1,10 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
+pub mod express;
+mod spheres;
+
+pub use spheres::*;
+
 use super::Error;
 use super::splats::Pixels;
 use crate::gpu::{Device, Kept, Memory, Slice};

@@ -1,0 +1,51 @@
+// Blends the sorted events of one pixel by the base model: the spheres that are open stand in an array, and each segment
+// integrates all of them.
+// Reference: reference::soft.
+#import segment
+
+fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, n: u32, pixel: vec2<u32>) -> Composed {
+    // Edge, middle, reach and absorption; color times weight and weight. Half of the events are entries.
+    var open: array<vec4<f32>, CAPACITY / 2u>;
+    var terms: array<vec4<f32>, CAPACITY / 2u>;
+    var ids: array<u32, CAPACITY / 2u>;
+    let ray = ray_of(pixel);
+    var sums = no_sums();
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    var count = 0u;
+    var key = 0x80000000u;
+    for (var k = 0u; k < n; k++) {
+        let event = (*list)[start + k];
+        let i = event_splat(event.y);
+        let first = key_depth(key);
+        let last = key_depth(event.x);
+        var depth = 0.0;
+        var leaving = 0u;
+        for (var j = 0u; j < count; j++) {
+            depth += segment_of(open[j], first, last);
+            leaving = select(leaving, j, ids[j] == i);
+        }
+        sum = behind(sum, key, segment_color(sums, depth));
+        if is_exit(event.y) {
+            sums = after_event(sums, Terms(terms[leaving], 0.0), true);
+            count -= 1u;
+            open[leaving] = open[count];
+            terms[leaving] = terms[count];
+            ids[leaving] = ids[count];
+        } else if count < CAPACITY / 2u {
+            let splat = splat_at(i);
+            let color = color_at(i);
+            let chord = chord_of(splat, pixel, ray);
+            let term = chord.edge * vec4<f32>(color.rgb, 1.0);
+            open[count] = vec4<f32>(chord.edge, chord.middle, chord.reach, absorption(chord, splat.radius, color.a));
+            terms[count] = term;
+            ids[count] = i;
+            sums = after_event(sums, Terms(term, 0.0), false);
+            count += 1u;
+        }
+        key = event.x;
+        if k % LOOK == LOOK - 1u && done(sum, 1.0, push.most_color) {
+            break;
+        }
+    }
+    return sum;
+}

@@ -1,0 +1,111 @@
+// What an event adds to or takes from the running sums along a ray (Seemann et al., Eq. 11, 13, 15). The stage has `push`.
+#import compose
+#import sphere
+#import absorb
+
+const MODEL_BASE = 0u;
+const MODEL_CONCENTRIC = 1u;
+override MODEL: u32 = 0u;
+// 1: some points are modulated (Eq. 22).
+override MODULATED: u32 = 0u;
+
+// Optical depth of a sphere for a unit of its integral over the squared radius.
+fn absorption(chord: Chord, radius: f32, w: f32) -> f32 {
+    let plain = min(push.lambda * radius * radius, MOST_DEPTH);
+    if MODULATED == 0u {
+        return plain;
+    }
+    let half = half_chord(chord.edge, 0.0);
+    let whole = max(integral(chord.edge, -half, half), 1e-30);
+    let wanted = modulated(plain * whole, chord.edge, push.peak, w);
+    return select(plain, min(wanted / whole, MOST_DEPTH), w < 1.0);
+}
+
+// μ' of a shell: r / (N r_i) (1 - d / r_i), with r_i / r = 1 - place.
+fn shell_density(edge: f32, place: f32, shells: f32) -> f32 {
+    let radius = 1.0 - place;
+    return max(edge - place, 0.0) / (shells * radius * radius);
+}
+
+// Optical depth for a unit of a sphere's μ' and of length.
+fn shell_absorption(chord: Chord, shells: u32, radius: f32, w: f32) -> f32 {
+    let plain = min(push.lambda, MOST_DEPTH);
+    if MODULATED == 0u {
+        return plain;
+    }
+    var whole = 0.0;
+    for (var shell = 0u; shell < shells; shell++) {
+        let place = f32(shell) / f32(shells);
+        whole += 2.0 * half_chord(chord.edge, place) * shell_density(chord.edge, place, f32(shells));
+    }
+    whole = max(whole * radius, 1e-30);
+    let wanted = modulated(min(plain * whole, MOST_DEPTH), chord.edge, push.peak, w);
+    return select(plain, min(wanted / whole, MOST_DEPTH), w < 1.0);
+}
+
+struct Terms {
+    // Color times weight, and weight.
+    color: vec4<f32>,
+    // Optical depth of a unit of length; concentric shells only.
+    density: f32,
+}
+
+fn terms_of(id: u32, pixel: vec2<u32>, ray: vec4<f32>) -> Terms {
+    let i = event_splat(id);
+    let splat = splat_at(i);
+    let color = color_at(i);
+    let chord = chord_of(splat, pixel, ray);
+    if MODEL == MODEL_BASE {
+        return Terms(chord.edge * vec4<f32>(color.rgb, 1.0), 0.0);
+    }
+    let shells = shells_of(splat);
+    let place = f32(event_shell(id)) / f32(shells);
+    let weight = max(chord.edge - place, 0.0) / (1.0 - place);
+    let density = shell_absorption(chord, shells, splat.radius, color.a) * shell_density(chord.edge, place, f32(shells));
+    return Terms(weight * vec4<f32>(color.rgb, 1.0), density);
+}
+
+// Running sums of what is open, as sums of two floats: what was added can be taken away again.
+struct Sums {
+    high: vec4<f32>,
+    low: vec4<f32>,
+    density: vec2<f32>,
+    open: f32,
+}
+
+fn no_sums() -> Sums {
+    return Sums(vec4<f32>(0.0), vec4<f32>(0.0), vec2<f32>(0.0), 0.0);
+}
+
+fn plus_terms(sums: Sums, terms: Terms, sign: f32) -> Sums {
+    let b = sign * terms.color;
+    let s = sums.high + b;
+    let bb = s - sums.high;
+    let rest = (sums.high - (s - bb)) + (b - bb);
+    let c = sign * terms.density;
+    let t = sums.density.x + c;
+    let cc = t - sums.density.x;
+    let left = (sums.density.x - (t - cc)) + (c - cc);
+    return Sums(s, sums.low + rest, vec2<f32>(t, sums.density.y + left), sums.open + sign);
+}
+
+// The sums after an event: nothing open leaves nothing.
+fn after_event(sums: Sums, terms: Terms, exit: bool) -> Sums {
+    let next = plus_terms(sums, terms, select(1.0, -1.0, exit));
+    if next.open == 0.0 {
+        return no_sums();
+    }
+    return next;
+}
+
+// Color of a segment by Eq. 11, and its opacity.
+fn segment_color(sums: Sums, depth: f32) -> vec4<f32> {
+    let color = sums.high + sums.low;
+    let mean = select(vec3<f32>(0.0), color.rgb / color.a, color.a > 0.0);
+    return vec4<f32>(mean, select(0.0, opacity_of(depth), sums.open > 0.0));
+}
+
+// Optical depth of a segment of concentric shells.
+fn segment_depth(sums: Sums, first: f32, last: f32, ray: vec4<f32>) -> f32 {
+    return max(sums.density.x + sums.density.y, 0.0) * ((last - first) * ray.w);
+}

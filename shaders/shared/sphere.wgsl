@@ -1,0 +1,92 @@
+// A soft sphere and the ray through a pixel's centre. Everything is relative to the sphere's centre, so that nothing cancels.
+// The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
+// depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
+#import splat
+
+// 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
+override SHELLS: u32 = 1u;
+override PIXELS_PER_SHELL: f32 = 4.0;
+const MOST_SHELLS = 64.0;
+// Bits of a shell's number in a fragment's second word, above the bit that tells its exit from its entry.
+override SHELL_BITS: u32 = 0u;
+// Smaller radii are none.
+const LEAST_RADIUS = 1e-30;
+
+fn depth_origin() -> f32 {
+    return view.eye_hi.w;
+}
+
+// Unit direction of the ray, and its length over the depth along the axis.
+fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
+    if view.orthographic != 0u {
+        return vec4<f32>(0.0, 0.0, 1.0, 1.0);
+    }
+    let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
+    let v = vec3<f32>(from_middle / view.focal.x, 1.0);
+    let stretch = length(v);
+    return vec4<f32>(v / stretch, stretch);
+}
+
+struct Chord {
+    // 1 - d / r for the ray's distance d from the centre: 1 through it, 0 at the rim, negative beside the sphere.
+    edge: f32,
+    // Depth along the axis where the ray is nearest to the centre.
+    middle: f32,
+    // The radius along the ray, as depth along the axis.
+    reach: f32,
+}
+
+fn chord_of(splat: Splat, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
+    let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
+    let from_center = vec3<f32>(offset_to(splat, pixel) * unit, 0.0);
+    let distance = length(cross(from_center, ray.xyz));
+    let middle = splat.depth - dot(from_center, ray.xyz) / ray.w;
+    let edge = (splat.radius - distance) / splat.radius;
+    // False for NaN too.
+    let meets = edge > 0.0 && splat.radius > LEAST_RADIUS;
+    return Chord(select(-1.0, edge, meets), middle, splat.radius / ray.w);
+}
+
+// Half of the chord of shell `place` = i / N, over the radius: sqrt((r_i - d)(r_i + d)) / r.
+fn half_chord(edge: f32, place: f32) -> f32 {
+    return sqrt(max(edge - place, 0.0) * (2.0 - edge - place));
+}
+
+// N of Seemann et al., Section 3.2.
+fn shells_of(splat: Splat) -> u32 {
+    if SHELLS > 0u {
+        return SHELLS;
+    }
+    let pixels = splat.radius * view.focal.x / select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u);
+    return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, MOST_SHELLS));
+}
+
+// How many of a sphere's shells the ray meets between two depths, from the outermost on; 0 if it misses the sphere there.
+fn shells_met(chord: Chord, shells: u32, near: f32, far: f32) -> u32 {
+    let half = chord.reach * half_chord(chord.edge, 0.0);
+    if !(chord.edge > 0.0 && chord.middle + half > near && chord.middle - half < far) {
+        return 0u;
+    }
+    // What is nearest to the centre between the depths decides.
+    let beside = max(max(near - chord.middle, chord.middle - far), 0.0) / chord.reach;
+    let across = 1.0 - chord.edge;
+    let edge = select(chord.edge, 1.0 - sqrt(across * across + beside * beside), beside > 0.0);
+    return u32(clamp(ceil(edge * f32(shells)), 1.0, f32(shells)));
+}
+
+// The second word of an event: splat, shell, exit. Their order is any, but an entry comes before its exit.
+fn event_id(splat: u32, shell: u32, exit: u32) -> u32 {
+    return (splat << (SHELL_BITS + 1u)) | (shell << 1u) | exit;
+}
+
+fn event_splat(id: u32) -> u32 {
+    return id >> (SHELL_BITS + 1u);
+}
+
+fn event_shell(id: u32) -> u32 {
+    return (id >> 1u) & ((1u << SHELL_BITS) - 1u);
+}
+
+fn is_exit(id: u32) -> bool {
+    return (id & 1u) != 0u;
+}

@@ -1,0 +1,50 @@
+// soft/blend-runs: composes the segments that the events of each run of a sorted long list begin, with the running sums that
+// the runs before have left. One invocation per run.
+#import soft_push
+#import soft_terms
+#import long_list
+#import run_sums
+#import dispatch
+
+@group(0) @binding(13) var<storage, read_write> work: LongWork;
+@group(0) @binding(14) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(15) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(16) var<storage, read> sums: array<RunSums>;
+@group(0) @binding(17) var<storage, read> segments: array<f32>;
+@group(0) @binding(18) var<storage, read_write> partials: array<Partial>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let ray = ray_of(pixel);
+    let before = sums[item];
+    var open = Sums(before.high, before.low, before.rest.xy, before.rest.z);
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    let start = run.start + run.run * RUN_LENGTH;
+    let end = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    let final_event = run.start + run.length - 1u;
+    for (var i = start; i < end; i++) {
+        let event = fragments[i];
+        open = after_event(open, terms_of(event.y, pixel, ray), is_exit(event.y));
+        var depth = 0.0;
+        if MODEL == MODEL_BASE {
+            depth = segments[i];
+        } else {
+            let next = fragments[min(i + 1u, final_event)].x;
+            depth = segment_depth(open, key_depth(event.x), key_depth(next), ray);
+        }
+        sum = behind(sum, event.x, segment_color(open, depth));
+    }
+    let key = select(depth_key(key_depth(sum.key) + depth_origin()), NOTHING, sum.key == NOTHING);
+    partials[item] = Partial(sum.rgba, vec4<u32>(key, 0u, 0u, 0u));
+}

@@ -1,0 +1,28 @@
+// soft/compose: the soft points of each pixel before its solid one. One invocation per pixel of the window.
+#import dispatch
+
+struct Push {
+    count: u32,
+}
+
+@group(0) @binding(0) var<storage, read> solid_image: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read> solid_depths: array<f32>;
+@group(0) @binding(2) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read_write> depths: array<f32>;
+var<immediate> push: Push;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = invocation_index(workgroup, groups, local);
+    if p >= push.count {
+        return;
+    }
+    let soft = image[p];
+    image[p] = soft + (1.0 - soft.a) * solid_image[p];
+    // Soft points with opacity lie before the solid ones.
+    depths[p] = min(depths[p], solid_depths[p]);
+}

@@ -1,0 +1,26 @@
+// soft/resolve-N, N from 128 to 256: sorts the events of a list by merge sort in a local array and blends the segments between
+// them.
+#import soft_resolve
+#import local_sort
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let p = class_pixel(invocation_index(workgroup, groups, local));
+    if p == NOTHING {
+        return;
+    }
+    let n = offsets[p + 1u] - offsets[p];
+    let start = offsets[p] - push.first_fragment;
+    var list: array<vec2<u32>, 2u * CAPACITY>;
+    for (var i = 0u; i < n; i++) {
+        list[i] = fragments[start + i];
+    }
+    let sorted = sort_local(&list, n);
+    let sum = blend_list(&list, sorted, n, pixel_place(p));
+    image[p] = sum.rgba;
+    depths[p] = composed_depth(sum.key) + depth_origin();
+}

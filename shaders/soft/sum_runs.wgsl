@@ -1,0 +1,35 @@
+// soft/sum-runs: what the events of each run of a sorted long list add to the running sums. One invocation per run.
+#import soft_push
+#import soft_terms
+#import long_list
+#import run_sums
+#import dispatch
+
+@group(0) @binding(13) var<storage, read_write> work: LongWork;
+@group(0) @binding(14) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(15) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(16) var<storage, read_write> sums: array<RunSums>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.run_count) {
+        return;
+    }
+    let run = runs[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(run.pixel % width, run.pixel / width);
+    let ray = ray_of(pixel);
+    let first = run.start + run.run * RUN_LENGTH;
+    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    var found = no_sums();
+    for (var i = first; i < last; i++) {
+        let id = fragments[i].y;
+        found = plus_terms(found, terms_of(id, pixel, ray), select(1.0, -1.0, is_exit(id)));
+    }
+    sums[item] = RunSums(found.high, found.low, vec4<f32>(found.density, found.open, 0.0));
+}

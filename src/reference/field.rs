@@ -1,0 +1,84 @@
+//! Radii, normals and the scalar field of soft transparency (Seemann et al., Eq. 20 and 21, corrected), by comparing
+//! every point with every other.
+
+use std::cmp::Ordering;
+
+use glam::{DMat3, DVec3};
+
+/// What Eq. 20 and 21 give for each point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Eq. 20.
+    pub radii: Vec<f64>,
+    /// Given or, where missing, estimated; zero where there is no single direction.
+    pub normals: Vec<DVec3>,
+    /// Eq. 21, scaled to [0, 1].
+    pub fields: Vec<f64>,
+}
+
+/// The K nearest other points of each: by squared distance, then x, y, z, then normal up to its sign.
+pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<Vec<usize>> {
+    let k = neighbors.min(positions.len().saturating_sub(1));
+    let upright = |n: DVec3| if (n.x, n.y, n.z) < (0.0, 0.0, 0.0) { -n } else { n };
+    let lexical = |a: DVec3, b: DVec3| a.to_array().partial_cmp(&b.to_array()).unwrap_or(Ordering::Equal);
+    let of = |i: usize| {
+        let mut others: Vec<usize> = (0..positions.len()).filter(|j| *j != i).collect();
+        others.sort_by(|&a, &b| {
+            let squared = |j: usize| positions[i].distance_squared(positions[j]);
+            let by_place = || lexical(positions[a], positions[b]);
+            let by_normal = || lexical(upright(normals[a]), upright(normals[b]));
+            squared(a).total_cmp(&squared(b)).then_with(by_place).then_with(by_normal)
+        });
+        others.truncate(k);
+        others
+    };
+    (0..positions.len()).map(of).collect()
+}
+
+/// Radii, normals and field of points with these normals, zero where one is missing.
+pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Surface {
+    let lists = nearest(positions, normals, neighbors);
+    let radius = |i: usize| {
+        let farthest = lists[i].iter().map(|&j| positions[i].distance(positions[j])).fold(0.0, f64::max);
+        if lists[i].is_empty() { 0.0 } else { 2.0 * farthest / (lists[i].len() as f64).sqrt() }
+    };
+    let normal = |i: usize| match normals[i] {
+        DVec3::ZERO => smallest_axis(lists[i].iter().chain([&i]).map(|&j| positions[j] - positions[i]).collect()),
+        given => given,
+    };
+    let radii: Vec<f64> = (0..positions.len()).map(radius).collect();
+    let normals: Vec<DVec3> = (0..positions.len()).map(normal).collect();
+    let field = |i: usize| {
+        let terms = lists[i].iter().map(|&j| (2.0 - normals[i].dot(normals[j]).abs()).powi(2));
+        radii[i] * terms.sum::<f64>() / lists[i].len().max(1) as f64
+    };
+    let raw: Vec<f64> = (0..positions.len()).map(field).collect();
+    let least = raw.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = raw.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Values that differ by rounding only are equal.
+    let constant = most - least <= 1e-9 * most;
+    let fields = raw.iter().map(|f| if constant { 0.0 } else { (f - least) / (most - least) }).collect();
+    Surface { radii, normals, fields }
+}
+
+/// The direction in which points vary least: the eigenvector for the smallest eigenvalue of their covariance C, which has
+/// the largest one of tr(C) − C, and so is all that is left of a high power of that matrix.
+fn smallest_axis(points: Vec<DVec3>) -> DVec3 {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+    let covariance = points.iter().fold(DMat3::ZERO, |sum, p| sum + outer(*p - mean));
+    let trace = |m: DMat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+    let total = trace(covariance);
+    if total == 0.0 {
+        return DVec3::ZERO;
+    }
+    let mut power = DMat3::IDENTITY - covariance * total.recip();
+    // 2³⁴ takes a share of 1 − 10⁻⁹ to 10⁻⁷ or less: directions nearer to each other than that are not one.
+    for _ in 0..34 {
+        power = power * power;
+        power *= trace(power).recip();
+    }
+    let single = power.to_cols_array().iter().map(|x| x * x).sum::<f64>() > 0.99;
+    let axis = [power.x_axis, power.y_axis, power.z_axis].into_iter().max_by(|a, b| a.length().total_cmp(&b.length()));
+    axis.filter(|_| single).map_or(DVec3::ZERO, DVec3::normalize)
+}
