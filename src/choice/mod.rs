@@ -2,7 +2,8 @@
 //!
 //! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on composed
 //! linear R, G, B against the exact method, `abuffer` or `soft-base`, its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
-//! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it.
+//! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it, and the
+//! same wish nothing.
 //!
 //! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is accurate
 //! enough or slower than the fastest one that is. Stochastic errors fall as samples^(−1/2): two small steps tell which one to
@@ -116,10 +117,17 @@ pub fn choose(
     let occasion = trials.occasion();
     let (mut all, _) = settings(&occasion, &Ladders::FINE);
     all.retain(|setting| subject.only.is_none_or(|only| only == setting.method.name()));
-    let found = match (wish.max_error, wish.budget_ms) {
-        (Some(most), _) => climb::by_error(&mut trials, &all, most)?,
-        (None, budget) => climb::by_time(&mut trials, &all, budget.unwrap_or(f64::INFINITY))?,
+    // Of two wishes the error decides.
+    let asked =
+        format!("{:?} {:?} {:?}", wish.max_error, wish.budget_ms.filter(|_| wish.max_error.is_none()), subject.only);
+    let found = match (trials.chosen(&asked, &all), wish.max_error, wish.budget_ms) {
+        (Some(found), _, _) => Some(found),
+        (None, Some(most), _) => climb::by_error(&mut trials, &all, most)?,
+        (None, None, budget) => climb::by_time(&mut trials, &all, budget.unwrap_or(f64::INFINITY))?,
     };
+    if let Some((setting, _)) = &found {
+        trials.choose(asked, setting);
+    }
     trials.store();
     let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
     let warning = unfulfilled(wish, figures);

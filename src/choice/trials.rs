@@ -56,6 +56,9 @@ struct Known {
     max_list: u32,
     /// By [`Setting::key`].
     records: BTreeMap<String, Record>,
+    /// The setting that was chosen, by what was wished for.
+    #[serde(default)]
+    chosen: BTreeMap<String, String>,
 }
 
 /// Everything that is measured of one scene.
@@ -118,11 +121,21 @@ impl<'a> Trials<'a> {
 
     /// Keeps what is known.
     pub fn store(&self) {
-        if self.frames > 0
-            && let Ok(bytes) = serde_json::to_vec(&self.known)
-        {
+        if let Ok(bytes) = serde_json::to_vec(&self.known) {
             gpu::cache::store(KIND, &self.key, &bytes);
         }
+    }
+
+    /// What was chosen for the same wish before: times differ from run to run, and what they decide must not.
+    pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
+        let key = self.known.chosen.get(wish)?;
+        let setting = all.iter().find(|setting| setting.key() == *key)?;
+        Some((setting.clone(), self.figures(setting)?))
+    }
+
+    /// Takes note of a choice.
+    pub fn choose(&mut self, wish: String, setting: &Setting) {
+        self.known.chosen.insert(wish, setting.key());
     }
 
     /// What decides which settings apply.
