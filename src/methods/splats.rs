@@ -125,7 +125,9 @@ impl Splatter {
     ) -> Result<Outcome, Error> {
         let window = job.bin.raster.window;
         let mut recorder;
-        match bins.bin(device, &job.bin, timeline, facts)? {
+        // Where there is nothing to bin, a device need not be able to.
+        let bin = if is_seen(&job.bin) { bins.bin(device, &job.bin, timeline, facts)? } else { Bin::Nothing };
+        match bin {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = device.recorder()?;
@@ -185,8 +187,16 @@ impl Splatter {
     }
 }
 
+/// Whether any splat touches the window.
+fn is_seen(job: &bin::Job<'_>) -> bool {
+    job.raster.stats.iter().any(|s| s.visible > 0)
+}
+
 /// Decides how a window is binned; draws nothing.
 pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<Outcome, Error> {
+    if !is_seen(job) {
+        return Ok(Outcome::Done);
+    }
     let mut found = Facts { bands: 0, ..facts.clone() };
     let outcome = Bins::survey(device, job, &mut found)?;
     *facts = Facts { splatted: facts.splatted + found.bands, bands: facts.bands, ..found };

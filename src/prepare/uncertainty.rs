@@ -25,8 +25,8 @@ pub struct Surface {
 /// `normals` are unit vectors, or zero where a point has none. A missing normal is the smallest principal axis of the
 /// point and its K neighbors. Where that is not one direction (all in one place, on a line, spread alike), the point stays
 /// without normal, which counts as perpendicular to every other: such places are no surface. With fewer than K other
-/// points K is their number. Neighbors are those of [`neighbors`](super::neighbors), so that neither the order of the
-/// points nor the sign of a normal changes a bit.
+/// points K is their number. Neighbors are ordered by distance, then x, y, z,
+/// then normal, and sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes for each point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &ProgressBar) -> Surface {
