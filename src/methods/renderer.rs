@@ -741,17 +741,7 @@ impl Renderer {
         let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
         let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
         let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
-        if work.survey && frame.method.soft().is_some() {
-            // What the bins hold, lists cannot: it decides about their bands.
-            return match self.bins.bin(&self.device, &bin, work.timeline, facts)? {
-                Bin::TooLarge => Ok(Outcome::Overflow),
-                Bin::Nothing => Ok(Outcome::Done),
-                Bin::Done(_) => {
-                    facts.splatted += 1;
-                    Ok(Outcome::Done)
-                }
-            };
-        } else if work.survey {
+        if work.survey {
             return splats::survey(&self.device, &bin, facts);
         }
         let (into, layer) = match onto {
@@ -789,10 +779,13 @@ impl Renderer {
         facts.solid_points = parts.solid;
         self.soft_counted = false;
         let Work { window, budget, survey, .. } = *work;
-        let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
-        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut both)? == Outcome::Overflow {
+        // Solid points decide how many events there are: a survey draws them too, unless they are all.
+        let surveyed = survey && parts.soft == 0;
+        let mut solid = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey: surveyed };
+        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
+        let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
         let outcome = if parts.soft > 0 {
             self.soft_points(cloud, frame, soft, &mut both)?
         } else {

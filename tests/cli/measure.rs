@@ -249,6 +249,20 @@ fn the_plan_is_what_runs() {
             assert_planned(&folder, &[&args[..], &["--opacity", opacity, "--method", "sorted"]].concat());
         }
     }
+    // Spheres alone, before solid points, without any; one kernel and several, long lists, windows.
+    let axis = "cloud.0.field=distance-to-axis";
+    for (method, threshold) in
+        [("soft-base", "0"), ("soft-base", "0.4"), ("soft-concentric", "0.4"), ("soft-base", "1")]
+    {
+        let threshold = format!("method.threshold={threshold}");
+        let soft = ["--method", method, "--set", axis, "--set", &threshold];
+        for args in [&[][..], &["--memory-budget", "400KiB"], &["--radius", "0.4"]] {
+            let planned = assert_planned(&folder, &[&[tori.as_str(), "--size", "40x30"], args, &soft[..]].concat());
+            let spheres = threshold != "method.threshold=1";
+            assert_eq!(has(&planned, "soft/count") && has(&planned, "soft/store"), spheres, "{planned:?}");
+            assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalise"), "{planned:?}");
+        }
+    }
     for method in ["hybrid", "weighted", "average", "unsorted"] {
         let stage = format!("{method}/accumulate");
         for (args, more) in [

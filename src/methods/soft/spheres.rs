@@ -445,16 +445,18 @@ mod tests {
 
     #[test]
     fn loops_are_within_the_iterations() {
-        // Four pixels of each large splat of a segment, and groups of four of the shells after the first.
-        assert!(SHELLS_SEGMENT * (1 + 4 * (1 + (MAX_SHELLS - 1).div_ceil(4))) < MOST_ITERATIONS);
-        // Small splats have up to 1024 pixels.
-        assert!(1024 * (1 + (MAX_SHELLS - 1).div_ceil(4)) < MOST_ITERATIONS);
-        // Events, and one turn more for each workgroup of them.
-        assert!(SEGMENTS_TAKEN + SEGMENTS_TAKEN / 64 + 64 < MOST_ITERATIONS);
-        // Each event of a run may go over all shells, if modulated.
-        assert!(LOCAL_LENGTH * (1 + MAX_SHELLS) < MOST_ITERATIONS);
-        // Half of the events are entries, and each segment goes over what is open.
-        assert!(LOCAL_LENGTH * (1 + LOCAL_LENGTH / 2) < MOST_ITERATIONS);
+        const {
+            // Four pixels of each large splat of a segment, and groups of four of the shells after the first.
+            assert!(SHELLS_SEGMENT * (1 + 4 * (1 + (MAX_SHELLS - 1).div_ceil(4))) < MOST_ITERATIONS);
+            // Small splats have up to 1024 pixels.
+            assert!(1024 * (1 + (MAX_SHELLS - 1).div_ceil(4)) < MOST_ITERATIONS);
+            // Events, and one turn more for each workgroup of them.
+            assert!(SEGMENTS_TAKEN + SEGMENTS_TAKEN / 64 + 64 < MOST_ITERATIONS);
+            // Each event of a run may go over all shells, if modulated.
+            assert!(LOCAL_LENGTH * (1 + MAX_SHELLS) < MOST_ITERATIONS);
+            // Half of the events are entries, and each segment goes over what is open.
+            assert!(LOCAL_LENGTH * (1 + LOCAL_LENGTH / 2) < MOST_ITERATIONS);
+        }
     }
 
     #[test]
