@@ -790,9 +790,12 @@ impl Renderer {
         self.soft_counted = false;
         let Work { window, budget, survey, .. } = *work;
         let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
+        // Solid points decide how much of a sphere there is to count.
+        both.survey = survey && Interior::of(&frame.method).is_none();
         if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut both)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
+        both.survey = survey;
         let outcome = if parts.soft > 0 {
             self.soft_points(cloud, frame, soft, &mut both)?
         } else {
