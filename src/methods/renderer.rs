@@ -779,8 +779,8 @@ impl Renderer {
         facts.solid_points = parts.solid;
         self.soft_counted = false;
         let Work { window, budget, survey, .. } = *work;
-        // Solid points decide how many events there are: a survey draws them too, unless they are all.
-        let surveyed = survey && parts.soft == 0;
+        // Solid points decide how much of a sphere there is to count: a survey of spheres draws them too.
+        let surveyed = survey && (parts.soft == 0 || Interior::of(&frame.method).is_none());
         let mut solid = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey: surveyed };
         if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
