@@ -7,11 +7,23 @@ use crate::methods::Frame;
 use crate::points::Points;
 
 /// A hash of what decides the image and the time of a frame whatever its method: points, camera, size, shading, color
-/// space, background, memory budget and seed; device and driver; the program's version. In hexadecimal digits.
+/// space, background, memory budget, factors and seed; device and driver; the program's version. In hexadecimal digits.
 ///
 /// Of the method only what `formation` says counts.
 pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
-    let Frame { camera, size, shading, color, method: _, memory_budget, fragments: _, stop, seed, .. } = frame;
+    let Frame {
+        camera,
+        size,
+        shading,
+        color,
+        method: _,
+        memory_budget,
+        fragments: _,
+        stop,
+        seed,
+        max_error: _,
+        factors,
+    } = frame;
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -27,8 +39,9 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
     add(bytemuck::cast_slice(file_order));
     add(bytemuck::cast_slice(fields));
     // Debug output of floats is exact.
-    let settings =
-        format!("{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {background:?}");
+    let settings = format!(
+        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {factors:?} {background:?}"
+    );
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
     for text in [&settings, formation, &program] {
         add(text.as_bytes());

@@ -10,6 +10,7 @@ use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::random::STRATUM;
 use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
 
@@ -100,7 +101,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
             plan.soft_spheres(device, frame, facts, soft.threshold, why);
         }
-        Method::SoftExpress(_) => {}
+        Method::SoftExpress(soft) => plan.soft_discs(device, frame, facts, soft.threshold, why),
         Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
     }
     let without = |what: &str| match frame.method.discs() {
@@ -108,8 +109,10 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         None => format!("no transparency: {why}"),
     };
     plan.rest(&ORDER, &without("splats are not sorted"));
+    plan.rest(&PRESORTED, "no order of the points was made beforehand");
     plan.rest(&STOCHASTIC, &without("no samples"));
     plan.rest(&DRAWN, &without("no samples"));
+    plan.rest(&["soft/express"], &format!("no soft discs: {why}"));
     plan.rest(&TILED, &without("tiles of splats are gone through otherwise, or not at all"));
     plan.rest(&soft_passes(), &format!("no soft spheres: {why}"));
     plan.rest(&COUNT, &without("no lists"));
@@ -140,7 +143,7 @@ const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// The passes that find the lengths of lists.
 const COUNT: [&str; 5] = ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
-/// The passes that sort splats and put them into tiles.
+/// The passes that sort splats, four of them, and put them into tiles.
 const ORDER: [&str; 10] = [
     "bin/keys",
     "radix/clear",
@@ -153,6 +156,8 @@ const ORDER: [&str; 10] = [
     "bin/summary",
     "bin/tile-store",
 ];
+/// The passes that go through an order of points that was made beforehand.
+const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
 /// The stages that go through tiles of ordered splats.
 const TILED: [&str; 5] =
     ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
@@ -354,25 +359,64 @@ impl Plan {
             Order::Depth => "in order of depth",
             Order::Index => "in canonical order",
             Order::File => "in the files' order",
+            Order::Along(_) => "along an axis",
         };
         let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
         let zero = || "counters start at zero".to_owned();
+        let reasons = [format!("{why}: {} splats {by}", facts.visible), zero(), by_digit.clone(), by_digit];
+        for (name, reason) in ORDER.into_iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+        self.bins(facts, by);
+        counters.max(facts.tile_cells)
+    }
+
+    /// Splats that are in order into their tiles.
+    fn bins(&mut self, facts: &Facts, by: &str) {
         let reasons = [
-            format!("{why}: {} splats {by}", facts.visible),
-            zero(),
-            by_digit.clone(),
-            by_digit,
             format!("splats are read {by}"),
-            zero(),
+            "counters start at zero".to_owned(),
             format!("{} counters of tiles and runs of splats", facts.tile_cells),
             "the longest list of a tile decides how often tiles are run".to_owned(),
             "the total of the lists decides whether the window fits".to_owned(),
             "each tile gets its splats in order".to_owned(),
         ];
-        for (name, reason) in ORDER.into_iter().zip(reasons) {
+        for (name, reason) in ORDER[4..].iter().zip(reasons) {
             self.add(name, true, reason);
         }
-        counters.max(facts.tile_cells)
+    }
+
+    /// Solid points as opaque splats, and soft ones as discs in a presorted order before them.
+    fn soft_discs(&mut self, device: &Device, frame: &Frame, facts: &Facts, threshold: f32, why: &str) {
+        let solid = facts.solid_points;
+        let solids = format!("{solid} solid points (field at most {threshold})");
+        let softs = format!("{} soft points above threshold {threshold}", facts.points.saturating_sub(solid));
+        let mut counters = if solid > 0 { self.solids(device, frame, facts, &solids) } else { 0 };
+        let Axis { index, backward } = Axis::nearest(frame.camera.forward);
+        let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
+        let seen = facts.soft_visible > 0;
+        if seen {
+            self.rest(&ORDER[..4], "points were sorted along the axes once");
+            self.add("bin/pick", true, format!("{} soft points are drawn, in order {by}", facts.soft_visible));
+            self.add("bin/place", true, "only what is drawn is fetched and binned");
+            if facts.splatted == 0 {
+                self.bins(facts, &by);
+            }
+            counters = counters.max(facts.tile_cells).max(bin::order_runs(device, facts.points).runs.into());
+        }
+        self.scan(counters, "counters of runs, tiles and digits");
+        let blended = format!("{softs}, {by}, in {} window(s)", facts.bands);
+        self.add("soft/express", seen, if seen { &blended } else { NOTHING });
+        self.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+        let empty = facts.windows - facts.bands.min(facts.windows);
+        let bare = if solid > 0 { facts.windows.saturating_sub(facts.splatted) } else { 0 };
+        let windows = format!("{empty} window(s) show no soft point, {bare} with solid points none of these");
+        self.add("image/clear", empty + bare > 0, windows);
+        self.rest(&PRESORTED, NOTHING);
+        self.rest(&ORDER, NOTHING);
+        self.rest(&soft_passes(), &format!("discs, not spheres: {why}"));
+        self.rest(&COUNT, "the method needs no lists");
+        self.rest(&list_passes(), "soft discs are blended tile by tile: no lists");
     }
 
     /// The sort of splats, the stage that goes through their tiles, and what counts lists beside them where their lengths are

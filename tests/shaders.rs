@@ -3,6 +3,7 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
@@ -73,6 +74,15 @@ fn blend_variants() -> Vec<Variant> {
     later
         .flat_map(|(shape, stop, later)| SUBGROUPS.map(|size| sorted::blend_variant(shape.clone(), stop, later, size)))
         .collect()
+}
+
+/// The variants of `soft/express`.
+fn express_variants() -> Vec<Variant> {
+    let stops = (1..=3).flat_map(|stop| [false, true].map(|cut| (stop, cut)));
+    let ways = stops.flat_map(|(stop, cut)| {
+        (0..8).map(move |i| Way { stop, cut, modulated: i & 1 != 0, counted: i & 2 != 0, later: i & 4 != 0 })
+    });
+    ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
 }
 
 const INTERIORS: [Interior; 3] =
@@ -199,6 +209,9 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<radix::Scatter>(&mut seen, SUBGROUPS.map(radix::scatter_variant));
     check::<bin::Keys>(&mut seen, [Order::Depth, Order::Index, Order::File].map(bin::keys_variant));
     check::<bin::Gather>(&mut seen, compose_variants());
+    check::<bin::Pick>(&mut seen, SUBGROUPS.map(bin::presorted_variant));
+    check::<bin::Place>(&mut seen, SUBGROUPS.map(bin::presorted_variant));
+    check::<express::Express>(&mut seen, express_variants());
     check::<bin::TileCount>(&mut seen, [bin::tile_variant()]);
     check::<bin::Measure>(&mut seen, [Variant::plain()]);
     check::<bin::TileStore>(&mut seen, SUBGROUPS.map(|size| bin::tile_variant().subgroup(size)));
@@ -253,6 +266,8 @@ fn every_compute_shader_has_the_common_workgroup() {
             "stochastic/gather" => stochastic::gather_variant(stochastic_variants()[0].1, 4),
             "approximate/hybrid_oriented" => round_variants().remove(0),
             other if other.starts_with("approximate/") => sum_variants().remove(0),
+            "soft/express" => express_variants().remove(0),
+            "bin/pick" | "bin/place" => bin::presorted_variant(SUBGROUPS[0]),
             "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
@@ -272,6 +287,9 @@ fn every_compute_shader_has_the_common_workgroup() {
             let by_subgroup = [
                 "radix/scatter",
                 "sorted/blend",
+                "soft/express",
+                "bin/pick",
+                "bin/place",
                 "bin/tile_store",
                 "abuffer/count_tiles",
                 "abuffer/store_tiles",

@@ -1,7 +1,7 @@
 //! Choosing a method and its setting by error or by time, from measurements on the very image that is to be rendered.
 //!
 //! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on composed
-//! linear R, G, B against `abuffer`, its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
+//! linear R, G, B against the exact method, `abuffer` or `soft-base`, its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
 //! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it.
 //!
 //! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is accurate
@@ -60,7 +60,7 @@ pub struct Subject<'a> {
 /// What was measured of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Against `abuffer`, on this image.
+    /// Against the exact method, on this image.
     pub rmse: f64,
     /// Median device time of a frame.
     pub gpu_ms: f64,
@@ -103,7 +103,7 @@ impl Choice {
 /// Chooses. `recalibrate`: forgets what was known of this scene. `progress` ticks only.
 ///
 /// # Errors
-/// A method of another image formation, no setting of `only`, a frame that `abuffer` can't render, a lost device.
+/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost device.
 pub fn choose(
     device: &Device,
     cloud: &mut DeviceCloud,
@@ -131,7 +131,7 @@ pub fn choose(
 /// Why nothing could be chosen.
 fn none(only: Option<&str>, refusal: Option<methods::Error>) -> crate::Error {
     let unknown =
-        || scene::Error::Usage(format!("{}: it does not draw the discs of this scene", only.unwrap_or("any")));
+        || scene::Error::Usage(format!("{}: it does not draw what is compared on this scene", only.unwrap_or("any")));
     refusal.map_or_else(|| unknown().into(), Into::into)
 }
 

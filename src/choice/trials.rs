@@ -12,7 +12,7 @@ use crate::output::{LinearImage, linear};
 use crate::passes::project::DeviceCloud;
 use crate::profile::median;
 use crate::report::tradeoff::renderers::Renderers;
-use crate::report::tradeoff::settings::{Occasion, Setting, formation};
+use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
 use crate::scene::Method;
 use crate::{Result, gpu, identity, metrics};
 
@@ -66,6 +66,7 @@ pub(super) struct Trials<'a> {
     progress: &'a ProgressBar,
     /// That of the reference.
     frame: Frame,
+    formation: Formation,
     key: String,
     known: Known,
     /// Settings that could not be rendered, and why the last of them could not.
@@ -86,10 +87,10 @@ impl<'a> Trials<'a> {
         recalibrate: bool,
         progress: &'a ProgressBar,
     ) -> Result<Self> {
-        let discs = formation(&subject.frame.method)?;
+        let formation = formation(&subject.frame.method, subject.points)?;
         // Errors are those of every bit, and lists are not counted for the trials.
-        let frame = Frame { method: Method::ABuffer(discs), stop: Stop::Exact, fragments: false, ..subject.frame };
-        let key = identity::of(subject.points, &frame, subject.background, &format!("{discs:?}"), device.info());
+        let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+        let key = identity::of(subject.points, &frame, subject.background, &format!("{formation:?}"), device.info());
         let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
         let known: Option<Known> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;
@@ -100,6 +101,7 @@ impl<'a> Trials<'a> {
             subject,
             progress,
             frame,
+            formation,
             key,
             known,
             refused: BTreeSet::new(),
@@ -125,8 +127,7 @@ impl<'a> Trials<'a> {
 
     /// What decides which settings apply.
     pub fn occasion(&self) -> Occasion {
-        let discs = self.frame.method.discs().copied().unwrap_or_default();
-        Occasion::new(self.subject.points, discs, self.known.max_list)
+        Occasion::new(self.subject.points, self.formation, self.known.max_list)
     }
 
     /// Settings of which something is known.

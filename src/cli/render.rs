@@ -44,7 +44,7 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 struct ChoiceArgs {
     /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
-    /// over the background, against abuffer. With --method only its settings. A scene file's method says only which discs.
+    /// over the background, against abuffer, or against soft-base for soft spheres. With --method only its settings. A scene file's method says only which discs.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     max_error: Option<f64>,
     /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the
@@ -69,7 +69,7 @@ impl ChoiceArgs {
             talk.warn("--recalibrate has no effect without --max-error or --budget");
         }
         let method = resolved.scene.method;
-        if wish.is_any() && formation(&method).is_err() {
+        if wish.is_any() && formation(&method, &resolved.points).is_err() {
             talk.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
                 method.name()

@@ -9,9 +9,9 @@ use comfy_table::{CellAlignment, Table, presets};
 use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Stop};
-use pellucid::report::tradeoff::settings::{self, Ladders, Occasion};
+use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion};
 use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
-use pellucid::scene::Discs;
+use pellucid::scene::{Discs, Soft};
 
 use super::DeviceArgs;
 use super::input::{InputArgs, prepare};
@@ -24,8 +24,14 @@ peel with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 sam
 the rasteriser; weighted, average and unsorted. Where every point is opaque, circles too. A method that does not apply, a step beyond the \
 longest list, and a setting of which a frame would take too long are listed with the reason.
 
+If the scene's method is a soft one, the models of soft spheres are compared instead, with its threshold, softness and \
+modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive ones, soft-express. A lambda counts \
+as the softness that it means for the scene's method. What the paper says of the three stands below the table with what was \
+measured.
+
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
-on linear R, G, B over the scene's background. Stochastic settings are rendered with several seeds, from --seed on.
+on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
+points as the device splats them. Stochastic settings are rendered with several seeds, from --seed on.
 
 What times are: medians over frames that take turns, so that a machine that slows down slows all. The Pareto front is that \
 of device time and RMSE.
@@ -67,9 +73,13 @@ pub struct TradeoffArgs {
 }
 
 fn method_names() -> PossibleValuesParser {
-    let occasion = Occasion { discs: Discs::default(), opaque: true, oriented: false, max_list: u32::MAX };
-    let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
-    let mut names: Vec<_> = settings.iter().map(|setting| setting.method.name()).collect();
+    let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
+    let mut names = Vec::new();
+    for formation in [Formation::Discs(Discs::default()), soft] {
+        let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX };
+        let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
+        names.extend(settings.iter().map(|setting| setting.method.name()));
+    }
     names.dedup();
     names.into()
 }
@@ -88,7 +98,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    settings::formation(&resolved.scene.method)?;
+    settings::formation(&resolved.scene.method, &resolved.points)?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -140,7 +150,9 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         "FLIP",
         "> 1/255",
         "peak MiB",
+        "lists MiB",
     ]);
+    let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
     let line = |row: &Row| {
         [
             if row.front { "*" } else { "" }.to_owned(),
@@ -151,17 +163,26 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
             format!("{:.2e}", row.errors.rmse),
             format!("{:.2e}", row.errors.flip),
             format!("{:.2}%", 100.0 * row.errors.above_1_255),
-            format!("{:.1}", row.peak_device_bytes as f64 / f64::from(1 << 20)),
+            mib(row.peak_device_bytes),
+            mib(row.fragment_bytes),
         ]
     };
     table.add_rows(report.rows.iter().map(line));
     for column in table.column_iter_mut().skip(3) {
         column.set_cell_alignment(CellAlignment::Right);
     }
+    let holds = |holds| match holds {
+        Some(true) => "holds here: ",
+        Some(false) => "does not hold here: ",
+        None => "",
+    };
+    let findings = report.findings.iter().map(|f| format!("{}\n  {}{}\n", f.claim, holds(f.holds), f.measured));
+    let findings: String = findings.collect();
     format!(
-        "{}\n\n* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\
+        "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\
          {} settings measured, {} skipped; why, and all figures: {}\n",
         table.trim_fmt(),
+        if findings.is_empty() { findings } else { format!("{findings}\n") },
         report.rows.len(),
         report.skipped.len(),
         args.output.join("report.html").display()

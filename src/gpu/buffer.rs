@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
@@ -122,6 +123,7 @@ impl<T: GpuType> Buffer<T> {
     pub fn upload(&self, data: &[T]) -> Result<(), Error> {
         assert!(data.len() as u64 <= self.len.max(1), "{}: upload larger than the buffer", self.name);
         let bytes: &[u8] = bytemuck::cast_slice(data);
+        self.context.uploaded.fetch_add(bytes.len() as u64, Ordering::Relaxed);
         let staging_bytes = STAGING_BYTES.min(bytes.len() as u64).max(4);
         let mut staging = Buffer::<u32>::new(&self.context, "staging", staging_bytes.div_ceil(4), Memory::Upload)?;
         let mut offset = 0;

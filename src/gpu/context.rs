@@ -31,6 +31,8 @@ pub struct Context {
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
     peak: AtomicU64,
+    /// Bytes of [`super::Buffer::upload`] so far.
+    pub uploaded: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
     cache_key: String,
 }
@@ -82,6 +84,7 @@ impl Context {
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
+            uploaded: AtomicU64::new(0),
             pipelines: Mutex::default(),
             cache_key,
         })

@@ -2,6 +2,7 @@
 
 use std::ffi::CStr;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use ash::vk;
 
@@ -278,6 +279,12 @@ impl Device {
     /// Starts a new measurement of the peak from what is reserved now; returns that.
     pub fn reset_peak(&self) -> u64 {
         self.0.reset_peak()
+    }
+
+    /// Bytes that were uploaded so far, but for the view that every frame writes: what another threshold, softness or radius
+    /// adds nothing to.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.0.uploaded.load(Ordering::Relaxed)
     }
 
     /// Names and sizes of what is allocated: the leak report when it should be empty.

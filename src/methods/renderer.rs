@@ -10,6 +10,7 @@ use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
+use super::soft::express::{self, SoftDiscs};
 use super::soft::{self, Interior, Layer, SoftModel, Spheres};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
@@ -26,6 +27,7 @@ use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
+use crate::prepare::axes::Axis;
 use crate::scene::{
     BlendedSplats, ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, OneLayer, Raster,
     ScreenSplats, Shading, Soft, SoftLayout, Stochastic,
@@ -286,6 +288,7 @@ pub struct Renderer {
     target: Target,
     /// The solid points of a window that has soft ones.
     layer: Layer,
+    discs: SoftDiscs,
     /// Whether the soft points of the last window were counted.
     soft_counted: bool,
     /// An image that was given back.
@@ -313,6 +316,7 @@ impl Renderer {
             tiles: Tiles::new(device)?,
             target: Target::new(),
             layer: Layer::default(),
+            discs: SoftDiscs::default(),
             soft_counted: false,
             spare: None,
             progress: ProgressBar::hidden(),
@@ -342,6 +346,11 @@ impl Renderer {
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
         self.device.reset_peak();
+        if let Method::SoftExpress(soft) = frame.method
+            && cloud.parts(soft.threshold).soft > 0
+        {
+            cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
+        }
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
@@ -816,7 +825,7 @@ impl Renderer {
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let Some(interior) = Interior::of(&frame.method) else {
-            return Err(Error::NotYet { name: frame.method.name() });
+            return self.soft_discs(cloud, frame, soft, work);
         };
         if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
             return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
@@ -859,6 +868,50 @@ impl Renderer {
         work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
         work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
         work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+
+    /// The same where soft points are discs in a presorted order.
+    fn soft_discs(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        soft: Soft,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let window = work.window;
+        let how = soft_projecting(frame, cloud, &soft);
+        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
+        let parts = cloud.parts(soft.threshold);
+        let (device, walker) = (&self.device, Walker::Compute);
+        let raster =
+            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let counts = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
+        // Solid points are sorted, and what that took is still there.
+        let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
+        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
+        let outcome = if work.survey {
+            Bins::survey(device, &bin, work.facts)?
+        } else {
+            let job = express::WindowJob {
+                bin,
+                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
+                modulated: soft.modulation.is_some(),
+                layer: (parts.solid > 0).then_some(&self.layer),
+                counted: frame.fragments,
+                color: frame.color,
+                most_color: cloud.most_color(&how),
+                stop: frame.stop,
+            };
+            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
+        };
+        if outcome == Outcome::Done {
+            self.soft_counted = true;
+            work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
+            self.progress.inc(bands::pixels(window));
+            work.facts.note(&stats, walker);
+        }
         Ok(outcome)
     }
 
@@ -938,9 +991,13 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
-        } else if let (Some(fragments), Some(interior)) = (&mut image.fragments, Interior::of(&frame.method)) {
-            if self.soft_counted {
-                place_counts(frame, window, &self.abuffer.read_spheres(window, interior)?, fragments);
+        } else if let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.soft()) {
+            match Interior::of(&frame.method).filter(|_| self.soft_counted) {
+                Some(interior) => {
+                    place_counts(frame, window, &self.abuffer.read_spheres(window, interior)?, fragments);
+                }
+                None if self.soft_counted => place_counts(frame, window, self.discs.counts(), fragments),
+                None => {}
             }
         } else if let Some(fragments) = &mut image.fragments {
             place_counts(frame, window, &self.abuffer.read_counts(window)?, fragments);
@@ -1094,7 +1151,7 @@ struct Work<'a> {
 fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
-    let listed = frame.method.discs().is_some() || Interior::of(&frame.method).is_some();
+    let listed = frame.method.discs().is_some() || frame.method.soft().is_some();
     let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
     let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
@@ -1150,7 +1207,8 @@ fn projecting_of(
 /// How the soft points become splats.
 fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
     let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
-    Projecting { footprint: Footprint::Sphere, part, ..projecting(frame, cloud) }
+    let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
+    Projecting { footprint, part, ..projecting(frame, cloud) }
 }
 
 /// Radii as they are.
@@ -1236,6 +1294,9 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
                 let binned = Facts { bands: facts.splatted, ..facts.clone() };
                 bin::least_bytes(name, runs, &binned, splat)
                     .or_else(|| splats::least_bytes(name, facts, oriented, pixels))
+            }
+            Method::SoftExpress(_) if facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&name) => {
+                bin::least_bytes(name, runs, facts, splat)
             }
             // How many splats are solid is not known.
             method if method.threshold().is_some() => None,

@@ -12,6 +12,7 @@ use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Sl
 use crate::methods::bands::{self, Band, Budget, Window};
 use crate::methods::renderer::{Facts, Timeline};
 use crate::methods::{Error, Outcome};
+use crate::prepare::axes::Axis;
 use crate::scene::Falloff;
 use crate::{gpu_struct, group, pass};
 
@@ -25,6 +26,8 @@ pub enum Order {
     Index,
     /// As they stand in the files, the last one first: over-blending front to back.
     File,
+    /// Along an axis of the world, in an order that the cloud brings ([`DeviceCloud::sort_along`]): nothing is sorted.
+    Along(Axis),
 }
 
 gpu_struct! {
@@ -79,6 +82,34 @@ pass! {
         colors: ReadWrite<[f32; 4]>,
         slopes: ReadWrite<[f32; 4]>,
         rectangles: ReadWrite<[u32; 2]>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl says what the members are.
+    pub struct PresortedPush {
+        count: u32,
+        run_length: u32,
+        backward: u32,
+    }
+}
+
+pass! {
+    /// Drawn points of each run of a presorted order.
+    pub Pick(PresortedPush) = "bin/pick" {
+        order: Read<u32>,
+        bounds: Read<Bounds>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// The drawn points of a presorted order.
+    pub Place(PresortedPush) = "bin/place" {
+        order: Read<u32>,
+        bounds: Read<Bounds>,
+        starts: Read<u32>,
+        records: ReadWrite<[u32; 2]>,
     }
 }
 
@@ -425,11 +456,11 @@ impl Binning {
         if points * RECORD_BYTES > binding {
             return Err(Error::TooManyPoints { points, limit: binding / RECORD_BYTES });
         }
-        let (sort, each) = (sort_bytes(device, points), splat_bytes(job.raster.cloud));
-        let splats = |drawn: u64| drawn * each;
+        let each = splat_bytes(job.raster.cloud);
+        let splats = |drawn: u64| order_bytes(device, job.order, points, drawn) + drawn * each;
         let table = |cells: u64| cells * 8 + Scan::bytes(cells);
         // However small the window, there is a tile with all of its splats.
-        let least = |drawn: u64| sort + splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
+        let least = |drawn: u64| splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
         let available = job.budget.left(job.counted_bytes);
         if least(self.drawn) > available {
             // A larger budget makes larger windows, with up to all splats in each.
@@ -437,7 +468,7 @@ impl Binning {
             return Err(Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed) });
         }
         let cells = self.cells();
-        let used = sort + splats(self.drawn) + table(cells);
+        let used = splats(self.drawn) + table(cells);
         // `bin/tile-count` visits the tiles of a splat one by one.
         let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
         let fits = cells * 4 <= binding && self.drawn * 16 <= binding && met <= MOST_ITERATIONS;
@@ -514,7 +545,10 @@ impl Bins {
         let Some(left) = binning.left(device, job)? else { return Ok(None) };
         self.reserve(device, job, &binning)?;
         let mut recorder = device.recorder()?;
-        let last = self.record_sort(&mut recorder, device, job, binning.subgroup)?;
+        let last = match job.order {
+            Order::Along(axis) => self.record_pick(&mut recorder, device, job, axis, binning.subgroup)?,
+            _ => self.record_sort(&mut recorder, device, job, binning.subgroup)?,
+        };
         self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
         self.record_tile_count(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("bin/sort and count")?);
@@ -544,7 +578,7 @@ impl Bins {
     /// Device bytes that sorting a window's splats takes, tiles not counted.
     pub fn least_bytes(device: &Device, job: &Job<'_>) -> u64 {
         let (cloud, drawn) = (job.raster.cloud, job.raster.stats.iter().map(|s| u64::from(s.visible)).sum::<u64>());
-        sort_bytes(device, cloud.len()) + drawn * splat_bytes(cloud)
+        order_bytes(device, job.order, cloud.len(), drawn) + drawn * splat_bytes(cloud)
     }
 
     /// The same where every point is drawn.
@@ -574,15 +608,22 @@ impl Bins {
 
     fn reserve(&mut self, device: &Device, job: &Job<'_>, binning: &Binning) -> Result<(), Error> {
         let points = job.raster.cloud.len();
-        for records in &mut self.records {
-            records.reserve(device, points)?;
-        }
-        self.radix.reserve(device, points)?;
+        let picked = if let Order::Along(_) = job.order {
+            self.records[0].reserve(device, binning.drawn)?;
+            u64::from(order_runs(device, points).runs)
+        } else {
+            for records in &mut self.records {
+                records.reserve(device, points)?;
+            }
+            self.radix.reserve(device, points)?;
+            0
+        };
         self.footprints.reserve(device, binning.drawn)?;
         self.colors.reserve(device, binning.drawn)?;
         self.slopes.reserve(device, if job.raster.cloud.has_normals() { binning.drawn } else { 1 })?;
         self.rectangles.reserve(device, binning.drawn)?;
-        let cells = binning.cells();
+        // The counters of a presorted order's runs are done with before those of tiles.
+        let cells = binning.cells().max(picked);
         self.counts.reserve(device, cells)?;
         self.cursors.reserve(device, cells)?;
         // A smaller one is freed before a larger one is made.
@@ -640,6 +681,29 @@ impl Bins {
         Ok(recorder.run(&gather, &run)?)
     }
 
+    /// Records what takes the drawn splats out of the cloud's order along an axis; returns which of the records they are.
+    fn record_pick<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        device: &Device,
+        job: &Job<'a>,
+        axis: Axis,
+        subgroup: u32,
+    ) -> Result<usize, Error> {
+        let cloud = job.raster.cloud;
+        let (Some(scan), Some(order)) = (&self.scan, cloud.along(axis.index)) else { return Ok(0) };
+        let Runs { runs, length } = order_runs(device, cloud.len());
+        let push = PresortedPush { count: cloud.len() as u32, run_length: length, backward: u32::from(axis.backward) };
+        let (counts, starts) = (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
+        let (bounds, records) = (cloud.bounds.all(), self.records[0].get().all());
+        let run = || Run::new(Dispatch::Groups(runs.into())).push(&push).variant(presorted_variant(subgroup));
+        recorder.run(&Pick { order, bounds, counts }, &run())?;
+        recorder.fill("bin/clear", self.overflow.all(), 0)?;
+        scan.record(recorder, counts, starts, self.overflow.all())?;
+        recorder.run(&Place { order, bounds, starts, records }, &run())?;
+        Ok(0)
+    }
+
     /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
     fn record_tile_count<'a>(
         &'a self,
@@ -685,8 +749,24 @@ impl Bins {
 }
 
 /// Device bytes of the records of so many points, and of sorting them.
-fn sort_bytes(device: &Device, points: u64) -> u64 {
+pub fn sort_bytes(device: &Device, points: u64) -> u64 {
     2 * RECORD_BYTES * points + Radix::bytes(device, points)
+}
+
+/// Device bytes of putting the drawn ones of so many points into an order.
+fn order_bytes(device: &Device, order: Order, points: u64, drawn: u64) -> u64 {
+    match order {
+        Order::Along(_) => {
+            let runs = u64::from(order_runs(device, points).runs);
+            RECORD_BYTES * drawn + 8 * runs + Scan::bytes(runs)
+        }
+        _ => sort_bytes(device, points),
+    }
+}
+
+/// How a presorted order is cut into runs, each of which a subgroup takes twice.
+pub fn order_runs(device: &Device, points: u64) -> Runs {
+    Runs::new(device.info().concurrent_runs, points, SHORTEST_RUN, 1 << 17)
 }
 
 /// Device bytes of a drawn splat in order.
@@ -703,7 +783,7 @@ fn depth_keys(depth_range: [f32; 2]) -> [u32; 2] {
 /// What is subtracted from keys, and the key then of what is not drawn.
 fn keys(order: Order, depth_range: [f32; 2], points: u64) -> [u32; 2] {
     match order {
-        Order::Depth => depth_keys(depth_range),
+        Order::Depth | Order::Along(_) => depth_keys(depth_range),
         Order::Index => [0, 1],
         Order::File => [0, points as u32],
     }
@@ -716,7 +796,17 @@ pub fn key_bits(order: Order, depth_range: [f32; 2], points: u64) -> u32 {
 
 /// The variant of `bin/keys`.
 pub fn keys_variant(order: Order) -> Variant {
-    Variant::plain().with("ORDER", order as u32)
+    let value = match order {
+        Order::Depth | Order::Along(_) => 0u32,
+        Order::Index => 1,
+        Order::File => 2,
+    };
+    Variant::plain().with("ORDER", value)
+}
+
+/// The variant of `bin/pick` and `bin/place`.
+pub fn presorted_variant(subgroup: u32) -> Variant {
+    Variant::plain().subgroup(subgroup)
 }
 
 /// The key of a depth, as `depth_key` in WGSL.
@@ -734,6 +824,9 @@ pub fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u
         "bin/keys" => Some((facts.points * (4 + 4) + sorted) * facts.bands),
         "radix/count" => Some(sorted * runs),
         "radix/scatter" => Some(2 * sorted * runs),
+        // An index and a rectangle of each, and the record.
+        "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
+        "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
         // A record, then splat, color and rectangle: read, and written but for the depth.
         "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
         "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
@@ -864,6 +957,9 @@ mod tests {
         assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
         // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
         assert_eq!(least_bytes("bin/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
+        assert_eq!(least_bytes("bin/pick", 2, &facts, 20), Some(2 * 10 * 12));
+        let soft = Facts { soft_visible: 3, ..facts.clone() };
+        assert_eq!(least_bytes("bin/place", 2, &soft, 20), Some(2 * 10 * 12 + 3 * 8));
         assert_eq!(least_bytes("bin/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
         assert_eq!(least_bytes("bin/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
         assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);

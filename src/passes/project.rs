@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::camera::{Camera, Projection};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
 use crate::points::Points;
+use crate::prepare::axes;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
 use crate::{gpu_struct, group, pass};
 
@@ -183,12 +184,22 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// Of a scene's points.
+    pub fn of(points: &Points, threshold: f32) -> Self {
+        Self::new(points.len() as u64, &fields_and_radii(points), threshold)
+    }
+
     /// Of `len` points, of which fields and radii are known if there is a field.
     fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
         let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
         let soft = radii.len() as u64;
         Self { solid: len - soft, soft, median_radius: median(&mut radii) }
     }
+}
+
+/// Field and radius of each point; nothing without a field.
+fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
+    points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
 }
 
 /// The median, the mean of the middle two of an even number; 0 of none.
@@ -271,6 +282,10 @@ pub struct DeviceCloud {
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
     parts: Option<(f32, Parts)>,
+    /// World positions, if there is a field: what orders along the axes are made from, and those that were asked for.
+    positions: Vec<DVec3>,
+    orders: [Option<Buffer<u32>>; 3],
+    orders_made: u32,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -338,8 +353,11 @@ impl DeviceCloud {
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
             most_radius: points.radii.iter().copied().fold(0.0, f32::max),
-            fields_and_radii: points.fields.iter().zip(&points.radii).map(|(f, r)| [*f, *r]).collect(),
+            fields_and_radii: fields_and_radii(points),
             parts: None,
+            positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
+            orders: [None, None, None],
+            orders_made: 0,
             points_hi: device.upload("points, hi", &points_hi)?,
             points_lo: device.upload("points, lo", &points_lo)?,
             point_colors: device.upload("point colors", &point_colors)?,
@@ -380,6 +398,7 @@ impl DeviceCloud {
             + self.colors.bytes()
             + self.large.bytes()
             + self.tile_counts.bytes()
+            + self.orders.iter().flatten().map(Buffer::bytes).sum::<u64>()
     }
 
     /// Whether points have normals.
@@ -407,6 +426,27 @@ impl DeviceCloud {
                 parts
             }
         }
+    }
+
+    /// Puts the points of a cloud with a field into order along an axis, the first time that it is asked for; it stays with
+    /// the cloud, whatever threshold, densities and views come.
+    pub fn sort_along(&mut self, device: &Device, axis: usize) -> Result<(), Error> {
+        if self.orders[axis].is_none() && self.has_fields {
+            let order = axes::order(&self.positions, axis);
+            self.orders[axis] = Some(device.upload("points along an axis", &order)?);
+            self.orders_made += 1;
+        }
+        Ok(())
+    }
+
+    /// How often points were put into order along an axis.
+    pub fn orders_made(&self) -> u32 {
+        self.orders_made
+    }
+
+    /// Indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
+    pub fn along(&self, axis: usize) -> Option<Slice<'_, u32>> {
+        self.orders[axis].as_ref().map(Buffer::all)
     }
 
     /// The largest color component that blending may meet, once shaded and encoded.

@@ -1,5 +1,7 @@
-//! What is computed once for a cloud: radii, normals, the scalar field, and the order of its points.
+//! What is computed once for a cloud: radii, normals, the scalar field, the order of its points, and their orders along the
+//! axes.
 
+pub mod axes;
 pub mod field;
 mod morton;
 mod neighbors;

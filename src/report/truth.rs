@@ -1,14 +1,17 @@
-//! Some pixels of an exact image as the float64 reference has them.
+//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres.
 
 use rand::{SeedableRng, seq};
 use rand_pcg::Pcg64;
 
 use super::stress::Deviation;
+use crate::gpu::Device;
 use crate::image::Image;
-use crate::methods::Frame;
+use crate::methods::{Error, Frame, Renderer};
 use crate::points::Points;
 use crate::reference::abuffer::{Composite, composite, lists_at};
 use crate::reference::shading::shade;
+use crate::reference::soft::{Behind, Model, Scene};
+use crate::scene::{BlendedSplats, Method};
 
 /// Pixels that are compared with the reference; of a smaller image all.
 const SAMPLE: usize = 256;
@@ -47,6 +50,55 @@ impl Truth {
         }
         Deviation { max, rmse: (squares / (3 * self.pixels.len()) as f64).sqrt(), pixels: self.pixels.len() }
     }
+}
+
+/// Soft spheres in float64, before the solid points as the device splats them; `None` for another method.
+pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> Result<Option<Image>, Error> {
+    let Some(model) = Model::new(frame.method, points) else { return Ok(None) };
+    let solids = solids(device, points, model.soft.threshold, frame)?;
+    let colors = shade(points, &frame.camera, &frame.shading, frame.color);
+    let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
+    let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
+    Ok(Some(Image {
+        width: picture.width,
+        height: picture.height,
+        rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
+        depth: picture.depth.iter().map(|depth| *depth as f32).collect(),
+        fragments: None,
+        layers: None,
+        stderr: None,
+    }))
+}
+
+/// The picture of the solid points alone; `None` if there are none.
+fn solids(device: &Device, points: &Points, threshold: f32, frame: &Frame) -> Result<Option<Image>, Error> {
+    let solid = |index: &usize| points.fields.get(*index).is_none_or(|field| *field <= threshold);
+    let kept: Vec<usize> = (0..points.len()).filter(solid).collect();
+    if kept.is_empty() {
+        return Ok(None);
+    }
+    let alone = Points {
+        positions: gather(&points.positions, &kept),
+        colors: gather(&points.colors, &kept),
+        opacities: gather(&points.opacities, &kept),
+        radii: gather(&points.radii, &kept),
+        normals: points.normals.as_ref().map(|normals| gather(normals, &kept)),
+        file_order: Vec::new(),
+        fields: Vec::new(),
+    };
+    let mut renderer = Renderer::new(device)?;
+    let mut cloud = renderer.upload(&alone)?;
+    let method = Method::Splats(BlendedSplats::default());
+    Ok(Some(renderer.render(&mut cloud, &Frame { method, ..*frame })?.image))
+}
+
+fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
+    indices.iter().map(|index| values[*index]).collect()
+}
+
+fn behind(image: &Image, pixel: usize) -> Behind {
+    let [r, g, b, alpha] = image.rgba[pixel].map(f64::from);
+    Behind { color: glam::DVec3::new(r, g, b), alpha, depth: f64::from(image.depth[pixel]) }
 }
 
 #[cfg(test)]

@@ -40,6 +40,25 @@ fn is_new(said: &str) -> bool {
 }
 
 #[test]
+fn soft_spheres_have_a_choice_too() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "tori", &["points=1500"]);
+    let soft = ["--set", "method.name=soft-express", "--set", "cloud.*.field=distance-to-axis"];
+    let with = |options: &[&'static str]| [&soft[..], options].concat();
+    render(&folder, &scene, "exact.exr", &[&soft[2..], &["--method", "soft-base"]].concat());
+    render(&folder, &scene, "chosen.exr", &with(&["--max-error", "0"]));
+    assert_eq!(
+        (&choice(&folder, "chosen.exr")["method"], error(&folder, "exact.exr", "chosen.exr")),
+        (&"soft-base".into(), 0.0)
+    );
+    render(&folder, &scene, "chosen.exr", &with(&["--max-error", "0.1"]));
+    assert!(error(&folder, "exact.exr", "chosen.exr") <= 0.1);
+}
+
+#[test]
 fn the_error_is_kept_to() {
     if !has_device() {
         return;

@@ -5,7 +5,7 @@ use std::path::Path;
 use image::RgbImage;
 use pellucid::report::fit::power_law;
 use pellucid::report::stress::Spread;
-use pellucid::report::tradeoff::{Convergence, Errors, Reference, Repeats, Row, Skipped, Tradeoff};
+use pellucid::report::tradeoff::{Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -86,6 +86,11 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             skipped("hybrid", "method.k=64", "a frame would take about 6.2 s, more than the limit of 5 s"),
         ],
         convergence: laws.to_vec(),
+        findings: vec![Finding {
+            claim: "soft-express takes at most a tenth of the time of soft-base".into(),
+            measured: "412 ms over 31.0 ms: 13.3".into(),
+            holds: Some(true),
+        }],
     }
 }
 
@@ -106,6 +111,7 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
         wall_ms: spread(ms + 6.0),
         frames: 7,
         peak_device_bytes: mib << 20,
+        fragment_bytes: mib << 19,
         errors: Errors {
             rmse,
             nmse: rmse * rmse / 0.2,

@@ -1,5 +1,6 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
+pub mod express;
 mod spheres;
 
 pub use spheres::*;

@@ -34,12 +34,14 @@ pub fn axis(forward: DVec3) -> (usize, f64) {
     (axis, forward[axis].signum())
 }
 
-/// Soft points from the first to the last along that axis; equal places by index.
+/// Soft points from the first to the last along that axis; equal places by index, the last one first where the view goes
+/// against the axis: one order is read both ways.
 fn order(camera: &Camera, points: &Points, threshold: f32) -> Vec<usize> {
     let (axis, sign) = axis(camera.forward);
     let mut order: Vec<usize> = (0..points.fields.len()).filter(|i| points.fields[*i] > threshold).collect();
     let place = |i: usize| sign * points.positions[i][axis];
-    order.sort_by(|a, b| place(*a).total_cmp(&place(*b)).then(a.cmp(b)));
+    let ties = |a: usize, b: usize| if sign < 0.0 { b.cmp(&a) } else { a.cmp(&b) };
+    order.sort_by(|a, b| place(*a).total_cmp(&place(*b)).then(ties(*a, *b)));
     order
 }
 

@@ -1,4 +1,4 @@
-//! Figures: rows and columns of panels with the same two logarithmic axes, as SVG.
+//! Figures: rows and columns of panels with the same two axes, mostly logarithmic, as SVG.
 
 mod label;
 
@@ -71,8 +71,19 @@ pub struct Axis {
     pub label: &'static str,
     /// Values below are drawn here: 0 has no logarithm.
     pub floor: f64,
-    /// Whether it counts by powers of 2 and not of 10.
-    pub binary: bool,
+    /// What lies between two marks.
+    pub steps: Steps,
+}
+
+/// How an axis counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steps {
+    /// Logarithmic, by powers of 10.
+    Tens,
+    /// Logarithmic, by powers of 2.
+    Twos,
+    /// In even steps, as time on a path; a floor means nothing.
+    Even,
 }
 
 /// A straight line below the last point of a panel's first series, for the eye to compare slopes with.
@@ -374,10 +385,11 @@ fn draw_dashed(root: &Area<'_>, line: [(i32, i32); 2]) -> Drawn {
     Ok(())
 }
 
-/// A logarithmic axis over some values. Its units are powers of the base.
+/// An axis over some values. Its units are powers of the base; without one they are the values.
 #[derive(Debug, Clone, PartialEq)]
 struct Scale {
     base: f64,
+    is_even: bool,
     floor: f64,
     range: Range<f64>,
     /// With a label.
@@ -392,7 +404,11 @@ impl Scale {
     /// From the round number (a power of the base; of 10 also twice and five times one) below all values to the one
     /// above, and over one power at least.
     fn new(axis: Axis, values: impl Iterator<Item = f64>) -> Self {
-        let base: f64 = if axis.binary { 2.0 } else { 10.0 };
+        let binary = match axis.steps {
+            Steps::Even => return Self::even(values),
+            steps => steps == Steps::Twos,
+        };
+        let base: f64 = if binary { 2.0 } else { 10.0 };
         let floor = axis.floor;
         let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         let is_floored = values.iter().any(|v| *v < floor);
@@ -404,7 +420,7 @@ impl Scale {
         let times = |digits: &[f64]| -> Vec<f64> {
             powers.clone().flat_map(|p| digits.iter().map(move |d| p + d.log10()).collect::<Vec<_>>()).collect()
         };
-        let round = times(if axis.binary { &[1.0] } else { &[1.0, 2.0, 5.0] });
+        let round = times(if binary { &[1.0] } else { &[1.0, 2.0, 5.0] });
         // Rounding must not cost a whole step.
         let start = round.iter().copied().filter(|v| *v <= low + 1e-9).fold(low - 1.0, f64::max);
         let end =
@@ -416,13 +432,31 @@ impl Scale {
         let few: Vec<f64> = round.iter().copied().filter(within).collect();
         let ticks = if few.len() <= 9 { few } else { whole.iter().copied().step_by(stride).collect() };
         let digits: Vec<f64> = (1..=9).map(f64::from).collect();
-        let minor = times(if axis.binary { &[1.0] } else { &digits }).into_iter().filter(within).collect();
+        let minor = times(if binary { &[1.0] } else { &digits }).into_iter().filter(within).collect();
         // The data keep off the frame.
         let margin = 0.03 * (end - start);
-        Self { base, floor, range: start - margin..end + margin, ticks, minor, is_floored }
+        Self { base, is_even: false, floor, range: start - margin..end + margin, ticks, minor, is_floored }
+    }
+
+    /// From 0, or the least value, to the greatest, in at most ten round steps.
+    fn even(values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = values.filter(|v| v.is_finite()).fold((0f64, 0f64), |(l, h), v| (l.min(v), h.max(v)));
+        let span = if high > low { high - low } else { 1.0 };
+        let power = 10f64.powf((span / 10.0).log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= span / 10.0);
+        let step = step.unwrap_or(10.0 * power);
+        let (first, last) = ((low / step).floor() as i64, ((low + span) / step).ceil() as i64);
+        let ticks: Vec<f64> = (first..=last).map(|tick| tick as f64 * step).collect();
+        let (start, end) = (first as f64 * step, last as f64 * step);
+        let margin = 0.03 * (end - start);
+        let (range, minor) = (start - margin..end + margin, ticks.clone());
+        Self { base: 10.0, is_even: true, floor: 0.0, range, ticks, minor, is_floored: false }
     }
 
     fn of(&self, value: f64) -> f64 {
+        if self.is_even {
+            return value;
+        }
         let lowest = if self.floor > 0.0 { self.floor } else { f64::MIN_POSITIVE };
         value.max(lowest).log10() / self.base.log10()
     }
@@ -433,6 +467,10 @@ impl Scale {
     }
 
     fn number(&self, at: f64) -> String {
+        if self.is_even {
+            // To nine digits: what is left of the steps' rounding.
+            return format!("{}", (at * 1e9).round() / 1e9);
+        }
         let value = self.base.powf(at);
         if (1e-3..1e6).contains(&value) {
             // To three digits: what is left of a logarithm's rounding.
@@ -487,8 +525,8 @@ fn superscript(number: i32) -> String {
 mod tests {
     use super::*;
 
-    const TEN: Axis = Axis { label: "time in ms", floor: 0.0, binary: false };
-    const TWO: Axis = Axis { label: "layers", floor: 0.0, binary: true };
+    const TEN: Axis = Axis { label: "time in ms", floor: 0.0, steps: Steps::Tens };
+    const TWO: Axis = Axis { label: "layers", floor: 0.0, steps: Steps::Twos };
 
     fn labels(axis: Axis, values: &[f64]) -> Vec<String> {
         let scale = Scale::new(axis, values.iter().copied());
@@ -505,6 +543,10 @@ mod tests {
         assert_eq!(labels(TEN, &[]), ["1", "2", "5", "10"]);
         assert_eq!(labels(Axis { floor: 1e-8, ..TEN }, &[0.0, 1e-5]), ["≤ 10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
         assert_eq!(labels(Axis { floor: 1e-8, ..TEN }, &[1e-8, 1e-5]), ["10⁻⁸", "10⁻⁷", "10⁻⁶", "10⁻⁵"]);
+        let even = Axis { steps: Steps::Even, ..TEN };
+        assert_eq!(labels(even, &[3.0, 59.0]), ["0", "10", "20", "30", "40", "50", "60"]);
+        assert_eq!(labels(even, &[0.25]), ["0", "0.05", "0.1", "0.15", "0.2", "0.25"]);
+        assert_eq!(labels(even, &[]), ["0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1"]);
         assert_eq!(labels(TEN, &[2e-7]), ["2·10⁻⁷", "5·10⁻⁷", "10⁻⁶", "2·10⁻⁶"]);
         assert_eq!(superscript(-10), "⁻¹⁰");
     }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::{Cell, Settings, Skipped, Slope, Sweep, Workload, page};
 use crate::gpu::DeviceInfo;
 use crate::output::{self, write_atomically};
-use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series};
+use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series, Steps};
 
 /// A sweep with what it takes to understand it.
 #[derive(Debug, Clone)]
@@ -178,10 +178,10 @@ impl Report<'_> {
             Panel { title, series: series.collect(), front: Vec::new(), is_guided: true }
         };
         let sides = || self.settings.sides.iter().copied();
-        let axis = Axis { label: "layers per pixel", floor: 0.0, binary: true };
+        let axis = Axis { label: "layers per pixel", floor: 0.0, steps: Steps::Twos };
         Figure {
             x: axis,
-            y: Axis { binary: false, ..axis },
+            y: Axis { steps: Steps::Tens, ..axis },
             guide: (!slopes.is_empty()).then_some(Guide { name: "in proportion to the layers", exponent: 1.0 }),
             front: "",
             panel: PANEL,

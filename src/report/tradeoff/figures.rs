@@ -3,7 +3,7 @@
 use super::{Convergence, Errors, Row, Tradeoff};
 use crate::output;
 use crate::report::fit::PowerLaw;
-use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series};
+use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series, Steps};
 
 /// RMSE below is drawn at this value, since 0 has no place on a logarithmic axis: a forty-thousandth of an 8-bit step.
 pub(super) const RMSE_FLOOR: f64 = 1e-7;
@@ -120,8 +120,8 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
         is_guided: false,
     };
     Figure {
-        x: Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, binary: false },
-        y: Axis { label, floor, binary: false },
+        x: Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, steps: Steps::Tens },
+        y: Axis { label, floor, steps: Steps::Tens },
         names,
         guide: None,
         front: "Pareto front",
@@ -157,7 +157,7 @@ fn front(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 /// Panels side by side.
 fn side_by_side(names: Vec<String>, x: &'static str, y: Axis, guide: Option<Guide>, panels: Vec<Panel>) -> Figure {
     let columns = panels.len().clamp(1, 3);
-    let x = Axis { label: x, floor: 0.0, binary: true };
+    let x = Axis { label: x, floor: 0.0, steps: Steps::Twos };
     Figure { x, y, names, guide, front: "", panel: [WIDTH / columns as u32, 400], columns, panels }
 }
 
@@ -198,7 +198,7 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
     };
     let panels: Vec<_> = keys.iter().map(panel).collect();
     let guide = Guide { name: "slope −1/2", exponent: -0.5 };
-    let y = Axis { label: "RMSE", floor: RMSE_FLOOR, binary: false };
+    let y = Axis { label: "RMSE", floor: RMSE_FLOOR, steps: Steps::Tens };
     (!panels.is_empty()).then(|| side_by_side(names, "value of the setting", y, Some(guide), panels))
 }
 
@@ -226,7 +226,7 @@ fn bias(report: &Tradeoff) -> Option<Figure> {
     };
     let panels: Vec<_> = ladders(report).into_iter().filter_map(panel).collect();
     let names = ["noise of one image", "bias", "floor of the bias"].map(str::to_owned).to_vec();
-    let y = Axis { label: "RMSE", floor: bias_floor(report), binary: false };
+    let y = Axis { label: "RMSE", floor: bias_floor(report), steps: Steps::Tens };
     (!panels.is_empty()).then(|| side_by_side(names, "value of the setting", y, None, panels))
 }
 

@@ -25,6 +25,7 @@ struct Line<'a> {
     wall_ms_max: Option<f64>,
     frames: Option<usize>,
     peak_device_bytes: Option<u64>,
+    fragment_bytes: Option<u64>,
     rmse: Option<f64>,
     nmse: Option<f64>,
     psnr: Option<f64>,
@@ -59,6 +60,7 @@ impl<'a> Line<'a> {
             wall_ms_max: Some(row.wall_ms.max),
             frames: Some(row.frames),
             peak_device_bytes: Some(row.peak_device_bytes),
+            fragment_bytes: Some(row.fragment_bytes),
             rmse: Some(row.errors.rmse),
             nmse: Some(row.errors.nmse),
             // Unlike JSON, a table can say it.

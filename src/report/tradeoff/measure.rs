@@ -10,7 +10,7 @@ use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
 use super::settings::{Ladders, Occasion, Setting, formation, settings};
-use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, summary};
+use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
@@ -18,8 +18,7 @@ use crate::metrics::{self, difference_picture};
 use crate::output::{self, LinearImage, linear, write_rgb_png};
 use crate::passes::project::DeviceCloud;
 use crate::points::Points;
-use crate::report::truth::Truth;
-use crate::scene::Method;
+use crate::report::truth::{Truth, soft_spheres};
 use crate::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
@@ -88,22 +87,26 @@ pub fn run(
     folder: &Path,
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
-    let discs = formation(&subject.frame.method)?;
+    let formation = formation(&subject.frame.method, subject.points)?;
     std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
-    let frame = Frame { method: Method::ABuffer(discs), stop: Stop::Exact, fragments: false, ..subject.frame };
-    let identity = identity::of(subject.points, &frame, subject.background, &format!("{discs:?}"), device.info());
+    let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+    let identity = identity::of(subject.points, &frame, subject.background, &format!("{formation:?}"), device.info());
     let partial = Partial::open(folder, identity);
 
     let mut renderer = Renderer::new(device)?;
     let mut cloud = renderer.upload(subject.points)?;
-    let rendered = renderer.render(&mut cloud, &frame)?;
+    let Rendered { image, facts, .. } = renderer.render(&mut cloud, &frame)?;
     drop(renderer);
-    let reference = linear(&rendered.image, subject.background, frame.color);
-    let facts = rendered.facts;
-    let occasion = Occasion::new(subject.points, discs, facts.max_list);
+    if frame.method.soft().is_some() {
+        progress.set_message("the reference, in float64");
+    }
+    let in_float64 = soft_spheres(device, subject.points, &frame)?;
+    let exact = in_float64.as_ref().unwrap_or(&image);
+    let reference = linear(exact, subject.background, frame.color);
+    let occasion = Occasion::new(subject.points, formation, facts.max_list);
     let mut run =
         Run { device, subject, options, folder, progress, frame, partial, cloud, reference, skipped: Vec::new() };
-    run.keep_reference(&rendered.image)?;
+    run.keep_reference(in_float64.is_none().then_some(&image))?;
 
     let (mut settings, skipped) = settings(&occasion, &options.ladders);
     let asked = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
@@ -141,16 +144,26 @@ impl Run<'_> {
         linear(image, self.subject.background, self.frame.color)
     }
 
-    /// Writes the reference's picture and checks it against the float64 reference, once.
-    fn keep_reference(&mut self, image: &Image) -> Result<()> {
+    /// Writes the reference's picture. One of the device is checked against the float64 reference, once; `None`: it is of
+    /// float64 itself.
+    fn keep_reference(&mut self, image: Option<&Image>) -> Result<()> {
         let picture = "reference.png".to_owned();
         self.write_picture(&picture, &self.reference.pixels)?;
         if self.partial.content.reference.is_none() {
-            self.progress.set_message("checking the reference in float64");
-            let deviation = Truth::new(self.subject.points, &self.frame, self.frame.seed).deviation(image);
-            let method = self.frame.method.name().to_owned();
-            let (checked_pixels, largest_error) = (deviation.pixels, deviation.max);
-            self.partial.content.reference = Some(Reference { method, picture, checked_pixels, largest_error });
+            let name = self.frame.method.name();
+            let reference = match image {
+                Some(image) => {
+                    self.progress.set_message("checking the reference in float64");
+                    let deviation = Truth::new(self.subject.points, &self.frame, self.frame.seed).deviation(image);
+                    let (checked_pixels, largest_error) = (deviation.pixels, deviation.max);
+                    Reference { method: name.to_owned(), picture, checked_pixels, largest_error }
+                }
+                None => {
+                    let method = format!("{name} in float64, before the solid points as the device splats them");
+                    Reference { method, picture, checked_pixels: 0, largest_error: 0.0 }
+                }
+            };
+            self.partial.content.reference = Some(reference);
             self.partial.save()?;
         }
         Ok(())
@@ -242,8 +255,9 @@ impl Run<'_> {
         } else {
             (errors, None)
         };
-        let peak_device_bytes = first.facts.peak_device_bytes;
-        Ok(Measured { trial: Trial { peak_device_bytes, errors, repeats, picture, difference, seconds }, frames })
+        let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
+        let trial = Trial { peak_device_bytes, fragment_bytes, errors, repeats, picture, difference, seconds };
+        Ok(Measured { trial, frames })
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
@@ -338,6 +352,7 @@ impl Run<'_> {
         let mut rows: Vec<Row> = settings.iter().map(row).collect();
         summary::mark_front(&mut rows);
         let convergence = summary::convergence(settings, &rows);
+        let findings = findings::of(&rows);
         let info = device.info();
         Tradeoff {
             version: 1,
@@ -355,6 +370,7 @@ impl Run<'_> {
             rows,
             skipped,
             convergence,
+            findings,
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod figures;
 mod files;
+mod findings;
 mod measure;
 mod page;
 mod partial;
@@ -73,6 +74,8 @@ pub struct Row {
     pub frames: usize,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
+    /// Bytes of the fragment buffer; 0 of methods that have none.
+    pub fragment_bytes: u64,
     /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the seeds.
     pub errors: Errors,
     /// Of stochastic methods.
@@ -117,14 +120,25 @@ pub struct Convergence {
     pub rows: usize,
 }
 
+/// A statement of a paper, and what was measured of it on this scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// The statement.
+    pub claim: String,
+    /// What was measured.
+    pub measured: String,
+    /// Whether it holds here; `None` where it names no figure.
+    pub holds: Option<bool>,
+}
+
 /// The image that all others are compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// The exact method that made it.
+    /// The exact method that made it, and whether in float64.
     pub method: String,
     /// Its file name.
     pub picture: String,
-    /// Pixels of it that were compared with the float64 reference, chosen at random.
+    /// Pixels of it that were compared with the float64 reference, chosen at random; 0 of an image that is float64 itself.
     pub checked_pixels: usize,
     /// The largest difference found there in R, G, B and A.
     pub largest_error: f64,
@@ -163,4 +177,6 @@ pub struct Tradeoff {
     pub skipped: Vec<Skipped>,
     /// One for each method with at least three rows on its ladder.
     pub convergence: Vec<Convergence>,
+    /// What a paper says of its methods, and what was measured here.
+    pub findings: Vec<Finding>,
 }

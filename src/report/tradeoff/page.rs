@@ -39,6 +39,10 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             "the two."
         }
         (front(report))
+        @if !report.findings.is_empty() {
+            p { "What the paper says of these methods, and what was measured on this scene:" }
+            (findings(report))
+        }
         h2 { "Error over time" }
         @for drawn in of(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
         h2 { "Convergence" }
@@ -67,12 +71,15 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
 
 fn about(report: &Tradeoff) -> Markup {
     let reference = &report.reference;
-    let checked = format!(
-        "{}; {} of its pixels, chosen at random, are within {} of the float64 reference",
-        reference.method,
-        grouped(reference.checked_pixels as u64),
-        error(reference.largest_error),
-    );
+    let checked = match reference.checked_pixels {
+        0 => reference.method.clone(),
+        pixels => format!(
+            "{}; {} of its pixels, chosen at random, are within {} of the float64 reference",
+            reference.method,
+            grouped(pixels as u64),
+            error(reference.largest_error),
+        ),
+    };
     facts(&[
         ("scene", report.scene.clone()),
         ("points", grouped(report.points)),
@@ -133,6 +140,15 @@ fn front(report: &Tradeoff) -> Markup {
         ]
     };
     table(&columns, &rows.iter().map(row).collect::<Vec<_>>())
+}
+
+fn findings(report: &Tradeoff) -> Markup {
+    let columns = [Column::text("the paper"), Column::text("measured here"), Column::text("holds here")];
+    let row = |finding: &super::Finding| {
+        let holds = finding.holds.map_or("", |holds| if holds { "yes" } else { "no" });
+        vec![finding.claim.clone(), finding.measured.clone(), holds.to_owned()]
+    };
+    table(&columns, &report.findings.iter().map(row).collect::<Vec<_>>())
 }
 
 /// A share in percent, to the thousandth.
@@ -267,6 +283,7 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::number("frames"),
         Column::number("seeds"),
         Column::number("peak MiB"),
+        Column::number("lists MiB"),
         Column::number("RMSE"),
         Column::number("NMSE"),
         Column::number("PSNR"),
@@ -293,6 +310,7 @@ fn rows(report: &Tradeoff) -> Markup {
             count(row.frames as f64),
             row.repeats.map_or(Cell::text(""), |repeats| count(repeats.seeds.into())),
             ms(row.peak_device_bytes as f64 / MIB),
+            ms(row.fragment_bytes as f64 / MIB),
             small(errors.rmse),
             small(errors.nmse),
             Cell::number(errors.psnr.unwrap_or(f64::INFINITY), |db| {
@@ -455,10 +473,10 @@ fn method(report: &Tradeoff) -> Markup {
         }
         p {
             b { "Memory. " } "The largest number of device bytes at any time of a frame, cloud and image included, as the "
-            "allocator reserves it."
+            "allocator reserves it; beside it the bytes of the lists of fragments, or of the events of soft spheres, in the largest band."
         }
         p {
-            b { "Error. " } "Against the image of " code { (report.reference.method) } ", which blends every fragment in order and is itself checked against float64. On "
+            b { "Error. " } "Against the image of " code { (report.reference.method) } ", which leaves nothing out, and is computed in or checked against float64. On "
             "linear R, G, B, composed over the background, of all pixels. RMSE is the root of the mean squared difference; NMSE is the "
             "squared difference over the reference's squares; PSNR has a peak of 1; FLIP is in [0, 1]. The errors of "
             "stochastic methods are root mean squares (RMSE, NMSE) or means (the others) over the seeds."

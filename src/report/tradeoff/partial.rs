@@ -16,6 +16,7 @@ const NAME: &str = "tradeoff.partial.json";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trial {
     pub peak_device_bytes: u64,
+    pub fragment_bytes: u64,
     pub errors: Errors,
     pub repeats: Option<Repeats>,
     pub picture: String,
@@ -107,6 +108,7 @@ mod tests {
         let errors = Errors { rmse: 0.1, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
         let trial = |picture: &str| Trial {
             peak_device_bytes: 1,
+            fragment_bytes: 0,
             errors,
             repeats: None,
             picture: picture.to_owned(),

@@ -2,10 +2,37 @@
 
 use super::Skipped;
 use crate::methods::abuffer::LOCAL_LENGTH;
+use crate::methods::soft::SoftModel;
+use crate::passes::project::Parts;
 use crate::points::Points;
 use crate::scene::{
-    self, DiscShape, Discs, Falloff, Hybrid, LongLists, Method, Peel, Raster, ScreenSplats, Stochastic,
+    self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, Method, OneLayer, Peel, Raster,
+    ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
 };
+
+/// What several methods draw alike, each in its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Formation {
+    /// Transparent discs.
+    Discs(Discs),
+    /// Spheres of soft points before solid ones.
+    Soft {
+        /// Threshold, softness (never a factor λ, whose meaning differs between the models) and modulation.
+        soft: Soft,
+        /// Whether the scene gives a factor instead, from which the softness follows.
+        from_lambda: bool,
+    },
+}
+
+impl Formation {
+    /// The method that draws it exactly, but for rounding.
+    pub fn exact(&self) -> Method {
+        match *self {
+            Self::Discs(discs) => Method::ABuffer(discs),
+            Self::Soft { soft, .. } => Method::SoftBase(soft),
+        }
+    }
+}
 
 /// The steps of every ladder, ascending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,24 +43,30 @@ pub struct Ladders {
     pub k: &'static [u32],
     /// `layers` of `peel`; all of them come on top.
     pub layers: &'static [u32],
+    /// `shells` of `soft-concentric`; adaptive ones come on top.
+    pub shells: &'static [u32],
 }
 
 impl Ladders {
     /// What a report shows.
-    pub const FULL: Self =
-        Self { samples: &[1, 4, 16, 64, 256, 1024], k: &[1, 2, 4, 8, 16, 32], layers: &[1, 2, 4, 8, 16, 32, 64] };
+    pub const FULL: Self = Self {
+        samples: &[1, 4, 16, 64, 256, 1024],
+        k: &[1, 2, 4, 8, 16, 32],
+        layers: &[1, 2, 4, 8, 16, 32, 64],
+        shells: &[1, 2, 4, 8],
+    };
     /// For a first look and for CI.
-    pub const QUICK: Self = Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8] };
+    pub const QUICK: Self = Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8], shells: &[1, 4] };
     /// What is chosen from.
     pub const FINE: Self = Self { samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096], ..Self::FULL };
 }
 
 /// What decides which settings make sense.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Occasion {
     /// The image formation.
-    pub discs: Discs,
-    /// Whether every fragment is opaque.
+    pub formation: Formation,
+    /// Of discs: whether every fragment is opaque.
     pub opaque: bool,
     /// Whether discs have a depth for each pixel.
     pub oriented: bool,
@@ -43,9 +76,15 @@ pub struct Occasion {
 
 impl Occasion {
     /// Of a scene's points.
-    pub fn new(points: &Points, discs: Discs, max_list: u32) -> Self {
-        let opaque = discs.falloff == Falloff::Flat && points.opacities.iter().all(|opacity| *opacity >= 1.0);
-        Self { discs, opaque, oriented: discs.shape == DiscShape::Oriented && points.normals.is_some(), max_list }
+    pub fn new(points: &Points, formation: Formation, max_list: u32) -> Self {
+        let (opaque, oriented) = match formation {
+            Formation::Discs(Discs { falloff, shape, .. }) => (
+                falloff == Falloff::Flat && points.opacities.iter().all(|opacity| *opacity >= 1.0),
+                shape == DiscShape::Oriented && points.normals.is_some(),
+            ),
+            Formation::Soft { .. } => (false, false),
+        };
+        Self { formation, opaque, oriented, max_list }
     }
 }
 
@@ -95,6 +134,7 @@ impl Setting {
     pub fn is_exact(&self, occasion: &Occasion) -> bool {
         match self.method {
             Method::ABuffer(_) | Method::LinkedList(_) | Method::Circles(_) => true,
+            Method::SoftBase(soft) => soft.layout == SoftLayout::Precise,
             Method::Sorted(_) => !occasion.oriented,
             Method::Peel(peel) => peel.layers == 0,
             _ => false,
@@ -107,40 +147,94 @@ impl Setting {
     }
 }
 
-/// The discs that a method draws, if it is one of those whose images are comparable; methods that draw others are an error.
+/// What a method draws, if others draw it too. A factor λ becomes the softness that it means for the method and these
+/// points.
 ///
 /// # Errors
-/// A method of opaque points: no other one has its image formation.
-pub fn formation(method: &Method) -> Result<Discs, scene::Error> {
+/// A method of opaque points, or of one transparent layer: no other one has its image formation.
+pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
+    if let Some(soft) = method.soft() {
+        let from_lambda = matches!(soft.density, Density::Lambda(_));
+        let model = SoftModel::new(method, soft, Parts::of(points, soft.threshold).median_radius);
+        // How the same image is made is what the settings differ in; `pixels_per_shell` is the scene's.
+        let (shells, layout) = (Shells::default(), SoftLayout::default());
+        return Ok(Formation::Soft {
+            soft: Soft { density: Density::Softness(model.peak), shells, layout, ..*soft },
+            from_lambda,
+        });
+    }
     let discs = match method {
         Method::Auto(discs) => *discs,
         method => *method.discs().ok_or_else(|| {
             let name = method.name();
             scene::Error::Usage(format!(
-                "method {name} draws opaque points in a way of its own, so that there is nothing to compare it with; \
-                 --method auto compares the methods of transparent discs"
+                "method {name} draws points in a way of its own, so that there is nothing to compare it with; \
+                 --method auto compares the methods of transparent discs, --method soft-base those of soft spheres"
             ))
         })?,
     };
-    // How the same image is made is what the settings differ in.
-    Ok(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs })
+    Ok(Formation::Discs(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
 }
 
 /// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason.
 pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let (mut settings, mut skipped) = (Vec::new(), Vec::new());
-    exact(occasion, &mut settings, &mut skipped);
-    peel(occasion, ladders, &mut settings, &mut skipped);
-    approximate(occasion, ladders, &mut settings, &mut skipped);
-    for opaque in [Method::Points, Method::Squares(ScreenSplats::default())] {
+    match occasion.formation {
+        Formation::Discs(discs) => {
+            exact(occasion, discs, &mut settings, &mut skipped);
+            peel(occasion, discs, ladders, &mut settings, &mut skipped);
+            approximate(occasion, discs, ladders, &mut settings, &mut skipped);
+            let soft = Soft::default();
+            let other = [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)];
+            let reason = "draws soft spheres, another image formation";
+            skipped.extend(other.map(|method| Setting::single(method, "").skipped(reason)));
+        }
+        Formation::Soft { soft, from_lambda } => {
+            settings.extend(self::soft(soft, from_lambda, ladders));
+            let reason = "draws opaque discs, another image formation";
+            skipped.push(Setting::single(Method::Circles(ScreenSplats::default()), "").skipped(reason));
+        }
+    }
+    for opaque in [
+        Method::Points,
+        Method::Squares(ScreenSplats::default()),
+        Method::Hqs(BlendedSplats::default()),
+        Method::Splats(BlendedSplats::default()),
+    ] {
         let reason = "draws opaque points of another shape: its image is not meant to be the same";
         skipped.push(Setting::single(opaque, "").skipped(reason));
     }
+    let reason = "draws one transparent layer, another image formation";
+    skipped.push(Setting::single(Method::OneLayer(OneLayer::default()), "").skipped(reason));
     (settings, skipped)
 }
 
-fn exact(occasion: &Occasion, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let Occasion { discs, max_list, .. } = *occasion;
+/// The three models of soft transparency, all with the same softness.
+fn soft(soft: Soft, from_lambda: bool, ladders: &Ladders) -> Vec<Setting> {
+    let rest = match soft.density {
+        Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
+        _ => String::new(),
+    };
+    let text = |own: &str| format!("{own} {rest}").trim().to_owned();
+    let paper = Soft { layout: SoftLayout::Paper, ..soft };
+    let shells = |count: &u32| {
+        let method = Method::SoftConcentric(Soft { shells: Shells::Fixed(*count), ..soft });
+        Setting::step(method, ("shells", *count), &rest)
+    };
+    let mut settings = vec![
+        Setting::single(Method::SoftBase(soft), &rest),
+        Setting::single(Method::SoftBase(paper), &text("method.layout=paper")),
+    ];
+    settings.extend(ladders.shells.iter().map(shells));
+    settings.extend([
+        Setting::single(Method::SoftConcentric(soft), &text("method.shells=adaptive")),
+        Setting::single(Method::SoftExpress(soft), &rest),
+    ]);
+    settings
+}
+
+fn exact(occasion: &Occasion, discs: Discs, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
+    let max_list = occasion.max_list;
     let hardware = Discs { raster: Raster::Hardware, ..discs };
     let in_place = Discs { long_lists: LongLists::InPlace, ..discs };
     settings.push(Setting::single(Method::ABuffer(discs), ""));
@@ -184,16 +278,20 @@ fn climb(
     }
 }
 
-fn peel(occasion: &Occasion, ladders: &Ladders, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let discs = occasion.discs;
+fn peel(occasion: &Occasion, discs: Discs, ladders: &Ladders, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
     let step = |layers: &u32| Setting::step(Method::Peel(Peel { discs, layers: *layers }), ("layers", *layers), "");
     climb(occasion, ladders.layers.iter().map(step), settings, skipped);
     let all = Setting::single(Method::Peel(Peel { discs, layers: 0 }), "");
     settings.push(Setting { effort: Some(occasion.max_list.into()), ..all });
 }
 
-fn approximate(occasion: &Occasion, ladders: &Ladders, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let discs = occasion.discs;
+fn approximate(
+    occasion: &Occasion,
+    discs: Discs,
+    ladders: &Ladders,
+    settings: &mut Vec<Setting>,
+    skipped: &mut Vec<Skipped>,
+) {
     let hybrid = |k: &u32| Setting::step(Method::Hybrid(Hybrid { discs, k: *k }), ("k", *k), "");
     climb(occasion, ladders.k.iter().map(hybrid), settings, skipped);
     // The rasteriser takes samples in a way of its own.
@@ -221,7 +319,8 @@ mod tests {
     use super::*;
 
     fn occasion(max_list: u32) -> Occasion {
-        Occasion { discs: Discs::default(), opaque: false, oriented: false, max_list }
+        let formation = Formation::Discs(Discs::default());
+        Occasion { formation, opaque: false, oriented: false, max_list }
     }
 
     fn keys(occasion: &Occasion) -> Vec<String> {
@@ -263,11 +362,70 @@ mod tests {
     }
 
     #[test]
-    fn only_methods_of_discs_are_compared() {
+    fn methods_of_one_image_formation_are_compared() {
         let gaussian = Discs { falloff: Falloff::Gaussian, raster: Raster::Hardware, ..Discs::default() };
-        let plain = Discs { raster: Raster::Auto, ..gaussian };
-        assert_eq!(formation(&Method::Auto(gaussian)).unwrap(), plain);
-        assert_eq!(formation(&Method::Peel(Peel { discs: gaussian, layers: 3 })).unwrap(), plain);
-        assert!(formation(&Method::Points).is_err());
+        let plain = Formation::Discs(Discs { raster: Raster::Auto, ..gaussian });
+        let of = |method: Method| formation(&method, &Points::default());
+        assert_eq!(of(Method::Auto(gaussian)).unwrap(), plain);
+        assert_eq!(of(Method::Peel(Peel { discs: gaussian, layers: 3 })).unwrap(), plain);
+        let own = [
+            Method::Points,
+            Method::OneLayer(OneLayer::default()),
+            Method::Hqs(BlendedSplats::default()),
+            Method::Splats(BlendedSplats::default()),
+        ];
+        assert!(own.into_iter().all(|method| of(method).is_err()));
+        let soft = Soft { layout: SoftLayout::Paper, shells: Shells::Fixed(3), threshold: 0.25, ..Soft::default() };
+        let same = Soft { threshold: 0.25, ..Soft::default() };
+        for method in [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)] {
+            assert_eq!(of(method).unwrap(), Formation::Soft { soft: same, from_lambda: false });
+        }
+    }
+
+    #[test]
+    fn a_factor_becomes_a_softness() {
+        // Median radius of the soft ones: 2.
+        let points = Points {
+            positions: vec![glam::DVec3::ZERO; 3],
+            radii: vec![2.0, 2.0, 50.0],
+            fields: vec![1.0, 1.0, 0.0],
+            ..Points::default()
+        };
+        let soft = Soft { density: Density::Lambda(0.25), ..Soft::default() };
+        let softness = |method: Method| match formation(&method, &points).unwrap() {
+            Formation::Soft { soft: Soft { density: Density::Softness(peak), .. }, from_lambda: true } => peak,
+            other => panic!("{other:?}"),
+        };
+        // Optical depths r² λ and 2 r λ are 1 both.
+        let one = 1.0 - (-1f32).exp();
+        assert!((softness(Method::SoftBase(soft)) - one).abs() < 1e-6);
+        assert!((softness(Method::SoftConcentric(soft)) - one).abs() < 1e-6);
+        assert_eq!(softness(Method::SoftExpress(soft)), 0.25);
+    }
+
+    #[test]
+    fn soft_spheres_have_three_models() {
+        let of = |density, from_lambda| {
+            let formation = Formation::Soft { soft: Soft { density, ..Soft::default() }, from_lambda };
+            settings(&Occasion { formation, ..occasion(9) }, &Ladders::QUICK)
+        };
+        let (given, skipped) = of(Density::Softness(0.5), false);
+        let keys: Vec<String> = given.iter().map(Setting::key).collect();
+        let expected = [
+            "soft-base",
+            "soft-base method.layout=paper",
+            "soft-concentric method.shells=1",
+            "soft-concentric method.shells=4",
+            "soft-concentric method.shells=adaptive",
+            "soft-express",
+        ];
+        assert_eq!(keys, expected);
+        let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
+        assert_eq!(exact, [true, false, false, false, false, false]);
+        let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
+        assert_eq!(names, ["circles", "points", "squares", "hqs", "splats", "one-layer"]);
+        // What the rows were rendered with, where the scene says something else.
+        let (converted, _) = of(Density::Softness(0.25), true);
+        assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }
 }

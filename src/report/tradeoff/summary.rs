@@ -27,6 +27,7 @@ pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
         wall_ms: Spread::of(frames.iter().map(|frame| frame.wall_ms).collect()),
         frames: frames.len(),
         peak_device_bytes: trial.peak_device_bytes,
+        fragment_bytes: trial.fragment_bytes,
         errors: trial.errors,
         repeats: trial.repeats,
         front: false,
@@ -97,13 +98,14 @@ mod tests {
     use super::*;
     use crate::report::tradeoff::Errors;
     use crate::report::tradeoff::partial::{Timed, Trial};
-    use crate::report::tradeoff::settings::{Ladders, Occasion, settings};
+    use crate::report::tradeoff::settings::{Formation, Ladders, Occasion, settings};
     use crate::scene::Discs;
 
     fn measured(times: &[f64], rmse: f64) -> Measured {
         let errors = Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
         let trial = Trial {
             peak_device_bytes: 5,
+            fragment_bytes: 0,
             errors,
             repeats: None,
             picture: String::new(),
@@ -115,7 +117,8 @@ mod tests {
     }
 
     fn all() -> Vec<Setting> {
-        let occasion = Occasion { discs: Discs::default(), opaque: false, oriented: false, max_list: 1000 };
+        let formation = Formation::Discs(Discs::default());
+        let occasion = Occasion { formation, opaque: false, oriented: false, max_list: 1000 };
         settings(&occasion, &Ladders::FULL).0
     }
 

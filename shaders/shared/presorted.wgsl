@@ -1,0 +1,21 @@
+// An order of points that was made beforehand, in runs that a subgroup takes each.
+#import dispatch
+
+struct Push {
+    // Points.
+    count: u32,
+    run_length: u32,
+    // 1: the last point comes first.
+    backward: u32,
+}
+
+var<immediate> push: Push;
+
+// The point at a place of the order.
+fn point_at(place: u32) -> u32 {
+    return order[select(place, push.count - 1u - place, push.backward != 0u)];
+}
+
+fn is_drawn(rectangle: vec2<u32>) -> bool {
+    return any(rectangle != vec2<u32>(0u));
+}

@@ -1,0 +1,212 @@
+//! `soft-express` (Seemann et al. 2018, Section 3.3): soft points as discs that face the viewer, blended front to back in the
+//! order in which they lie along the axis nearest to the viewing direction. That order is made once for a cloud, so that a frame
+//! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
+
+use super::{Layer, SoftModel, record_compose};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::methods::abuffer::record_nothing;
+use crate::methods::bands;
+use crate::methods::renderer::{Facts, Target, Timeline};
+use crate::methods::sorted::{self, Stop};
+use crate::methods::{Error, Outcome};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::project::Footprint;
+use crate::scene::ColorSpace;
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of `soft/express`; the shader says what the members are.
+    pub struct ExpressPush {
+        columns: u32,
+        tiles: u32,
+        runs: u32,
+        nearest: u32,
+        segment: u32,
+        peak: f32,
+        most_color: f32,
+    }
+}
+
+pass! {
+    /// Tiles to pixels.
+    pub Express(ExpressPush) = "soft/express" {
+        tiles: Shared<FoldingGroup>,
+        solid: Read<f32>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+/// Device bytes of a pixel's count.
+pub const COUNT_BYTES: u64 = 4;
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// What is binned: the soft points, along an axis ([`bin::Order::Along`]).
+    pub bin: bin::Job<'a>,
+    /// λ, the opacity in the middle of a disc.
+    pub model: SoftModel,
+    /// Whether any point may have a W below 1 (Eq. 22).
+    pub modulated: bool,
+    /// The window's solid points, if there are any. Discs are drawn where their depth is less.
+    pub layer: Option<&'a Layer>,
+    /// Whether the discs of each pixel are counted: those before the solid points that cover it. Then nothing is left out.
+    pub counted: bool,
+    /// In which space colors are blended.
+    pub color: ColorSpace,
+    /// Upper bound of the color components that are blended.
+    pub most_color: f32,
+    /// When to stop.
+    pub stop: Stop,
+}
+
+/// What is kept from frame to frame.
+pub struct SoftDiscs {
+    counts: Kept<u32>,
+    counted: Vec<u32>,
+}
+
+impl Default for SoftDiscs {
+    fn default() -> Self {
+        Self { counts: Kept::new("soft discs of pixels", Memory::Device), counted: Vec::new() }
+    }
+}
+
+impl SoftDiscs {
+    /// Bins a window's soft points, and blends them and the solid ones behind them into the target.
+    pub fn render(
+        &mut self,
+        bins: &mut Bins,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: &Target,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let window = job.bin.raster.window;
+        let pixels = bands::pixels(window);
+        self.counts.reserve(device, if job.counted { pixels } else { 1 })?;
+        self.counted.clear();
+        let mut recorder;
+        let binned = match bins.bin(device, &job.bin, timeline, facts)? {
+            Bin::TooLarge => return Ok(Outcome::Overflow),
+            Bin::Nothing => {
+                recorder = device.recorder()?;
+                record_nothing(&mut recorder, target, window)?;
+                None
+            }
+            Bin::Done(binned) => {
+                facts.bands += 1;
+                recorder = device.recorder()?;
+                self.record_blend(bins, &mut recorder, job, binned, target)?;
+                Some(binned)
+            }
+        };
+        if let Some(layer) = job.layer {
+            record_compose(&mut recorder, layer, target, pixels)?;
+        }
+        target.record_read_back(&mut recorder, pixels)?;
+        timeline.add(recorder.submit("soft/express")?);
+        if job.counted {
+            self.counted = match binned {
+                Some(_) => self.counts.get().read(0, pixels)?,
+                None => vec![0; pixels as usize],
+            };
+            facts.fragments += self.counted.iter().map(|n| u64::from(*n)).sum::<u64>();
+            facts.max_list = facts.max_list.max(self.counted.iter().copied().max().unwrap_or(0));
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// The discs of each pixel of the last window, row by row, if they were counted.
+    pub fn counts(&self) -> &[u32] {
+        &self.counted
+    }
+
+    /// Records the blending of all tiles.
+    fn record_blend<'a>(
+        &'a self,
+        bins: &'a Bins,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: Binned,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let cloud = job.bin.raster.cloud;
+        // Without solid points the shader does not look at their depths.
+        let solid = job.layer.map_or(cloud.fields.all(), Layer::depths);
+        let tiles = bins.tiles(binned).folding(cloud.view());
+        let counts = self.counts.get().all();
+        let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
+        let (stop, most_color) = sorted::stop(job.stop, job.color, job.most_color);
+        for segment in 0..binned.segments() {
+            let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);
+            let push = ExpressPush { columns, tiles, runs, nearest, segment, peak: job.model.lambda, most_color };
+            let WindowJob { modulated, counted, .. } = *job;
+            let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
+            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push);
+            recorder.run(&express, &run.variant(express_variant(way, binned.subgroup())))?;
+        }
+        Ok(())
+    }
+}
+
+/// What a variant of `soft/express` depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct Way {
+    /// `STOP` in WGSL, from [`sorted::stop`].
+    pub stop: u32,
+    /// Whether solid points cut it.
+    pub cut: bool,
+    /// Whether some W are below 1.
+    pub modulated: bool,
+    /// Whether discs are counted, so that none is left out.
+    pub counted: bool,
+    /// A run that goes on from the image.
+    pub later: bool,
+}
+
+/// A variant of `soft/express`.
+pub fn express_variant(way: Way, subgroup: u32) -> Variant {
+    let flat = Variant::plain().with("SHAPE", Footprint::Disc as u32);
+    bin::fold_variant(flat, way.later, subgroup)
+        .with("STOP", if way.counted { 0 } else { way.stop })
+        .with("CUT", u32::from(way.cut))
+        .with("MODULATED", u32::from(way.modulated))
+        .with("COUNTED", u32::from(way.counted))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    /// The shader's polynomial, with its rounding.
+    fn profile(x: f32) -> f32 {
+        let root = (1.0 - x) * (1.0 + x * (-0.233_699_32 + x * (0.019_957_643 - 0.000_863_812_3 * x)));
+        root * root
+    }
+
+    #[test]
+    fn the_polynomial_is_the_raised_cosine() {
+        assert_eq!([profile(0.0), profile(1.0)], [1.0, 0.0]);
+        let steps = 1 << 20;
+        let mut worst = 0f64;
+        for i in 0..=steps {
+            let x = i as f32 / steps as f32;
+            let exact = 0.5 * ((PI * f64::from(x).sqrt()).cos() + 1.0);
+            worst = worst.max((f64::from(profile(x)) - exact).abs());
+        }
+        assert!(worst < 3e-7, "{worst}");
+        // It falls all the way, but for rounding, and never beyond [0, 1].
+        let falls =
+            (0..steps).all(|i| profile((i + 1) as f32 / steps as f32) <= profile(i as f32 / steps as f32) + 1e-6);
+        assert!(falls);
+        // The numbers are those of the shader.
+        let shader = include_str!("../../../shaders/shared/profile.wgsl");
+        for digits in ["0.233699319", "0.0199576433", "0.000863812306"] {
+            assert!(shader.contains(digits));
+        }
+    }
+}

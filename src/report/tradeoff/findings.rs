@@ -1,0 +1,114 @@
+//! What Seemann et al. (2018) say of their three models, and what was measured of it.
+
+use super::{Finding, Row};
+
+/// Base and Concentric take at least so many times the time of Express (Section 5.2).
+const EXPRESS_GAIN: f64 = 10.0;
+/// Opacity and color of 8 bits: the least step that shows.
+const STEP: f64 = 1.0 / 255.0;
+
+/// One for each statement of which all rows are there.
+pub(super) fn of(rows: &[Row]) -> Vec<Finding> {
+    let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
+    let base = row("soft-base", "");
+    let concentric = row("soft-concentric", "method.shells=adaptive");
+    let express = row("soft-express", "");
+    let paper = row("soft-base", "method.layout=paper");
+    let pairs = [
+        base.zip(express).map(|(base, express)| faster(base, express, "soft-base")),
+        concentric.zip(express).map(|(concentric, express)| faster(concentric, express, "soft-concentric")),
+        concentric.map(|row| alike(row, "soft-concentric")),
+        express.map(|row| alike(row, "soft-express")),
+        base.zip(paper).map(|(base, paper)| packed(base, paper)),
+    ];
+    pairs.into_iter().flatten().collect()
+}
+
+/// A setting without the softness that all rows share.
+fn own_part(setting: &str) -> &str {
+    setting.split(' ').find(|part| !part.starts_with("method.softness=")).unwrap_or_default()
+}
+
+fn ratio(a: &Row, b: &Row) -> f64 {
+    a.gpu_ms.median / b.gpu_ms.median
+}
+
+fn faster(slow: &Row, express: &Row, name: &str) -> Finding {
+    let gain = ratio(slow, express);
+    let (a, b) = (slow.gpu_ms.median, express.gpu_ms.median);
+    Finding {
+        claim: format!("soft-express is at least 10 times as fast as {name} (Section 5.2)"),
+        measured: format!("{a:.1} ms over {b:.1} ms: {gain:.1}"),
+        holds: Some(gain >= EXPRESS_GAIN),
+    }
+}
+
+fn alike(row: &Row, name: &str) -> Finding {
+    let errors = row.errors;
+    Finding {
+        claim: format!("the picture of {name} is hard to tell from that of soft-base (Fig. 6 and 7)"),
+        measured: format!("RMSE {:.4}, SSIM {:.4}, FLIP {:.4}", errors.rmse, errors.ssim, errors.flip),
+        holds: None,
+    }
+}
+
+fn packed(precise: &Row, paper: &Row) -> Finding {
+    let bytes = paper.fragment_bytes as f64 / (precise.fragment_bytes.max(1)) as f64;
+    let errors = paper.errors;
+    Finding {
+        claim: "8 bits are enough for a ray's distance from a sphere's centre (Section 4)".to_owned(),
+        measured: format!(
+            "layout=paper: {:.2} times the time and {bytes:.2} times the bytes of events, RMSE {:.1e}, largest error {:.1e}",
+            ratio(paper, precise),
+            errors.rmse,
+            errors.max
+        ),
+        // Half a step rounds to the same 8 bits nearly everywhere.
+        holds: Some(errors.rmse < 0.5 * STEP),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::stress::Spread;
+    use crate::report::tradeoff::Errors;
+
+    fn row(method: &str, setting: &str, ms: f64, rmse: f64, fragment_bytes: u64) -> Row {
+        let spread = Spread { min: ms, median: ms, max: ms };
+        Row {
+            method: method.into(),
+            setting: setting.into(),
+            step: None,
+            stochastic: false,
+            gpu_ms: spread,
+            wall_ms: spread,
+            frames: 1,
+            peak_device_bytes: 0,
+            fragment_bytes,
+            errors: Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: rmse, above_1_255: 0.0 },
+            repeats: None,
+            front: false,
+            picture: String::new(),
+            difference: String::new(),
+            passes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn claims_hold_or_don_t() {
+        let rows = [
+            row("soft-base", "method.softness=0.5", 100.0, 0.0, 800),
+            row("soft-base", "method.layout=paper method.softness=0.5", 120.0, 0.01, 1600),
+            row("soft-concentric", "method.shells=2 method.softness=0.5", 1.0, 0.0, 1),
+            row("soft-concentric", "method.shells=adaptive method.softness=0.5", 50.0, 0.02, 1),
+            row("soft-express", "method.softness=0.5", 8.0, 0.03, 0),
+        ];
+        let found = of(&rows);
+        let holds: Vec<_> = found.iter().map(|finding| finding.holds).collect();
+        assert_eq!(holds, [Some(true), Some(false), None, None, Some(false)], "{found:#?}");
+        assert!(found[0].measured.ends_with(": 12.5") && found[1].measured.ends_with(": 6.2"), "{found:#?}");
+        assert!(found[2].measured.starts_with("RMSE 0.0200") && found[4].measured.contains("2.00 times the bytes"));
+        assert_eq!(of(&rows[..1]), []);
+    }
+}
