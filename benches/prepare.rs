@@ -1,4 +1,4 @@
-//! Time for radii and for the canonical order, on random points on a sphere (scans are surfaces, not volumes).
+//! Time for radii, for radii, normals and field together, and for the canonical order, on random points on a sphere (scans are surfaces, not volumes).
 //!
 //! `PELLUCID_BENCH_POINTS=3000000 cargo bench --bench prepare` sets their number. Radii should take time in proportion to
 //! n·log n; ten times the points taking much more than thirteen times as long means the tree has stopped working.
@@ -9,7 +9,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
 use pellucid::points::Points;
-use pellucid::prepare::{order, radius};
+use pellucid::prepare::{order, radius, uncertainty};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -26,6 +26,9 @@ fn prepare(criterion: &mut Criterion) {
     group.sample_size(10).throughput(Throughput::Elements(count as u64));
     group.bench_function("radius, K = 24", |b| {
         b.iter(|| radius::estimate(black_box(&positions), 24, &ProgressBar::hidden()));
+    });
+    group.bench_function("uncertainty, K = 24", |b| {
+        b.iter(|| uncertainty::estimate(black_box(&positions), None, 24, &ProgressBar::hidden()));
     });
     let points = Points {
         colors: vec![Vec3::ONE; count],

@@ -4,7 +4,7 @@
 //!
 //! 1. [`io`] reads a file into a [`cloud::Cloud`]: float64 positions and named columns.
 //! 2. [`scene`] reads a scene file, applies its settings to the clouds, which gives [`points::Points`] in canonical order
-//!    (radii and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
+//!    (radii, fields and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
 //! 3. [`plan`] decides what `auto` stands for, and says which passes a frame has and why.
 //! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
 //!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].

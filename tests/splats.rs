@@ -57,7 +57,8 @@ fn compare(image: &Image, wanted: &Picture, margins: &[f64], shape: Shape, bound
     let mut doubtful = 0;
     for (at, margin) in margins.iter().enumerate() {
         let (found, depth) = (f64::from(image.depth[at]), wanted.depth[at]);
-        if found != depth && !((found - depth).abs() <= depth_error(shape) * depth) {
+        let close = found == depth || (found - depth).abs() <= depth_error(shape) * depth;
+        if !close {
             return Err(format!("pixel {at}: depth {found} {depth}"));
         }
         if *margin < depth_error(shape) {
@@ -65,7 +66,8 @@ fn compare(image: &Image, wanted: &Picture, margins: &[f64], shape: Shape, bound
             continue;
         }
         for (found, wanted) in image.rgba[at].iter().zip(wanted.rgba[at]) {
-            if !((f64::from(*found) - wanted).abs() <= bound) {
+            let close = (f64::from(*found) - wanted).abs() <= bound;
+            if !close {
                 return Err(format!("pixel {at}: {:?} {:?}", image.rgba[at], wanted));
             }
         }

@@ -6,10 +6,15 @@
 override CUT: u32 = 0u;
 @group(0) @binding(6) var<storage, read> solids: array<f32>;
 
+// Depth before which nothing is seen.
+fn near_depth() -> f32 {
+    return view.depth_range.x - depth_origin();
+}
+
 // Depth of the solid point behind which nothing is seen.
 fn solid_depth(p: u32) -> f32 {
     if CUT == 0u {
         return 3.4e38;
     }
-    return solids[p];
+    return solids[p] - depth_origin();
 }

@@ -1,5 +1,6 @@
 // A soft sphere and the ray through a pixel's centre. Everything is relative to the sphere's centre, so that nothing cancels.
-// The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for.
+// The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
+// depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
 #import splat
 
 // 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
@@ -10,6 +11,10 @@ const MOST_SHELLS = 64.0;
 override SHELL_BITS: u32 = 0u;
 // Smaller radii are none.
 const LEAST_RADIUS = 1e-30;
+
+fn depth_origin() -> f32 {
+    return view.eye_hi.w;
+}
 
 // Unit direction of the ray, and its length over the depth along the axis.
 fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
@@ -32,7 +37,7 @@ struct Chord {
 }
 
 fn chord_of(splat: Splat, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
-    let unit = select(splat.depth, 1.0, view.orthographic != 0u) / view.focal.x;
+    let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
     let from_center = vec3<f32>(offset_to(splat, pixel) * unit, 0.0);
     let distance = length(cross(from_center, ray.xyz));
     let middle = splat.depth - dot(from_center, ray.xyz) / ray.w;
@@ -52,7 +57,7 @@ fn shells_of(splat: Splat) -> u32 {
     if SHELLS > 0u {
         return SHELLS;
     }
-    let pixels = splat.radius * view.focal.x / select(splat.depth, 1.0, view.orthographic != 0u);
+    let pixels = splat.radius * view.focal.x / select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u);
     return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, MOST_SHELLS));
 }
 

@@ -16,7 +16,7 @@ struct Splat {
     fraction_y: f32,
     // Column (low 16 bits) and row of that pixel, signed; a centre farther out has a fraction beyond [0, 1).
     pixel: u32,
-    // z of the centre.
+    // z of the centre; of a sphere relative to that in the view.
     depth: f32,
     // In pixels; of a sphere in world units.
     radius: f32,

@@ -8,6 +8,8 @@ struct View {
     forward: vec4<f32>,
     forward_lo: vec4<f32>,
     // Eye minus the cloud's origin as a sum of two floats.
+    // In w the depth that those of soft spheres are relative to: no point is nearer, and the less they are, the more digits
+    // they have.
     eye_hi: vec4<f32>,
     eye_lo: vec4<f32>,
     // To the light (w = 0) or the light's place relative to the eye (w = 1), in camera axes.

@@ -45,5 +45,6 @@ fn main(
         }
         sum = behind(sum, event.x, segment_color(open, depth));
     }
-    partials[item] = Partial(sum.rgba, vec4<u32>(sum.key, 0u, 0u, 0u));
+    let key = select(depth_key(key_depth(sum.key) + depth_origin()), NOTHING, sum.key == NOTHING);
+    partials[item] = Partial(sum.rgba, vec4<u32>(key, 0u, 0u, 0u));
 }

@@ -11,7 +11,7 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
         return;
     }
     let p = window_index(pixel, view.window);
-    let shells = shells_met(chord, shells_of(splat), view.depth_range.x, solid_depth(p));
+    let shells = shells_met(chord, shells_of(splat), near_depth(), solid_depth(p));
     if shells > 0u {
         atomicAdd(&counts[p], 2u * shells);
         if COUNTED != 0u {

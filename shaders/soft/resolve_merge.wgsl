@@ -22,5 +22,5 @@ fn main(
     let sorted = sort_local(&list, n);
     let sum = blend_list(&list, sorted, n, pixel_place(p));
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    depths[p] = composed_depth(sum.key) + depth_origin();
 }

@@ -25,5 +25,5 @@ fn main(
 #repeat     list[{i}u] = x{i};
     let sum = blend_list(&list, 0u, n, pixel_place(p));
     image[p] = sum.rgba;
-    depths[p] = composed_depth(sum.key);
+    depths[p] = composed_depth(sum.key) + depth_origin();
 }

@@ -7,7 +7,7 @@
 
 // Entry and exit of one shell of a chord.
 fn put(chord: Chord, shell: u32, shells: u32, far: f32, slot: u32, i: u32) {
-    let near = view.depth_range.x;
+    let near = near_depth();
     let half = chord.reach * half_chord(chord.edge, f32(shell) / f32(shells));
     let at = slot + 2u * shell;
     // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
@@ -28,7 +28,7 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     }
     let far = solid_depth(p);
     let shells = shells_of(splat);
-    let met = shells_met(chord, shells, view.depth_range.x, far);
+    let met = shells_met(chord, shells, near_depth(), far);
     if met == 0u {
         return;
     }

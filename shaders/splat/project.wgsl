@@ -77,9 +77,10 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     if SHAPE == SHAPE_SPHERE {
         var reach = vec4<f32>(splat.radius * view.focal.x);
         if view.orthographic == 0u {
+            let depth = splat.depth + view.eye_hi.w;
             let slope = center / view.focal.x;
-            let x = extent_sphere(slope.x, splat.radius / splat.depth);
-            let y = extent_sphere(slope.y, splat.radius / splat.depth);
+            let x = extent_sphere(slope.x, splat.radius / depth);
+            let y = extent_sphere(slope.y, splat.radius / depth);
             reach = vec4<f32>(x.x, y.x, x.y, y.y) * view.focal.x;
         }
         // The exact test follows per pixel.
@@ -133,10 +134,12 @@ fn project(i: u32) -> vec2<u32> {
     let position = rounded(point.place);
     let pixel = bitcast<u32>(point.column.pixel & 0xffff | point.row.pixel << 16u);
     var radius = min(hi.w * view.radius_limits.x, HUGE);
+    var depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0)).x;
     if SHAPE != SHAPE_SPHERE {
+        depth = position.z;
         radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
     }
-    let splat = Splat(point.column.fraction, point.row.fraction, pixel, position.z, radius);
+    let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth, radius);
     var tilt = Tilt(vec4<f32>(0.0));
     if NORMALS != 0u {
         let normal = turned(normals[i].xyz);

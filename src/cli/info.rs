@@ -18,8 +18,8 @@ pub struct InfoArgs {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
-    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, above}`, where
-    /// above has the share of points with F > t for some t. Several files: an array of these, each with `file`.
+    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
+    /// where quantiles has the F that so many points don't exceed. Several files: an array of these, each with `file`.
     #[arg(long)]
     json: bool,
 }
@@ -82,30 +82,34 @@ fn to_json(cloud: &Cloud) -> Value {
         "classes": classes,
     });
     if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
-        let above: serde_json::Map<_, _> =
-            THRESHOLDS.iter().map(|t| (t.to_string(), share_above(prepared, *t).into())).collect();
+        let quantiles: serde_json::Map<_, _> = quantiles(prepared)
+            .into_iter()
+            .map(|(share, threshold)| (share.to_string(), f64::from(threshold).into()))
+            .collect();
         let prepared = json!({
             "neighbors": prepared.neighbors,
             "estimated_radii": prepared.estimated_radii,
             "field": prepared.field,
-            "above": above,
+            "quantiles": quantiles,
         });
         object.insert("prepared".to_owned(), prepared);
     }
     value
 }
 
-/// Thresholds of which the share of soft points is told.
-const THRESHOLDS: [f32; 4] = [0.1, 0.2, 0.3, 0.5];
-
-/// The share of points that are soft for a threshold.
-fn share_above(prepared: &Prepared, threshold: f32) -> f64 {
-    prepared.values.iter().filter(|value| **value > threshold).count() as f64 / prepared.values.len().max(1) as f64
+/// Thresholds with the share of points whose F is at most that: 1 less it are soft.
+fn quantiles(prepared: &Prepared) -> Vec<(f64, f32)> {
+    let mut values = prepared.values.clone();
+    values.sort_unstable_by(f32::total_cmp);
+    let last = |share: f64| ((share * values.len() as f64).ceil() as usize).saturating_sub(1);
+    let at = |share: f64| values.get(last(share)).copied().unwrap_or_default();
+    [0.5, 0.75, 0.9, 0.99].into_iter().map(|share| (share, at(share))).collect()
 }
 
 fn prepared_text(prepared: &Prepared) -> String {
     let radii = if prepared.estimated_radii { "radii and field" } else { "field" };
-    let above = THRESHOLDS.map(|t| format!("{:.1}% > {t}", 100.0 * share_above(prepared, t)));
+    let quantile = |(share, threshold)| format!("{:.0}% above {threshold:.3}", 100.0 * (1.0 - share));
+    let above: Vec<_> = quantiles(prepared).into_iter().map(quantile).collect();
     let (name, k) = (prepared.field.name(), prepared.neighbors);
     format!("\n  prepared    {radii}, {k} neighbors\n  field       {name}: {}", above.join(", "))
 }

@@ -14,7 +14,7 @@ use super::talk::{Talk, stage};
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
 /// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
 /// is stored, with the same bytes as result, as long as the points are the same (a hash tells) and the settings, if they
-/// name a field or a number of neighbors at all, name these. Takes about 4·K + 150 bytes of memory for each point.
+/// name a field or a number of neighbors at all, name these. Takes about 4·K + 170 bytes of memory for each point.
 #[derive(Debug, Args)]
 pub struct PrepareArgs {
     /// A point cloud in any format that is read.

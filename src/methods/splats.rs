@@ -246,3 +246,20 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { tile_entries: 20, ..Facts::default() };
+        // Rank, record and footprint; limit and depth of each pixel.
+        assert_eq!(least_bytes("splats/visibility", &facts, false, 10), Some(20 * 28 + 10 * 8));
+        assert_eq!(least_bytes("splats/visibility", &facts, true, 10), Some(20 * 44 + 10 * 8));
+        // Colors too; the limit is read, a sum written.
+        assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 60 + 10 * 20));
+        assert_eq!(least_bytes("splats/normalise", &facts, true, 10), Some(10 * 32));
+        assert_eq!(least_bytes("splat/nearest", &facts, true, 10), None);
+    }
+}

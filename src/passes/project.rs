@@ -269,6 +269,8 @@ group! {
 /// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
 pub struct DeviceCloud {
     origin: DVec3,
+    /// Of the points' box.
+    corners: [DVec3; 8],
     len: u64,
     chunk_len: u64,
     has_normals: bool,
@@ -342,6 +344,7 @@ impl DeviceCloud {
         let tilted = if normals.is_empty() { 1 } else { len };
         Ok(Self {
             origin,
+            corners: points.bounds().map_or([origin; 8], |b| b.corners()),
             len,
             chunk_len,
             has_normals: !normals.is_empty(),
@@ -475,7 +478,9 @@ impl DeviceCloud {
             let (hi, lo) = split(v);
             (padded(hi), padded(lo))
         };
-        let (eye_hi, eye_lo) = rows(camera.eye - self.origin);
+        let (mut eye_hi, eye_lo) = rows(camera.eye - self.origin);
+        let depths = self.corners.map(|corner| camera.to_view(corner).z);
+        eye_hi[3] = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as f32;
         let (right, right_lo) = rows(camera.right);
         let (down, down_lo) = rows(-camera.up);
         let (forward, forward_lo) = rows(camera.forward);

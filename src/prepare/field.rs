@@ -127,8 +127,12 @@ pub(super) fn scaled(values: &[f64]) -> Vec<f32> {
     if range <= LEAST_RANGE * most.abs().max(least.abs()) {
         return vec![0.0; values.len()];
     }
-    // The conversion leaves NaN alone; max makes it 0.
-    values.iter().map(|value| (((value - least) / range) as f32).max(0.0).min(1.0)).collect()
+    values.iter().map(|value| share((value - least) / range)).collect()
+}
+
+/// A value as F: what lies out of range is at the nearer end, and what is not a number is 0.
+fn share(value: f64) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) as f32 }
 }
 
 /// The smallest and the largest finite value; the wrong way around if there is none.
@@ -140,7 +144,7 @@ fn range(values: &[f64]) -> [f64; 2] {
 fn property(values: &[f64]) -> Vec<f32> {
     let [least, most] = range(values);
     if least >= 0.0 && most <= 1.0 {
-        values.iter().map(|value| (*value as f32).max(0.0).min(1.0)).collect()
+        values.iter().map(|value| share(*value)).collect()
     } else if least < most {
         scaled(values)
     } else {

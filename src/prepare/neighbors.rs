@@ -64,8 +64,8 @@ pub(super) struct Places {
     pub order: Vec<usize>,
     /// By rank.
     pub positions: Vec<DVec3>,
-    /// For each place its ranks.
-    members: Vec<Range<usize>>,
+    /// For each place its first rank, and their number behind the last.
+    starts: Vec<u32>,
     /// Finds places.
     tree: ImmutableKdTree<f64, 3>,
     frame: Frame,
@@ -103,28 +103,26 @@ impl Places {
         let positions: Vec<DVec3> = order.iter().map(|&index| positions[index]).collect();
 
         let mut points = Vec::new();
-        let mut members = Vec::new();
-        let mut start = 0;
+        let mut starts = vec![0];
         for run in positions.chunk_by(|a, b| a == b) {
             points.push(frame.local(run[0]));
-            members.push(start..start + run.len());
-            start += run.len();
+            starts.push(starts[points.len() - 1] + run.len() as u32);
         }
-        // Fails only for more than 2³² points, which no cloud in memory has.
+        // Fails only for more than 2³² points, which no cloud in memory has; ranks have 32 bits too.
         let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&points) else {
             unreachable!("the k-d tree's 32-bit indices hold every cloud");
         };
-        Some(Self { order, positions, members, tree, frame })
+        Some(Self { order, positions, starts, tree, frame })
     }
 
     /// Number of distinct positions.
     pub fn len(&self) -> usize {
-        self.members.len()
+        self.starts.len() - 1
     }
 
     /// The ranks of the points that stand at a place.
     pub fn members(&self, place: usize) -> Range<usize> {
-        self.members[place].clone()
+        self.starts[place] as usize..self.starts[place + 1] as usize
     }
 
     /// World units in which distances are given; a power of two.
@@ -133,12 +131,12 @@ impl Places {
     }
 
     fn position(&self, place: usize) -> DVec3 {
-        self.positions[self.members[place].start]
+        self.positions[self.starts[place] as usize]
     }
 
     /// How many of the `k` nearest others of a point at `place` stand elsewhere: none if there are k others here.
     fn elsewhere(&self, place: usize, k: usize) -> usize {
-        (k + 1).saturating_sub(self.members[place].len())
+        (k + 1).saturating_sub(self.members(place).len())
     }
 
     /// The ranks of those of the `k` nearest others of a point at `place` that stand elsewhere, in their order, and the
@@ -186,7 +184,7 @@ impl Places {
     fn distance_of_last(&self, places: &[(f64, usize)], wanted: usize) -> f64 {
         let mut found = 0;
         let last = places.iter().find(|(_, place)| {
-            found += self.members[*place].len();
+            found += self.members(*place).len();
             found >= wanted
         });
         last.map_or(0.0, |(squared, _)| *squared)
@@ -209,7 +207,7 @@ impl Places {
             .into_par_iter()
             .map(|block| {
                 let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
-                let mut kept = Vec::new();
+                let mut kept = Vec::with_capacity(if keep { places.len() * k } else { 0 });
                 let mut seen = Vec::with_capacity(places.len());
                 for place in places.clone() {
                     let (others, distance) = self.others(place, k);

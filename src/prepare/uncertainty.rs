@@ -28,7 +28,7 @@ pub struct Surface {
 /// points K is their number. Neighbors are those of [`neighbors`](super::neighbors), so that neither the order of the
 /// points nor the sign of a normal changes a bit.
 ///
-/// Takes about 4·K + 150 bytes for each point; without the 4·K, and slower, if those are more than 2 GiB.
+/// Takes about 4·K + 170 bytes for each point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &ProgressBar) -> Surface {
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);

@@ -94,8 +94,10 @@ fn transformed(
     request: &prepare::Request,
     progress: &ProgressBar,
 ) -> Result<Points, Error> {
-    progress.reset();
-    progress.set_message("finding neighbors");
+    if request.radii || request.fields {
+        progress.reset();
+        progress.set_message("finding neighbors");
+    }
     let found = prepare::find(&cloud, request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();

@@ -267,6 +267,17 @@ fn the_plan_is_what_runs() {
             assert!(has(&planned, "splats/normalise") && !has(&planned, "image/clear"), "{planned:?}");
         }
     }
+    // Soft discs before solid points: with many of either, with few, and in several windows.
+    for args in [["--size", "40x30"], ["--memory-budget", "800KiB"]] {
+        for (threshold, seen) in [("0", true), ("0.5", true), ("1", false)] {
+            let threshold = format!("method.threshold={threshold}");
+            let method = ["-q", "--method", "soft-express", "--set", &threshold];
+            let planned = assert_planned(&folder, &[&[tori.as_str()], &args[..], &method[..]].concat());
+            assert!(has(&planned, "splats/normalise") && has(&planned, "soft/compose"), "{planned:?}");
+            let presorted = ["bin/pick", "bin/place", "soft/express"].iter().filter(|name| has(&planned, name)).count();
+            assert_eq!(presorted, if seen { 3 } else { 0 }, "{threshold}: {planned:?}");
+        }
+    }
     // Points without a field are solid.
     let solid = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "one-layer"]);
     assert!(has(&solid, "splats/attributes") && !has(&solid, "one-layer/compose"), "{solid:?}");
@@ -279,7 +290,7 @@ fn the_plan_is_what_runs() {
     for method in ["points", "peel"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
-    for method in ["hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer"] {
+    for method in ["hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer", "soft-express"] {
         assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
     }
     let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);

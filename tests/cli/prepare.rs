@@ -78,6 +78,42 @@ fn every_column_comes_back_to_the_bit() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
 }
 
+/// The hash as docs/prepared-clouds.md describes it.
+fn documented_hash(path: &Path) -> (String, String) {
+    let bytes = fs::read(path).unwrap();
+    let header = String::from_utf8_lossy(&bytes);
+    let comment = header.lines().find_map(|line| line.strip_prefix("comment pellucid-prepared ")).unwrap();
+    let mut object: serde_json::Value = serde_json::from_str(comment).unwrap();
+    let stored = object["content"].as_str().unwrap().to_owned();
+    object["content"] = "".into();
+    let cloud = load(path);
+    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let positions = cloud.positions.iter().flat_map(|p| p.to_array()).flat_map(f64::to_le_bytes).collect();
+    let normals = cloud.normals.iter().flatten().flat_map(|n| n.to_array()).flat_map(f32::to_le_bytes).collect();
+    let mut parts: Vec<Vec<u8>> = vec![object.to_string().into_bytes(), positions, normals];
+    parts.push(floats(&cloud.radii.unwrap()));
+    parts.push(floats(&cloud.prepared.unwrap().values));
+    parts.push(cloud.classification.unwrap_or_default());
+    parts.push(floats(&cloud.intensity.unwrap_or_default()));
+    parts.extend(cloud.scalars.iter().map(|(_, values)| floats(values)));
+    let mut hasher = blake3::Hasher::new();
+    for part in parts {
+        hasher.update(&(part.len() as u64).to_le_bytes()).update(&part);
+    }
+    (stored, hasher.finalize().to_hex().to_string())
+}
+
+#[test]
+fn the_hash_is_the_documented_one() {
+    let folder = folder();
+    write_source(&folder, "a.ply", "uchar");
+    for field in ["uncertainty", "height"] {
+        prepare(&folder, &["a.ply", "-o", "b.ply", "--field", field]);
+        let (stored, computed) = documented_hash(&inside(&folder, "b.ply"));
+        assert_eq!(stored, computed, "{field}");
+    }
+}
+
 /// The points of a frame of one cloud under a soft method.
 fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid::points::Points {
     let text = format!("[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"{cloud}\"\n{keys}");
@@ -218,7 +254,7 @@ fn info_tells_what_was_prepared() {
     let (_, json, _) = run(&folder, &["info", "--json", "b.ply"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["prepared"]["field"], serde_json::json!({ "kind": "classification", "classes": [1] }));
-    assert_eq!(json["prepared"]["above"].as_object().unwrap().len(), 4);
+    assert_eq!(json["prepared"]["quantiles"].as_object().unwrap().len(), 4);
     assert!(json["attributes"].as_array().unwrap().contains(&"field".into()), "{json}");
 }
 

@@ -256,9 +256,10 @@ fn the_papers_layout_rounds_distance_and_color() {
     // ρ = 0.5 becomes 128/255, and 0.3 of the color 77/255 (76.5 is no float32, and what it is lies above).
     let one = spheres(&[(DVec3::new(0.5, 0.0, -5.0), 1.0, Vec3::new(0.3, 1.5, 0.2))]);
     let found = middle(&one, Method::SoftBase(soft));
-    let half = 0.75f64.sqrt();
-    let (d, root) = (128.0 / 255.0, (0.75 + (128.0f64 / 255.0).powi(2)).sqrt());
-    let depth = 2.0 * half - half * root - d * d * (half / d).asinh();
+    // The chord at that distance ends a little before the sphere's own.
+    let d = 128.0 / 255.0;
+    let half = (1.0f64 - d * d).sqrt();
+    let depth = 2.0 * half - half - d * d * (half / d).asinh();
     assert_close(found.alpha, opacity(depth), ROUNDING);
     assert_close(found.color.x / found.alpha, 77.0 / 255.0, ROUNDING);
     assert_close(found.color.y / found.alpha, 1.0, ROUNDING);

@@ -62,7 +62,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
 }
 
 /// Finds the comment and, if the points are those it speaks of, moves the field into [`Cloud::prepared`]; else says why
-/// not and drops radii that are not the points' own.
+/// not and drops the field, and radii that are not the points' own.
 pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     let ours = |(line, text): &(u64, String)| Some((*line, text.strip_prefix(WORD)?.trim().to_owned()));
     let Some((line, text)) = comments.iter().find_map(ours) else { return };
@@ -79,24 +79,15 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         Up::Z => UpAxis::Z,
     };
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
-    let values = at.map(|at| cloud.scalars.remove(at));
-    if let Some((_, values)) = &values
-        && values.iter().all(|value| (0.0..=1.0).contains(value))
-        && content(cloud, values, &claim).is_ok_and(|content| content == claimed)
-    {
-        cloud.prepared = Some(Prepared {
-            neighbors: claim.neighbors,
-            estimated_radii: claim.radius == Radius::Estimated,
-            field: claim.field,
-            values: values.clone(),
-        });
+    let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
+    let whole = values.len() == cloud.len() && values.iter().all(|value| (0.0..=1.0).contains(value));
+    if whole && content(cloud, &values, &claim).is_ok_and(|content| content == claimed) {
+        let estimated_radii = claim.radius == Radius::Estimated;
+        cloud.prepared = Some(Prepared { neighbors: claim.neighbors, estimated_radii, field: claim.field, values });
         return;
     }
     if claim.radius == Radius::Estimated {
         cloud.radii = None;
-    }
-    if let (Some(at), Some(field)) = (at, values) {
-        cloud.scalars.insert(at, field);
     }
     cloud.warnings.push(format!(
         "line {line}: the points were changed since `pellucid prepare`: radii and field are computed anew (prepare them \

@@ -435,3 +435,43 @@ impl LongSpheres {
 pub fn long_runs(events: u64) -> u64 {
     (2 * events).div_ceil(u64::from(LOCAL_LENGTH))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
+    const MOST_ITERATIONS: u32 = 60_000;
+
+    #[test]
+    fn loops_are_within_the_iterations() {
+        // Four pixels of each large splat of a segment, and groups of four of the shells after the first.
+        assert!(SHELLS_SEGMENT * (1 + 4 * (1 + (MAX_SHELLS - 1).div_ceil(4))) < MOST_ITERATIONS);
+        // Small splats have up to 1024 pixels.
+        assert!(1024 * (1 + (MAX_SHELLS - 1).div_ceil(4)) < MOST_ITERATIONS);
+        // Events, and one turn more for each workgroup of them.
+        assert!(SEGMENTS_TAKEN + SEGMENTS_TAKEN / 64 + 64 < MOST_ITERATIONS);
+        // Each event of a run may go over all shells, if modulated.
+        assert!(LOCAL_LENGTH * (1 + MAX_SHELLS) < MOST_ITERATIONS);
+        // Half of the events are entries, and each segment goes over what is open.
+        assert!(LOCAL_LENGTH * (1 + LOCAL_LENGTH / 2) < MOST_ITERATIONS);
+    }
+
+    #[test]
+    fn events_tell_so_many_points_apart() {
+        let limits = [
+            (Interior::Linear, 1 << 31),
+            (Interior::Shells(Shells::Fixed(1), 4.0), 1 << 31),
+            (Interior::Shells(Shells::Fixed(5), 4.0), 1 << 28),
+            (Interior::Shells(Shells::Adaptive, 4.0), 1 << 25),
+        ];
+        let method = Method::SoftConcentric(Soft::default());
+        for (interior, limit) in limits {
+            let model = SoftModel { lambda: 1.0, peak: 0.5 };
+            let spheres = Spheres { interior, model, modulated: false, most_radius: 1.0, layer: None };
+            assert!(spheres.check(&method, limit).is_ok());
+            let refused = spheres.check(&method, limit + 1);
+            assert!(matches!(refused, Err(Error::TooManySpheres { limit: most, .. }) if most == limit), "{refused:?}");
+        }
+    }
+}

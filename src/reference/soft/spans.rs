@@ -45,8 +45,10 @@ impl Span {
     pub fn depth(&self, s0: f64, s1: f64) -> f64 {
         match self.medium {
             Medium::Falling { lambda, radius, distance, middle } => {
-                let from_middle = |s: f64| antiderivative(radius, distance, s - middle);
-                // Rounding must not make light, nor a d that was rounded up: beyond its chord ρ is negative.
+                // No density is negative: where d was rounded up, its chord is shorter than the span.
+                let half = ((radius - distance) * (radius + distance)).sqrt();
+                let from_middle = |s: f64| antiderivative(radius, distance, (s - middle).clamp(-half, half));
+                // Rounding must not make light.
                 lambda * (from_middle(s1) - from_middle(s0)).max(0.0)
             }
             Medium::Constant(density) => density * (s1 - s0),
