@@ -85,8 +85,12 @@ fn express_variants() -> Vec<Variant> {
     ways.flat_map(|way| SUBGROUPS.map(|size| express::express_variant(way, size))).collect()
 }
 
-const INTERIORS: [Interior; 3] =
-    [Interior::Linear, Interior::Shells(Shells::Adaptive, 4.0), Interior::Shells(Shells::Fixed(5), 4.0)];
+const INTERIORS: [Interior; 4] = [
+    Interior::Linear,
+    Interior::Packed,
+    Interior::Shells(Shells::Adaptive, 4.0),
+    Interior::Shells(Shells::Fixed(5), 4.0),
+];
 
 /// The variants of a pass that visits the pixels of spheres.
 fn sphere_variants(of: fn(Variant, Interior, bool) -> Variant) -> Vec<Variant> {
@@ -245,7 +249,7 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<soft::ResolveMerge>(&mut seen, sphere_kernels(|c| !abuffer::is_network(c)));
     check::<soft::SumRuns>(&mut seen, interior_variants(soft::run_variant));
     check::<soft::Carry>(&mut seen, [Variant::plain()]);
-    check::<soft::Segments>(&mut seen, interior_variants(|_, modulated, cut| soft::segments_variant(modulated, cut)));
+    check::<soft::Segments>(&mut seen, interior_variants(soft::segments_variant));
     check::<soft::BlendRuns>(&mut seen, interior_variants(soft::run_variant));
     check::<soft::Compose>(&mut seen, [Variant::plain()]);
     let falloffs = [Falloff::Flat, Falloff::Gaussian];

@@ -10,6 +10,8 @@ use pellucid::image::Image;
 use pellucid::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid::points::Points;
 use pellucid::prepare::order;
+use pellucid::reference::shading::shade;
+use pellucid::reference::soft::{self, Behind, Model};
 use pellucid::scene::{Density, Method, Shells, Soft, SoftLayout};
 use rand::RngExt;
 
@@ -382,10 +384,49 @@ fn without_soft_points_nothing_soft_runs() {
 }
 
 #[test]
-fn the_papers_layout_is_not_there_yet() {
-    with_device(|device| {
-        let settings = Soft { layout: SoftLayout::Paper, ..Soft::default() };
-        let frame = frame(perspective(), [8, 8], Method::SoftBase(settings));
-        assert!(matches!(rendered(device, &soup_of(1, 3, 0.1..0.2), &frame), Err(Error::NotYet { .. })));
-    });
+fn the_papers_layout_is_what_its_reference_says() {
+    let settings = |softness| Soft {
+        layout: SoftLayout::Paper,
+        density: Density::Softness(softness),
+        threshold: 0.5,
+        ..Soft::default()
+    };
+    // Short lists, and lists of more than 256 events.
+    for (points, softness) in [(soup_of(3, 200, 0.1..0.3), 0.6), (soup_of(4, 900, 0.5..0.9), 0.05)] {
+        with_device(|device| {
+            let frame =
+                Frame { size: [24, 20], ..frame(perspective(), [24, 20], Method::SoftBase(settings(softness))) };
+            let image = rendered(device, &points, &frame).unwrap().image;
+            let scene = cloud(&points);
+            let colors = shade(&scene, &frame.camera, &frame.shading, frame.color);
+            let truth = |layout| {
+                let soft = Soft { layout, ..settings(softness) };
+                let model = Model::new(Method::SoftBase(soft), &scene).unwrap();
+                let scene =
+                    soft::Scene { camera: &frame.camera, size: frame.size, points: &scene, colors: &colors, model };
+                scene.render(|_| Behind::NOTHING)
+            };
+            let off = |layout| {
+                let truth = truth(layout).rgba;
+                let of = |(rgba, wanted): (&[f32; 4], &[f64; 4])| {
+                    rgba.iter().zip(wanted).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max)
+                };
+                image.rgba.iter().zip(&truth).map(of).collect::<Vec<f64>>()
+            };
+            // d / r and colors next to the middle between two of 256 levels may be rounded the other way: of one sphere of many.
+            let mut packed = off(SoftLayout::Paper);
+            packed.sort_by(f64::total_cmp);
+            let (most, bulk) = (packed[packed.len() - 1], packed[packed.len() * 9 / 10]);
+            let precise = off(SoftLayout::Precise).into_iter().fold(0.0, f64::max);
+            println!(
+                "softness {softness}: from packed {bulk:.1e}, at most {most:.1e}; from precise at most {precise:.1e}"
+            );
+            assert!(bulk < 3e-4 && most < 3e-3, "{bulk} {most}");
+            assert!(precise > 2.0 * bulk, "what 8 bits cost must show");
+            let shuffled: Vec<S> = points.iter().rev().copied().collect();
+            assert!(image == rendered(device, &shuffled, &frame).unwrap().image, "order of points");
+            let tight = Frame { memory_budget: Some(1 << 20), ..frame };
+            assert!(image == rendered(device, &points, &tight).unwrap().image, "budget");
+        });
+    }
 }

@@ -13,16 +13,25 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     var count = 0u;
     var key = 0x80000000u;
+    var first = 0.0;
     for (var k = 0u; k < n; k++) {
         let event = (*list)[start + k];
         let i = event_splat(event.y);
-        let first = key_depth(key);
-        let last = key_depth(event.x);
+        let last = event_depth(event);
         var depth = 0.0;
+        var units = 0u;
         var leaving = 0u;
         for (var j = 0u; j < count; j++) {
-            depth += segment_of(open[j], first, last);
+            let found = segment_of(open[j], first, last);
+            if PACKED == 0u {
+                depth += found;
+            } else {
+                units = plus_units(units, units_of(found));
+            }
             leaving = select(leaving, j, ids[j] == i);
+        }
+        if PACKED != 0u {
+            depth = f32(units) * DEPTH_UNIT;
         }
         sum = behind(sum, key, segment_color(sums, depth));
         if is_exit(event.y) {
@@ -32,17 +41,15 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
             terms[leaving] = terms[count];
             ids[leaving] = ids[count];
         } else if count < CAPACITY / 2u {
-            let splat = splat_at(i);
-            let color = color_at(i);
-            let chord = chord_of(splat, pixel, ray);
-            let term = chord.edge * vec4<f32>(color.rgb, 1.0);
-            open[count] = vec4<f32>(chord.edge, chord.middle, chord.reach, absorption(chord, splat.radius, color.a));
-            terms[count] = term;
+            let entered = opened(event.y, pixel, ray);
+            open[count] = entered.sphere;
+            terms[count] = entered.terms;
             ids[count] = i;
-            sums = after_event(sums, Terms(term, 0.0), false);
+            sums = after_event(sums, Terms(entered.terms, 0.0), false);
             count += 1u;
         }
         key = event.x;
+        first = last;
         if k % LOOK == LOOK - 1u && done(sum, 1.0, push.most_color) {
             break;
         }

@@ -3,6 +3,7 @@
 #import stop
 #import soft_push
 #import soft_terms
+@group(0) @binding(19) var<storage, read> records: array<vec4<u32>>;
 
 // Events between two looks at what may stop.
 const LOOK = 16u;

@@ -2,6 +2,7 @@
 #import compose
 #import sphere
 #import absorb
+#import packed
 
 const MODEL_BASE = 0u;
 const MODEL_CONCENTRIC = 1u;
@@ -50,7 +51,40 @@ struct Terms {
     density: f32,
 }
 
+// A sphere of the base model: edge, middle, reach and absorption; color times weight, and weight.
+struct Opened {
+    sphere: vec4<f32>,
+    terms: vec4<f32>,
+}
+
+// The sphere that an event's index, or its slot if it is packed, tells of.
+fn opened(id: u32, pixel: vec2<u32>, ray: vec4<f32>) -> Opened {
+    if PACKED != 0u {
+        let record = records[id];
+        let chord = packed_chord(record, ray);
+        let absorbed = absorption(chord, packed_radius(record), 1.0);
+        return Opened(vec4<f32>(chord.edge, chord.middle, chord.reach, absorbed), packed_terms(record));
+    }
+    let i = event_splat(id);
+    let splat = splat_at(i);
+    let color = color_at(i);
+    let chord = chord_of(splat, pixel, ray);
+    let absorbed = absorption(chord, splat.radius, color.a);
+    return Opened(vec4<f32>(chord.edge, chord.middle, chord.reach, absorbed), chord.edge * vec4<f32>(color.rgb, 1.0));
+}
+
+// Depth of an event, relative to the origin.
+fn event_depth(event: vec2<u32>) -> f32 {
+    if PACKED != 0u {
+        return packed_depth(records[event.y]);
+    }
+    return key_depth(event.x);
+}
+
 fn terms_of(id: u32, pixel: vec2<u32>, ray: vec4<f32>) -> Terms {
+    if PACKED != 0u {
+        return Terms(packed_terms(records[id]), 0.0);
+    }
     let i = event_splat(id);
     let splat = splat_at(i);
     let color = color_at(i);

@@ -9,6 +9,8 @@ override PIXELS_PER_SHELL: f32 = 4.0;
 const MOST_SHELLS = 64.0;
 // Bits of a shell's number in a fragment's second word, above the bit that tells its exit from its entry.
 override SHELL_BITS: u32 = 0u;
+// 1: events carry what the paper stores of them, and a fragment's second word is their slot.
+override PACKED: u32 = 0u;
 // Smaller radii are none.
 const LEAST_RADIUS = 1e-30;
 

@@ -12,6 +12,7 @@
 @group(0) @binding(16) var<storage, read> sums: array<RunSums>;
 @group(0) @binding(17) var<storage, read> segments: array<f32>;
 @group(0) @binding(18) var<storage, read_write> partials: array<Partial>;
+@group(0) @binding(19) var<storage, read> records: array<vec4<u32>>;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -39,6 +40,9 @@ fn main(
         var depth = 0.0;
         if MODEL == MODEL_BASE {
             depth = segments[i];
+            if PACKED != 0u {
+                depth = f32(bitcast<u32>(depth)) * DEPTH_UNIT;
+            }
         } else {
             let next = fragments[min(i + 1u, final_event)].x;
             depth = segment_depth(open, key_depth(event.x), key_depth(next), ray);

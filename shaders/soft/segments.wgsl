@@ -12,6 +12,7 @@
 @group(0) @binding(14) var<storage, read> runs: array<ListRun>;
 @group(0) @binding(15) var<storage, read> fragments: array<vec2<u32>>;
 @group(0) @binding(16) var<storage, read_write> segments: array<f32>;
+@group(0) @binding(17) var<storage, read> records: array<vec4<u32>>;
 override TAKEN: u32 = 1u;
 
 const HELD = RUN_LENGTH / WG_SIZE;
@@ -52,10 +53,7 @@ fn sphere_at(event: u32, pixel: vec2<u32>, ray: vec4<f32>) -> vec4<f32> {
     if is_exit(id) {
         return vec4<f32>(0.0);
     }
-    let i = event_splat(id);
-    let splat = splat_at(i);
-    let chord = chord_of(splat, pixel, ray);
-    return vec4<f32>(chord.edge, chord.middle, chord.reach, absorption(chord, splat.radius, color_at(i).a));
+    return opened(id, pixel, ray).sphere;
 }
 
 @compute @workgroup_size(WG_SIZE)
@@ -81,12 +79,13 @@ fn main(
     var last = vec4<f32>(0.0);
     for (var h = 0u; h < HELD; h++) {
         let k = min(start + local + h * WG_SIZE, run.length - 1u);
-        first[h] = key_depth(fragments[run.start + k].x);
-        last[h] = key_depth(fragments[run.start + min(k + 1u, run.length - 1u)].x);
+        first[h] = event_depth(fragments[run.start + k]);
+        last[h] = event_depth(fragments[run.start + min(k + 1u, run.length - 1u)]);
     }
     // Compensated: thousands of spheres may be open.
     var sum = vec4<f32>(0.0);
     var excess = vec4<f32>(0.0);
+    var units = vec4<u32>(0u);
     for (var chunk = events.x; chunk < events.y; chunk += WG_SIZE) {
         if chunk + local < events.y {
             spheres[local] = sphere_at(run.start + chunk + local, pixel, ray);
@@ -104,6 +103,10 @@ fn main(
                 segment_of(open, first.z, last.z),
                 segment_of(open, first.w, last.w),
             );
+            if PACKED != 0u {
+                units = min(units + vec4<u32>(min(found, vec4<f32>(31.0)) * 67108864.0 + 0.5), vec4<u32>(MOST_UNITS));
+                continue;
+            }
             let wanted = found - excess;
             let total = sum + wanted;
             excess = (total - sum) - wanted;
@@ -115,7 +118,13 @@ fn main(
         let k = start + local + h * WG_SIZE;
         if present && k < min(start + RUN_LENGTH, run.length) {
             let at = run.start + k;
-            segments[at] = select(segments[at], 0.0, push.first == 0u) + sum[h];
+            // Packed ones are whole numbers until soft/blend-runs reads them.
+            if PACKED != 0u {
+                let before = select(bitcast<u32>(segments[at]), 0u, push.first == 0u);
+                segments[at] = bitcast<f32>(plus_units(before, units[h]));
+            } else {
+                segments[at] = select(segments[at], 0.0, push.first == 0u) + sum[h];
+            }
         }
     }
 }

@@ -9,6 +9,7 @@
 @group(0) @binding(14) var<storage, read> runs: array<ListRun>;
 @group(0) @binding(15) var<storage, read> fragments: array<vec2<u32>>;
 @group(0) @binding(16) var<storage, read_write> sums: array<RunSums>;
+@group(0) @binding(17) var<storage, read> records: array<vec4<u32>>;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(

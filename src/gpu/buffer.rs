@@ -237,6 +237,11 @@ impl<'a, T> Slice<'a, T> {
         self.raw.bytes == 0
     }
 
+    /// Elements of the buffer before the first.
+    pub fn start(&self) -> u64 {
+        self.raw.offset / size_of::<T>() as u64
+    }
+
     /// The same bytes as elements of another type; their number must come out whole.
     pub fn cast<U: GpuType>(self) -> Slice<'a, U> {
         assert_eq!(self.raw.bytes % size_of::<U>() as u64, 0, "{}: not a whole number of elements", self.name);

@@ -36,12 +36,6 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
-    /// The method is not rendered yet.
-    #[error("method {name} is not rendered yet")]
-    NotYet {
-        /// The method.
-        name: &'static str,
-    },
     /// One pixel alone has more fragments than fit.
     #[error(
         "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do",

@@ -30,7 +30,7 @@ use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::scene::{
     BlendedSplats, ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, OneLayer, Raster,
-    ScreenSplats, Shading, Soft, SoftLayout, Stochastic,
+    ScreenSplats, Shading, Soft, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -820,9 +820,6 @@ impl Renderer {
         let Some(interior) = Interior::of(&frame.method) else {
             return self.soft_discs(cloud, frame, soft, work);
         };
-        if soft.layout == SoftLayout::Paper && interior == Interior::Linear {
-            return Err(Error::NotYet { name: "soft-base with layout = \"paper\"" });
-        }
         let window = work.window;
         let parts = cloud.parts(soft.threshold);
         let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);

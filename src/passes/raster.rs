@@ -204,6 +204,11 @@ impl<'a> Raster<'a> {
         Ok(())
     }
 
+    /// Colors of a chunk's splats.
+    pub fn colors_of(&self, chunk: &Chunk<'a>) -> Slice<'a, [f32; 4]> {
+        self.cloud.colors.slice(chunk.splats.start(), chunk.splats.len())
+    }
+
     /// The dispatches or draws that visit all splats: chunks without visible ones have none.
     fn visits(&self, band: &Band, segment: u32) -> impl Iterator<Item = Visit> {
         let [first_tile, tiles] = self.tiles_of(band);

@@ -122,13 +122,18 @@ fn soft(table: &Table<'_>) -> Result<Soft, Error> {
         return Err(Error::Conflict { place: node.place.clone(), problem });
     }
     let layouts = [("precise", SoftLayout::Precise), ("paper", SoftLayout::Paper)];
+    let layout = table.choice("layout", &layouts)?.unwrap_or_default();
+    if let (SoftLayout::Paper, Some(_), Some(node)) = (layout, modulation, table.get("modulation")) {
+        let problem = "`method.layout = \"paper\"` has no room for what `method.modulation` needs: keep one".into();
+        return Err(Error::Conflict { place: node.place.clone(), problem });
+    }
     Ok(Soft {
         threshold,
         density: softness.or(lambda).unwrap_or(default.density),
         modulation,
         shells: shells(table)?,
         pixels_per_shell: table.number32("pixels_per_shell", Range::POSITIVE)?.unwrap_or(default.pixels_per_shell),
-        layout: table.choice("layout", &layouts)?.unwrap_or_default(),
+        layout,
     })
 }
 

@@ -57,6 +57,8 @@ pub struct Stored<'a> {
     pub fragments: Slice<'a, [u32; 2]>,
     /// Room for them once more, if long lists are merged.
     pub spare: Option<Slice<'a, [u32; 2]>>,
+    /// What packed events of spheres carry; anything where there are none.
+    pub records: Slice<'a, [u32; 4]>,
 }
 
 impl Blender {
@@ -174,7 +176,7 @@ impl Blender {
         band: &Band,
         counted: &Counted,
     ) -> Result<(), super::Error> {
-        let Stored { cut, offsets, fragments, .. } = stored;
+        let Stored { cut, offsets, fragments, records, .. } = stored;
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         self.record_classes(recorder, offsets, band)?;
@@ -190,9 +192,9 @@ impl Blender {
             let kernel = spheres.resolve_variant(cut, job.stop.0, capacity);
             let run = self.over_class(index, band).label(name).push(&push).variant(kernel);
             if is_network(capacity) {
-                recorder.run(&soft::ResolveNetwork { lists }, &run)?;
+                recorder.run(&soft::ResolveNetwork { lists, records }, &run)?;
             } else {
-                recorder.run(&soft::ResolveMerge { lists }, &run)?;
+                recorder.run(&soft::ResolveMerge { lists, records }, &run)?;
             }
         }
         let (true, Some(spare)) = (counted.lengths.in_long_lists > 0, stored.spare) else { return Ok(()) };
@@ -201,7 +203,7 @@ impl Blender {
         let fragments = self.record_merge_sort(recorder, fragments, spare, longest)?;
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
-        let sorted = soft::Sorted { composing, cut, work, runs, lists, fragments, partials };
+        let sorted = soft::Sorted { composing, cut, work, runs, lists, fragments, records, partials };
         self.spheres.record(recorder, spheres, &sorted, longest)?;
         Ok(recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())?)
     }

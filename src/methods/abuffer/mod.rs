@@ -63,6 +63,8 @@ pub struct ABuffer {
     fragments: Kept<[u32; 2]>,
     /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
     spare: Kept<[u32; 2]>,
+    /// What packed events of spheres carry, at their fragments' slots.
+    records: Kept<[u32; 4]>,
     /// Spheres of each pixel, where they have several events, and what was found in them.
     spheres: Kept<u32>,
     sphere_lengths: Buffer<Lengths>,
@@ -151,6 +153,7 @@ impl ABuffer {
             summary: device.buffer("fragment summary", 6, Memory::Readback)?,
             fragments: Kept::new("fragments", Memory::Device),
             spare: Kept::new("spare fragments", Memory::Device),
+            records: Kept::new("event records", Memory::Device),
             spheres: Kept::new("sphere counts", Memory::Device),
             sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
             linked: LinkedList::new(device)?,
@@ -174,13 +177,15 @@ impl ABuffer {
         let bands = self.plan_bands(device, job, &counted)?;
         self.reserve_fragments(device, job, &bands, &counted)?;
         counted.note(&bands, facts);
-        facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes());
+        let records = if Need::of(job, &counted).records { self.records.get().bytes() } else { 0 };
+        facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
         let cut = Cut::new(device, job.raster.cloud.len())?;
         let stored = Stored {
             cut,
             offsets: self.offsets.get().all(),
             fragments: self.fragments.get().all(),
             spare: Need::of(job, &counted).spare.then(|| self.spare.get().all()),
+            records: self.records.get().all(),
         };
         for (i, band) in bands.iter().enumerate() {
             let mut recorder = device.recorder()?;
@@ -335,7 +340,8 @@ impl ABuffer {
         let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::of(job, counted);
-        (left / need.bytes()).min(device.limits().binding_bytes / need.fragment)
+        let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
+        (left / need.bytes()).min(device.limits().binding_bytes / widest)
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
@@ -384,6 +390,13 @@ impl ABuffer {
         // In records of eight bytes.
         let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
         self.fragments.reserve_within(device, records(most), records(limit))?;
+        if need.records {
+            self.records.reserve_within(device, most, limit)?;
+        } else {
+            // Bound, but not looked at.
+            self.records.release();
+            self.records.reserve(device, 1)?;
+        }
         if need.spare {
             self.spare.reserve_within(device, most, limit)?;
         }
@@ -409,7 +422,10 @@ impl ABuffer {
             Storing::Slots => {
                 job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
             }
-            Storing::Spheres(spheres) => spheres.record_store(recorder, &job.raster, band, counts, fragments)?,
+            Storing::Spheres(spheres) => {
+                let to = (fragments, self.records.get().all());
+                spheres.record_store(recorder, &job.raster, band, counts, to)?;
+            }
             Storing::Ordered(tiles) => {
                 let view = job.raster.cloud.view();
                 tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
@@ -441,6 +457,8 @@ struct Need {
     runs: bool,
     /// Optical depths of segments.
     segments: bool,
+    /// What packed events carry.
+    records: bool,
 }
 
 impl Need {
@@ -449,8 +467,10 @@ impl Need {
         let sorted = matches!(job.storing, Storing::Ordered(_));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
         let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
-        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.interior == Interior::Linear);
-        Self { fragment, spare: links || (runs && job.discs.long_lists == LongLists::Merge), links, runs, segments }
+        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.interior.is_integrated());
+        let records = job.storing.spheres().is_some_and(|spheres| spheres.interior == Interior::Packed);
+        let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
+        Self { fragment, spare, links, runs, segments, records }
     }
 
     /// Bytes for each fragment of a band, those in the fragment buffer included.
@@ -458,7 +478,8 @@ impl Need {
         let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
         let links = if self.links { linked_list::LINK_BYTES } else { 0 };
         let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
-        self.fragment + spare + links + segments + u64::from(self.runs)
+        let records = if self.records { soft::RECORD_BYTES } else { 0 };
+        self.fragment + spare + links + segments + records + u64::from(self.runs)
     }
 }
 

@@ -19,7 +19,7 @@ use crate::passes::compose::{self, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
-use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, Soft};
+use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, Soft, SoftLayout};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -61,6 +61,8 @@ pass! {
         solids: Read<f32>,
         cursors: ReadWrite<u32>,
         fragments: ReadWrite<[u32; 2]>,
+        colors: Read<[f32; 4]>,
+        records: ReadWrite<[u32; 4]>,
     }
 }
 
@@ -68,6 +70,7 @@ pass! {
     /// Sorts and blends the lists of a class in registers.
     pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
         lists: Shared<ResolvingGroup>,
+        records: Read<[u32; 4]>,
     }
 }
 
@@ -75,6 +78,7 @@ pass! {
     /// Sorts and blends the lists of a class in a local array.
     pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge" {
         lists: Shared<ResolvingGroup>,
+        records: Read<[u32; 4]>,
     }
 }
 
@@ -86,6 +90,7 @@ pass! {
         runs: Read<ListRun>,
         fragments: Read<[u32; 2]>,
         sums: ReadWrite<RunSums>,
+        records: Read<[u32; 4]>,
     }
 }
 
@@ -106,6 +111,7 @@ pass! {
         runs: Read<ListRun>,
         fragments: Read<[u32; 2]>,
         segments: ReadWrite<f32>,
+        records: Read<[u32; 4]>,
     }
 }
 
@@ -119,6 +125,7 @@ pass! {
         sums: Read<RunSums>,
         segments: Read<f32>,
         partials: ReadWrite<Partial>,
+        records: Read<[u32; 4]>,
     }
 }
 
@@ -155,6 +162,8 @@ const SEGMENTS_TAKEN: u32 = 49_152;
 const SHELLS_SEGMENT: u32 = 768;
 /// Device bytes of an event of a band with long lists, of `soft-base`.
 pub const SEGMENT_BYTES: u64 = 4;
+/// Device bytes of what an event carries where it is packed.
+pub const RECORD_BYTES: u64 = 16;
 /// Device bytes per pixel of the number of spheres, where these have shells.
 pub const SPHERES_BYTES: u64 = 4;
 
@@ -163,6 +172,8 @@ pub const SPHERES_BYTES: u64 = 4;
 pub enum Interior {
     /// It falls off linearly: `soft-base`.
     Linear,
+    /// The same, from what the paper stores of events.
+    Packed,
     /// That of concentric shells: `soft-concentric`.
     Shells(Shells, f32),
 }
@@ -171,7 +182,8 @@ impl Interior {
     /// Of a method that draws soft points as spheres.
     pub fn of(method: &Method) -> Option<Self> {
         match method {
-            Method::SoftBase(_) => Some(Self::Linear),
+            Method::SoftBase(Soft { layout: SoftLayout::Precise, .. }) => Some(Self::Linear),
+            Method::SoftBase(Soft { layout: SoftLayout::Paper, .. }) => Some(Self::Packed),
             Method::SoftConcentric(Soft { shells, pixels_per_shell, .. }) => {
                 Some(Self::Shells(*shells, *pixels_per_shell))
             }
@@ -182,7 +194,7 @@ impl Interior {
     /// Shells of a sphere at most.
     pub fn most_shells(self) -> u32 {
         match self {
-            Self::Linear => 1,
+            Self::Linear | Self::Packed => 1,
             Self::Shells(Shells::Fixed(shells), _) => shells,
             Self::Shells(Shells::Adaptive, _) => MAX_SHELLS,
         }
@@ -212,16 +224,25 @@ impl Interior {
     /// Adds what shaders/shared/sphere.wgsl wants to know.
     fn sphere(self, variant: Variant) -> Variant {
         let (shells, pixels_per_shell) = match self {
-            Self::Linear => (1, 1.0),
+            Self::Linear | Self::Packed => (1, 1.0),
             Self::Shells(Shells::Fixed(shells), pixels) => (shells, pixels),
             Self::Shells(Shells::Adaptive, pixels) => (0, pixels),
         };
-        variant.with("SHELLS", shells).with("PIXELS_PER_SHELL", pixels_per_shell).with("SHELL_BITS", self.shell_bits())
+        variant
+            .with("SHELLS", shells)
+            .with("PIXELS_PER_SHELL", pixels_per_shell)
+            .with("SHELL_BITS", self.shell_bits())
+            .with("PACKED", u32::from(self == Self::Packed))
+    }
+
+    /// Whether events are integrated, and not constant densities summed.
+    pub fn is_integrated(self) -> bool {
+        !matches!(self, Self::Shells(..))
     }
 
     /// Adds what shaders/shared/soft_terms.wgsl wants to know besides.
     fn terms(self, variant: Variant, modulated: bool) -> Variant {
-        let model = u32::from(self != Self::Linear);
+        let model = u32::from(!self.is_integrated());
         self.sphere(variant).with("MODEL", model).with("MODULATED", u32::from(modulated))
     }
 }
@@ -279,10 +300,13 @@ impl<'a> Spheres<'a> {
         raster: &Raster<'a>,
         band: &Band,
         cursors: Slice<'a, u32>,
-        fragments: Slice<'a, [u32; 2]>,
+        (fragments, records): (Slice<'a, [u32; 2]>, Slice<'a, [u32; 4]>),
     ) -> Result<(), Error> {
         let solids = self.solids(cursors);
-        let stage = |chunk: Chunk<'a>| Store { chunk, solids, cursors, fragments };
+        let stage = |chunk: Chunk<'a>| {
+            let colors = raster.colors_of(&chunk);
+            Store { chunk, solids, cursors, fragments, colors, records }
+        };
         let with = |variant| store_variant(variant, self.interior, self.layer.is_some());
         Ok(raster.record_variant(recorder, band, stage, self.interior.segment(), with)?)
     }
@@ -343,7 +367,7 @@ pub fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant 
 
 /// The variant of the kernel for lists of up to `capacity` events; which of the two kernels it is, [`abuffer::is_network`] says.
 pub fn resolve_variant(interior: Interior, modulated: bool, cut: Cut, stop: u32, capacity: u32) -> Variant {
-    let piece = if interior == Interior::Linear { "blend_spheres" } else { "blend_shells" };
+    let piece = if interior.is_integrated() { "blend_spheres" } else { "blend_shells" };
     let variant = run_variant(interior, modulated, cut).with("STOP", stop).walker(piece);
     let sorted = abuffer::resolve_variant(variant, capacity);
     if abuffer::is_network(capacity) { sorted.constant("CAPACITY", capacity) } else { sorted }
@@ -355,8 +379,8 @@ pub fn run_variant(interior: Interior, modulated: bool, cut: Cut) -> Variant {
 }
 
 /// The variant of `soft/segments`.
-pub fn segments_variant(modulated: bool, cut: Cut) -> Variant {
-    run_variant(Interior::Linear, modulated, cut).with("TAKEN", SEGMENTS_TAKEN)
+pub fn segments_variant(interior: Interior, modulated: bool, cut: Cut) -> Variant {
+    run_variant(interior, modulated, cut).with("TAKEN", SEGMENTS_TAKEN)
 }
 
 /// Buffers of long lists, kept from frame to frame.
@@ -386,6 +410,8 @@ pub struct Sorted<'a> {
     pub lists: Slice<'a, LongList>,
     /// Where their events are.
     pub fragments: Slice<'a, [u32; 2]>,
+    /// What is stored of them besides, if they are packed.
+    pub records: Slice<'a, [u32; 4]>,
     /// Where the composed runs come out.
     pub partials: Slice<'a, Partial>,
 }
@@ -412,22 +438,27 @@ impl LongSpheres {
         sorted: &Sorted<'a>,
         longest: u32,
     ) -> Result<(), Error> {
-        let Sorted { composing, cut, work, runs, lists, fragments, partials } = *sorted;
+        let Sorted { composing, cut, work, runs, lists, fragments, records, partials } = *sorted;
         let (sums, segments) = (self.sums.get().all(), self.segments.get().all());
         let arguments = |word| Dispatch::Indirect(work.cast().skip(word).first(3));
         let variant = run_variant(spheres.interior, spheres.modulated, cut);
         let push = spheres.push(0, 0, 0.0);
         let over_runs = || Run::new(arguments(0)).push(&push).variant(variant.clone());
-        recorder.run(&SumRuns { composing, work, runs, fragments, sums }, &over_runs())?;
+        recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, &over_runs())?;
         recorder.run(&Carry { work, lists, sums }, &Run::new(arguments(4)))?;
-        if spheres.interior == Interior::Linear {
+        if spheres.interior.is_integrated() {
             for first in (0..longest).step_by(SEGMENTS_TAKEN as usize) {
                 let push = SoftPush { first, ..push };
-                let run = Run::new(arguments(8)).push(&push).variant(segments_variant(spheres.modulated, cut));
-                recorder.run(&Segments { composing, work, runs, fragments, segments }, &run)?;
+                let run = Run::new(arguments(8)).push(&push).variant(segments_variant(
+                    spheres.interior,
+                    spheres.modulated,
+                    cut,
+                ));
+                recorder.run(&Segments { composing, work, runs, fragments, segments, records }, &run)?;
             }
         }
-        Ok(recorder.run(&BlendRuns { composing, work, runs, fragments, sums, segments, partials }, &over_runs())?)
+        let blend = BlendRuns { composing, work, runs, fragments, sums, segments, partials, records };
+        Ok(recorder.run(&blend, &over_runs())?)
     }
 }
 

@@ -221,10 +221,10 @@ fn soft(soft: Soft, from_lambda: bool, ladders: &Ladders) -> Vec<Setting> {
         let method = Method::SoftConcentric(Soft { shells: Shells::Fixed(*count), ..soft });
         Setting::step(method, ("shells", *count), &rest)
     };
-    let mut settings = vec![
-        Setting::single(Method::SoftBase(soft), &rest),
-        Setting::single(Method::SoftBase(paper), &text("method.layout=paper")),
-    ];
+    let mut settings = vec![Setting::single(Method::SoftBase(soft), &rest)];
+    if soft.modulation.is_none() {
+        settings.push(Setting::single(Method::SoftBase(paper), &text("method.layout=paper")));
+    }
     settings.extend(ladders.shells.iter().map(shells));
     settings.extend([
         Setting::single(Method::SoftConcentric(soft), &text("method.shells=adaptive")),
