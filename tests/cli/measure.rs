@@ -255,7 +255,7 @@ fn the_plan_is_what_runs() {
         [("soft-base", "0"), ("soft-base", "0.4"), ("soft-concentric", "0.4"), ("soft-base", "1")]
     {
         let threshold = format!("method.threshold={threshold}");
-        let soft = ["--method", method, "--set", axis, "--set", &threshold];
+        let soft = ["-q", "--method", method, "--set", axis, "--set", &threshold];
         for args in [&[][..], &["--memory-budget", "400KiB"], &["--radius", "0.4"]] {
             let planned = assert_planned(&folder, &[&[tori.as_str(), "--size", "40x30"], args, &soft[..]].concat());
             let spheres = threshold != "method.threshold=1";
@@ -292,9 +292,13 @@ fn the_plan_is_what_runs() {
             assert_eq!(presorted, if seen { 3 } else { 0 }, "{threshold}: {planned:?}");
         }
     }
-    // Points without a field are solid.
-    let solid = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "one-layer"]);
-    assert!(has(&solid, "splats/attributes") && !has(&solid, "one-layer/compose"), "{solid:?}");
+    // One layer of soft points, and none.
+    for (threshold, layered) in [("0.5", true), ("1", false)] {
+        let threshold = format!("method.threshold={threshold}");
+        let args = ["-q", &tori, "--size", "40x30", "--method", "one-layer", "--set", &threshold];
+        let planned = assert_planned(&folder, &args);
+        assert!(has(&planned, "splats/attributes") && has(&planned, "one-layer/compose") == layered, "{planned:?}");
+    }
     // Looking away.
     let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
     fs::write(inside(&folder, "away.toml"), away).unwrap();
