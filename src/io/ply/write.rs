@@ -70,7 +70,7 @@ impl Coding {
         };
         values.fold(Self::Byte, |coding, value| match coding {
             Self::Byte if exact(value, 255.0) => Self::Byte,
-            // What is exact in 255ths is so in 65535ths, since 65535 = 257·255.
+            // What 8 bits hold exactly, 16 bits do too, since 65535 = 257·255.
             Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
             _ => Self::Float,
         })

@@ -190,7 +190,14 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
             skipped.extend(other.map(|method| Setting::single(method, "").skipped(reason)));
         }
         Formation::Soft { soft, from_lambda } => {
-            settings.extend(self::soft(soft, from_lambda, ladders));
+            let mut all = self::soft(soft, from_lambda, ladders);
+            if soft.modulation.is_some() {
+                // Of the settings, the one whose events have no room for W.
+                let reason = "has no room for what method.modulation needs";
+                let packed = |s: &mut Setting| s.method.soft().is_some_and(|soft| soft.layout == SoftLayout::Paper);
+                skipped.extend(all.extract_if(.., packed).map(|setting| setting.skipped(reason)));
+            }
+            settings.extend(all);
             let reason = "draws opaque discs, another image formation";
             skipped.push(Setting::single(Method::Circles(ScreenSplats::default()), "").skipped(reason));
         }
@@ -221,10 +228,10 @@ fn soft(soft: Soft, from_lambda: bool, ladders: &Ladders) -> Vec<Setting> {
         let method = Method::SoftConcentric(Soft { shells: Shells::Fixed(*count), ..soft });
         Setting::step(method, ("shells", *count), &rest)
     };
-    let mut settings = vec![Setting::single(Method::SoftBase(soft), &rest)];
-    if soft.modulation.is_none() {
-        settings.push(Setting::single(Method::SoftBase(paper), &text("method.layout=paper")));
-    }
+    let mut settings = vec![
+        Setting::single(Method::SoftBase(soft), &rest),
+        Setting::single(Method::SoftBase(paper), &text("method.layout=paper")),
+    ];
     settings.extend(ladders.shells.iter().map(shells));
     settings.extend([
         Setting::single(Method::SoftConcentric(soft), &text("method.shells=adaptive")),
