@@ -292,7 +292,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
         ("\"neighbors\":24", "\"neighbors\":12", changed, false),
         ("\"up\":\"y\"", "\"up\":\"z\"", changed, false),
         ("\"kind\":\"uncertainty\"", "\"kind\":\"intensity\"", changed, false),
-        ("property float field", "property float fielX", changed, false),
+        ("property float field", "property float yield", changed, false),
         ("property float radius", "property float radiux", changed, false),
         ("\"radius\":\"estimated\"", "\"radius\":\"own\"", changed, true),
         ("\"version\":1", "\"version\":2", "line 3: prepared in format 2, of which this version knows only 1", true),
@@ -353,7 +353,7 @@ fn what_can_not_be_prepared_is_one_error() {
         (
             &["a.ply", "-o", "b.ply", "--field", "heights"],
             1,
-            "no scalar property `hight` for field; did you mean `height`?",
+            "no scalar property `heights` for field; did you mean `height`?",
         ),
         (&["a.ply"], 2, "--output"),
     ];
