@@ -1,27 +1,33 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
+mod bytes;
+mod parts;
+
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+
+use bytes::aggregate;
+use parts::splatting_bytes;
 
 use super::abuffer::{ABuffer, Lists, Storing};
 use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
 use super::peel::Peeler;
-use super::soft::express::{self, SoftDiscs};
-use super::soft::{self, Interior, Layer, SoftModel, Spheres};
+use super::soft::express::SoftDiscs;
+use super::soft::{self, Interior, Layer};
 use super::sorted::{self, Stop};
 use super::splat::Opaque;
-use super::splats::{self, Pixels, Splatter};
+use super::splats::{Pixels, Splatter};
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::{Error, Outcome, abuffer, linked_list, one_layer, peel, splat, stochastic};
+use super::{Error, Outcome, abuffer, peel, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
-use crate::passes::bin::{self, Bin, Bins, Order};
+use crate::passes::bin::{self, Bin, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
 use crate::passes::raster::{self, Walker};
@@ -29,8 +35,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::scene::{
-    BlendedSplats, ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, OneLayer, Raster,
-    ScreenSplats, Shading, Soft, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats, Shading,
+    Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -635,276 +641,6 @@ impl Renderer {
         Ok(Outcome::Done)
     }
 
-    /// Renders a window of three-pass splats.
-    fn splats(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        settings: BlendedSplats,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let (how, blend_depth) = (projecting(frame, cloud), settings.blend_depth);
-        let stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
-        let mut facts = work.facts.clone();
-        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto: Onto::Target };
-        if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
-            return Ok(Outcome::Overflow);
-        }
-        facts.note(&stats, Walker::Compute);
-        *work.facts = facts;
-        self.read_back(work)
-    }
-
-    /// Draws a window's solid points into the layer, or nothing where none is to be seen, without any pass over splats. Of its
-    /// facts `windows` stays as it is: soft points follow.
-    fn solid_layer(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        threshold: f32,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        if !work.survey {
-            self.layer.reserve(&self.device, bands::pixels(work.window))?;
-        }
-        let (mut facts, mut stats) = (work.facts.clone(), Vec::new());
-        let how = solid_projecting(frame, cloud, Part::Solid(threshold));
-        if cloud.parts(threshold).solid > 0 {
-            stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
-        }
-        let blend_depth = BlendedSplats::default().blend_depth;
-        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto: Onto::Layer };
-        let outcome = self.draw_splats(frame, &drawing, work, &mut facts)?;
-        if outcome == Outcome::Done {
-            facts.meet(&stats);
-            *work.facts = facts;
-        }
-        Ok(outcome)
-    }
-
-    /// Renders a window of `one-layer`: soft points into the layer; then all, but soft ones only behind it, which is laid over
-    /// them. Where there is no layer, the solid points.
-    fn one_layer(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        OneLayer { threshold, softness }: OneLayer,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let (mut facts, mut met) = (work.facts.clone(), Vec::new());
-        let blend_depth = BlendedSplats::default().blend_depth;
-        if cloud.parts(threshold).soft > 0 {
-            let how = solid_projecting(frame, cloud, Part::Soft { threshold, modulation: None });
-            met = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
-            if !work.survey {
-                self.layer.reserve(&self.device, bands::pixels(work.window))?;
-            }
-            let drawing = Drawing { cloud, stats: &met, footprint: how.footprint, blend_depth, onto: Onto::Layer };
-            if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
-                return Ok(Outcome::Overflow);
-            }
-        }
-        let layered = met.iter().any(|s| s.visible > 0);
-        let (part, onto) = if layered {
-            (Part::Marked(threshold), Onto::TargetBehindLayer)
-        } else {
-            (Part::Solid(threshold), Onto::Target)
-        };
-        let how = solid_projecting(frame, cloud, part);
-        let stats = self.project_as(cloud, frame, work.window, &how, work.timeline)?;
-        let drawing = Drawing { cloud, stats: &stats, footprint: how.footprint, blend_depth, onto };
-        if let Outcome::Overflow = self.draw_splats(frame, &drawing, work, &mut facts)? {
-            return Ok(Outcome::Overflow);
-        }
-        facts.layered += u64::from(layered);
-        facts.note(&[met, stats].concat(), Walker::Compute);
-        *work.facts = facts;
-        if layered && !work.survey {
-            let mut recorder = self.device.recorder()?;
-            one_layer::record(&mut recorder, self.layer.pixels(), self.target.pixels(), work.window, softness)?;
-            work.timeline.add(recorder.submit("one-layer/compose")?);
-        }
-        self.read_back(work)
-    }
-
-    /// Draws projected splats in three passes, or decides only how they are binned.
-    fn draw_splats(
-        &mut self,
-        frame: &Frame,
-        drawing: &Drawing<'_>,
-        work: &mut Work<'_>,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        let Drawing { cloud, stats, footprint, blend_depth, onto } = *drawing;
-        let window = work.window;
-        let raster = raster::Raster { cloud, stats, tiles: &self.tiles, walker: Walker::Compute, footprint, window };
-        let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
-        let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
-        let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
-        if work.survey {
-            return splats::survey(&self.device, &bin, facts);
-        }
-        let (into, layer) = match onto {
-            Onto::Target => (self.target.pixels(), None),
-            Onto::TargetBehindLayer => (self.target.pixels(), Some(self.layer.depths())),
-            Onto::Layer => (self.layer.pixels(), None),
-        };
-        let job = splats::WindowJob { bin, blend_depth, layer };
-        self.splatter.render(&mut self.bins, &self.device, &job, into, work.timeline, facts)
-    }
-
-    /// Copies a finished window to the host.
-    fn read_back(&self, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        if !work.survey {
-            let pixels = bands::pixels(work.window);
-            let mut recorder = self.device.recorder()?;
-            self.target.record_read_back(&mut recorder, pixels)?;
-            work.timeline.add(recorder.submit("image/read-back")?);
-            self.progress.inc(pixels);
-        }
-        Ok(Outcome::Done)
-    }
-
-    /// A window of solid and soft points: the solid ones into a layer, the soft ones before it.
-    fn soft(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let parts = cloud.parts(soft.threshold);
-        // A window may turn out to be too large after its solid points were drawn; its halves draw them again.
-        let mut facts = work.facts.clone();
-        facts.solid_points = parts.solid;
-        self.soft_counted = false;
-        let Work { window, budget, survey, .. } = *work;
-        // Solid points decide how much of a sphere there is to count: a survey of spheres draws them too.
-        let surveyed = survey && (parts.soft == 0 || Interior::of(&frame.method).is_none());
-        let mut solid = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey: surveyed };
-        if parts.solid > 0 && self.solid_layer(cloud, frame, soft.threshold, &mut solid)? == Outcome::Overflow {
-            return Ok(Outcome::Overflow);
-        }
-        let mut both = Work { window, budget, timeline: work.timeline, facts: &mut facts, survey };
-        let outcome = if parts.soft > 0 {
-            self.soft_points(cloud, frame, soft, &mut both)?
-        } else {
-            self.only_solids(&mut both)?
-        };
-        if outcome == Outcome::Done {
-            *work.facts = facts;
-        }
-        Ok(outcome)
-    }
-
-    /// A window without soft points from its layer.
-    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<Outcome, Error> {
-        if !work.survey {
-            let mut recorder = self.device.recorder()?;
-            abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
-            soft::record_compose(&mut recorder, &self.layer, &self.target, bands::pixels(work.window))?;
-            work.timeline.add(recorder.submit("solid points alone")?);
-        }
-        work.facts.note(&[], Walker::Compute);
-        self.read_back(work)
-    }
-
-    /// The soft points of a window before its layer, and the window from both.
-    fn soft_points(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let Some(interior) = Interior::of(&frame.method) else {
-            return self.soft_discs(cloud, frame, soft, work);
-        };
-        let window = work.window;
-        let parts = cloud.parts(soft.threshold);
-        let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
-        let how = soft_projecting(frame, cloud, &soft);
-        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
-        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
-        let Some(mut budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
-            return Ok(Outcome::Overflow);
-        };
-        if parts.solid > 0 {
-            budget.tiles += self.bins.bytes();
-        }
-        self.tiles.reserve(&self.device, &stats, window)?;
-        let walker = Walker::Compute;
-        let raster =
-            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
-        let solid = parts.solid > 0;
-        let spheres = Spheres {
-            interior,
-            model,
-            modulated: soft.modulation.is_some(),
-            most_radius: cloud.most_radius() * frame.factors.radius,
-            layer: solid.then_some(&self.layer),
-        };
-        spheres.check(&frame.method, cloud.len())?;
-        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
-        let storing = Storing::Spheres(spheres);
-        let lists =
-            abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget, progress: &self.progress };
-        let outcome = if work.survey {
-            self.abuffer.survey(&self.device, &lists, work.timeline, work.facts)?
-        } else {
-            self.abuffer.render(&self.device, &lists, &self.target, work.timeline, work.facts)?
-        };
-        self.soft_counted = true;
-        work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
-        work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
-        work.facts.note(&stats, walker);
-        Ok(outcome)
-    }
-
-    /// The same where soft points are discs in a presorted order.
-    fn soft_discs(
-        &mut self,
-        cloud: &mut DeviceCloud,
-        frame: &Frame,
-        soft: Soft,
-        work: &mut Work<'_>,
-    ) -> Result<Outcome, Error> {
-        let window = work.window;
-        let how = soft_projecting(frame, cloud, &soft);
-        let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
-        let parts = cloud.parts(soft.threshold);
-        let (device, walker) = (&self.device, Walker::Compute);
-        let raster =
-            raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
-        let order = Order::Along(Axis::nearest(frame.camera.forward));
-        let counts = if frame.fragments { bands::pixels(window) * express::COUNT_BYTES } else { 0 };
-        // Solid points are sorted, and what that took is still there.
-        let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
-        let bin = bin::Job { raster, order, depth_range: depth_range(frame), budget: work.budget, counted_bytes };
-        let outcome = if work.survey {
-            Bins::survey(device, &bin, work.facts)?
-        } else {
-            let job = express::WindowJob {
-                bin,
-                model: SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius),
-                modulated: soft.modulation.is_some(),
-                layer: (parts.solid > 0).then_some(&self.layer),
-                counted: frame.fragments,
-                color: frame.color,
-                most_color: cloud.most_color(&how),
-                stop: frame.stop,
-            };
-            self.discs.render(&mut self.bins, device, &job, &self.target, work.timeline, work.facts)?
-        };
-        if outcome == Outcome::Done {
-            self.soft_counted = true;
-            work.facts.soft_visible += stats.iter().map(|s| u64::from(s.visible)).sum::<u64>();
-            self.progress.inc(bands::pixels(window));
-            work.facts.note(&stats, walker);
-        }
-        Ok(outcome)
-    }
-
     fn project(
         &self,
         cloud: &mut DeviceCloud,
@@ -1099,34 +835,6 @@ impl Projected<'_> {
     }
 }
 
-/// Splats that are drawn in three passes.
-struct Drawing<'a> {
-    cloud: &'a DeviceCloud,
-    stats: &'a [Stats],
-    footprint: Footprint,
-    blend_depth: f32,
-    onto: Onto,
-}
-
-/// What three-pass splats are drawn into.
-#[derive(Clone, Copy)]
-enum Onto {
-    Target,
-    /// The target; only what is solid or lies behind the layer.
-    TargetBehindLayer,
-    Layer,
-}
-
-/// Device bytes per pixel of a window that three-pass splats take, with those of a layer; 0 if the method has none.
-fn splatting_bytes(method: &Method) -> u64 {
-    match method {
-        Method::Hqs(_) | Method::Splats(_) => splats::PIXEL_BYTES,
-        Method::OneLayer(_) => splats::PIXEL_BYTES + soft::LAYER_BYTES,
-        method if method.soft().is_some() => splats::PIXEL_BYTES + soft::LAYER_BYTES,
-        _ => 0,
-    }
-}
-
 /// A window in work.
 struct Work<'a> {
     window: Window,
@@ -1169,11 +877,6 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
     projecting_of(frame, cloud, footprint, settings, Part::All)
 }
 
-/// How the splats of a part of the points are made that are drawn in three passes: as those of `splats`, with its defaults.
-fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
-    projecting_of(frame, cloud, Footprint::Oriented, ScreenSplats::default(), part)
-}
-
 fn projecting_of(
     frame: &Frame,
     cloud: &DeviceCloud,
@@ -1194,107 +897,5 @@ fn projecting_of(
     }
 }
 
-/// How the soft points become splats.
-fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
-    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
-    let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
-    Projecting { footprint, part, ..projecting(frame, cloud) }
-}
-
 /// Radii as they are.
 const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX };
-
-/// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move.
-/// `lengths` are those of all lists, if they were read back.
-fn aggregate(
-    timeline: &[(PassTime, Duration)],
-    facts: &Facts,
-    frame: &Frame,
-    cloud: &DeviceCloud,
-    lengths: &[u32],
-) -> Vec<PassProfile> {
-    let mut passes: Vec<PassProfile> = Vec::new();
-    let runs = |name| timeline.iter().filter(|(time, _)| time.name == name).count() as u64;
-    for (time, _) in timeline {
-        match passes.iter_mut().find(|p| p.name == time.name) {
-            Some(pass) => {
-                pass.gpu += time.gpu;
-                pass.invocations = pass.invocations.zip(time.invocations).map(|(a, b)| a + b);
-            }
-            None => passes.push(PassProfile {
-                name: time.name,
-                gpu: time.gpu,
-                invocations: time.invocations,
-                bytes: least_bytes(time.name, runs(time.name), facts, frame, cloud)
-                    .or_else(|| abuffer::least_bytes(time.name, lengths)),
-            }),
-        }
-    }
-    passes
-}
-
-/// Bytes that a pass must at least read and write in its `runs`, from the counts of the frame; cached re-reads are not counted.
-fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
-    let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
-    let normal = if cloud.has_normals() { 16 } else { 0 };
-    let discs = frame.method.discs();
-    let transparent = discs.is_some();
-    let tilted = matches!(frame.method, Method::Splats(_)) || discs.is_some_and(|d| d.shape == DiscShape::Oriented);
-    let oriented = tilted && cloud.has_normals();
-    let splat = 20 + if oriented { 16 } else { 0 };
-    // Each band's store reads the rectangles of all splats again.
-    let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
-    match name {
-        "splat/project" => {
-            Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))
-        }
-        "abuffer/clear" => Some(pixels * 4),
-        "peel/clear" => Some(pixels * peel::pixel_bytes(frame.fragments)),
-        "abuffer/count" | "peel/count" => Some(walks + facts.fragments * 8),
-        "abuffer/measure" => Some(pixels * 4),
-        "abuffer/store" => {
-            Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT))
-        }
-        // Besides the node, its link and the counter of nodes, read and written.
-        "linked-list/store" => {
-            Some(facts.points * 8 * facts.bands + facts.visible * splat + facts.fragments * (8 + FRAGMENT + LINK + 8))
-        }
-        // Every run looks at all offsets.
-        "linked-list/gather" => Some(pixels * 8 + facts.fragments * (2 * FRAGMENT + LINK)),
-        "abuffer/cursors" => Some(pixels * 8),
-        "image/clear" => Some(pixels * 20),
-        "abuffer/classify" => Some(pixels * 4),
-        "abuffer/order" => Some(pixels * 8),
-        "splat/clear" if !transparent && splatting_bytes(&frame.method) == 0 => Some(pixels * 8),
-        "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
-        "soft/count" => Some(walks + facts.fragments * 8),
-        "soft/compose" => Some(pixels * 3 * 20),
-        "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
-        "image/read-back" => Some(pixels * 20 * 2),
-        _ => match frame.method {
-            Method::Stochastic(Stochastic { samples, alpha_correction: exact, .. })
-                if name.starts_with("stochastic/") =>
-            {
-                let kind = stochastic::Kind { exact, spread: frame.spread() };
-                let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
-                stochastic::least_bytes(name, samples, kind, facts, pixels, splat)
-                    .or_else(|| hardware::least_bytes(name, runs, u64::from(samples.div_ceil(4)), quads, pixels))
-            }
-            Method::Hqs(_) | Method::Splats(_) => {
-                let binned = Facts { bands: facts.splatted, ..facts.clone() };
-                bin::least_bytes(name, runs, &binned, splat)
-                    .or_else(|| splats::least_bytes(name, facts, oriented, pixels))
-            }
-            Method::SoftExpress(_) if facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&name) => {
-                bin::least_bytes(name, runs, facts, splat)
-            }
-            // How many splats are solid is not known.
-            method if method.threshold().is_some() => None,
-            _ => bin::least_bytes(name, runs, facts, splat)
-                .or_else(|| approximate::least_bytes(name, facts, &frame.method, oriented, pixels)),
-        },
-    }
-}
-
-const FRAGMENT: u64 = abuffer::FRAGMENT_BYTES;
-const LINK: u64 = linked_list::LINK_BYTES;
