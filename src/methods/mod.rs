@@ -118,6 +118,9 @@ pub enum Error {
         /// The budget that would do.
         budget: u64,
     },
+    /// The points are not in the order that ensembles are dealt from.
+    #[error("methods spbr and spbr-simplified need points that were dealt before they were uploaded")]
+    NotDealt,
     /// The device has no shuffles.
     #[error(
         "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"

@@ -2,6 +2,7 @@
 //! axes.
 
 pub mod axes;
+pub mod ensembles;
 pub mod field;
 mod morton;
 mod neighbors;

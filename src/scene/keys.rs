@@ -21,6 +21,8 @@ pub const METHODS: &[&str] = &[
     "soft-concentric",
     "soft-express",
     "one-layer",
+    "spbr",
+    "spbr-simplified",
 ];
 
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];

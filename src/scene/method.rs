@@ -3,8 +3,9 @@
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
 use super::settings::{
-    BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, MAX_SHELLS,
-    Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
+    BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_ENSEMBLES, MAX_K, MAX_LAYERS,
+    MAX_SAMPLES, MAX_SHELLS, Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr,
+    SpbrSimplified, Stochastic,
 };
 use super::table::{Range, Table};
 use super::tree::Value;
@@ -40,6 +41,8 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "soft-concentric" => Method::SoftConcentric(soft(table)?),
         "soft-express" => Method::SoftExpress(soft(table)?),
         "one-layer" => Method::OneLayer(one_layer(table)?),
+        "spbr" => Method::Spbr(spbr(table)?),
+        "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
         _ => Method::Auto(discs(table)?),
     };
     let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
@@ -149,5 +152,26 @@ fn one_layer(table: &Table<'_>) -> Result<OneLayer, Error> {
     Ok(OneLayer {
         threshold: table.number32("threshold", Range::UNIT)?.unwrap_or(default.threshold),
         softness: table.number32("softness", Range::UNIT)?.unwrap_or(default.softness),
+    })
+}
+
+fn spbr(table: &Table<'_>) -> Result<Spbr, Error> {
+    let default = Spbr::default();
+    Ok(Spbr {
+        ensembles: table.integer("ensembles", 1, MAX_ENSEMBLES)?.unwrap_or(default.ensembles),
+        cos_theta: table.boolean("cos_theta")?.unwrap_or(default.cos_theta),
+        brighten: table.boolean("brighten")?.unwrap_or(default.brighten),
+    })
+}
+
+fn spbr_simplified(table: &Table<'_>) -> Result<SpbrSimplified, Error> {
+    let default = SpbrSimplified::default();
+    let brightness = match table.get("brightness").map(|node| &node.value) {
+        Some(Value::String(_)) => table.choice("brightness", &[("auto", Brightness::Auto)])?,
+        _ => table.number32("brightness", Range::POSITIVE)?.map(Brightness::Factor),
+    };
+    Ok(SpbrSimplified {
+        ensembles: table.integer("ensembles", 1, MAX_ENSEMBLES)?.unwrap_or(default.ensembles),
+        brightness: brightness.unwrap_or(default.brightness),
     })
 }

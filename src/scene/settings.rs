@@ -366,6 +366,51 @@ impl Default for OneLayer {
     }
 }
 
+/// Settings of `spbr`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spbr {
+    /// `ensembles` L, 1 to [`MAX_ENSEMBLES`].
+    pub ensembles: u32,
+    /// `cos_theta`: whether slanted surfaces are more opaque (Tanaka et al. 2016, Eq. 2), as they are if nothing is done
+    /// about it.
+    pub cos_theta: bool,
+    /// `brighten`: whether the image is brightened as that of `spbr-simplified`.
+    pub brighten: bool,
+}
+
+impl Default for Spbr {
+    fn default() -> Self {
+        Self { ensembles: 100, cos_theta: true, brighten: false }
+    }
+}
+
+/// Settings of `spbr-simplified`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpbrSimplified {
+    /// `ensembles` L, 1 to [`MAX_ENSEMBLES`].
+    pub ensembles: u32,
+    /// `brightness`.
+    pub brightness: Brightness,
+}
+
+impl Default for SpbrSimplified {
+    fn default() -> Self {
+        Self { ensembles: 100, brightness: Brightness::Auto }
+    }
+}
+
+/// The factor p on the colors of an image (Uchida et al. 2020, Section 3.4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Brightness {
+    /// Such that the image is about as bright as that of a single ensemble.
+    Auto,
+    /// This, above 0.
+    Factor(f32),
+}
+
+/// Most ensembles.
+pub const MAX_ENSEMBLES: u32 = 65_536;
+
 /// `[method]`: the methods of this version.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
@@ -407,6 +452,10 @@ pub enum Method {
     SoftExpress(Soft),
     /// The first layer transparent, the rest opaque.
     OneLayer(OneLayer),
+    /// The mean of opaque images of random parts of the points (Tanaka et al. 2016), with a surface's opacity given.
+    Spbr(Spbr),
+    /// The same with all points, each in one part (Uchida et al. 2020, Section 3.4).
+    SpbrSimplified(SpbrSimplified),
 }
 
 impl Default for Method {
@@ -448,6 +497,8 @@ impl Method {
             Self::SoftConcentric(_) => "soft-concentric",
             Self::SoftExpress(_) => "soft-express",
             Self::OneLayer(_) => "one-layer",
+            Self::Spbr(_) => "spbr",
+            Self::SpbrSimplified(_) => "spbr-simplified",
         }
     }
 
@@ -472,7 +523,9 @@ impl Method {
             | Self::SoftBase(_)
             | Self::SoftConcentric(_)
             | Self::SoftExpress(_)
-            | Self::OneLayer(_) => None,
+            | Self::OneLayer(_)
+            | Self::Spbr(_)
+            | Self::SpbrSimplified(_) => None,
         }
     }
 
@@ -522,6 +575,21 @@ impl Method {
 
     /// Whether the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
-        !matches!(self, Self::Points)
+        !matches!(self, Self::Points) && !self.is_dealt()
+    }
+
+    /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
+    pub fn is_dealt(&self) -> bool {
+        self.ensembles().is_some()
+    }
+
+    /// L of the methods that deal points to ensembles; `None` for other methods.
+    pub fn ensembles(&self) -> Option<u32> {
+        match self {
+            Self::Spbr(Spbr { ensembles, .. }) | Self::SpbrSimplified(SpbrSimplified { ensembles, .. }) => {
+                Some(*ensembles)
+            }
+            _ => None,
+        }
     }
 }

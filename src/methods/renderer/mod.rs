@@ -470,6 +470,7 @@ impl Renderer {
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
+            Method::Spbr(_) | Method::SpbrSimplified(_) => return Err(Error::NotDealt),
             _ => {}
         }
         if let Some(soft) = frame.method.soft() {
@@ -515,6 +516,7 @@ impl Renderer {
             }
             Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
+            Method::Spbr(_) | Method::SpbrSimplified(_) => unreachable!("rendered by ensembles"),
             Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
                 if !work.survey {
                     let raster = projected.raster(&self.tiles);
