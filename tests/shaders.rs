@@ -4,7 +4,7 @@ use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::soft::express::{self, Way};
-use pellucid::methods::soft::{self, Interior};
+use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
     abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
@@ -36,7 +36,16 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
     let of = |model, color, part| {
         let shading = Shading { model, ..Shading::default() };
-        Projecting { footprint, radius_factor: 1.0, max_radius_px: f32::MAX, opacity_factor: 1.0, part, shading, color }
+        Projecting {
+            footprint,
+            radius_factor: 1.0,
+            max_radius_px: f32::MAX,
+            opacity_factor: 1.0,
+            part,
+            relative_depth: footprint == Footprint::Sphere,
+            shading,
+            color,
+        }
     };
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
@@ -94,22 +103,31 @@ const INTERIORS: [Interior; 4] = [
 
 /// The variants of a pass that visits the pixels of spheres.
 fn sphere_variants(of: fn(Variant, Interior, bool) -> Variant) -> Vec<Variant> {
-    let walkers = || ["walk_small", "walk_tiles"].map(|w| raster::variant(Footprint::Sphere, w).with("SEGMENT", 512));
-    let variants = INTERIORS.iter().flat_map(|i| [false, true].map(|cut| walkers().map(|w| of(w, *i, cut))));
+    let shapes = [Footprint::Sphere, Footprint::ExactSphere];
+    let pairs = shapes.map(|shape| ["walk_small", "walk_tiles"].map(|walker| (shape, walker)));
+    let walkers = || pairs.as_flattened().iter().map(|(s, w)| raster::variant(*s, w).with("SEGMENT", 512));
+    let variants =
+        INTERIORS.iter().flat_map(|i| [false, true].map(|cut| walkers().map(|w| of(w, *i, cut)).collect::<Vec<_>>()));
     variants.flatten().collect()
 }
 
 /// The variants of a pass that blends spheres.
-fn interior_variants(of: impl Fn(Interior, bool, Cut) -> Variant) -> Vec<Variant> {
+fn interior_variants(of: impl Fn(Kind, Cut) -> Variant) -> Vec<Variant> {
     let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
-    let modulated = INTERIORS.iter().flat_map(|i| [false, true].map(|m| (*i, m)));
-    modulated.flat_map(|(i, m)| cuts.map(|cut| of(i, m, cut))).collect()
+    let kinds = INTERIORS.iter().flat_map(|interior| {
+        [(false, false), (false, true), (true, false)].map(|(exact, modulated)| Kind {
+            interior: *interior,
+            exact,
+            modulated,
+        })
+    });
+    kinds.flat_map(|kind| cuts.map(|cut| of(kind, cut))).collect()
 }
 
 /// The variants of the kernels for events of spheres, of up to the lengths that `wanted` picks.
 fn sphere_kernels(wanted: fn(u32) -> bool) -> Vec<Variant> {
     let capacities = soft::classes().map(|(_, (capacity, _))| capacity).filter(|c| wanted(*c));
-    capacities.flat_map(|c| interior_variants(|i, m, cut| soft::resolve_variant(i, m, cut, 1, c))).collect()
+    capacities.flat_map(|c| interior_variants(|kind, cut| soft::resolve_variant(kind, cut, 1, c))).collect()
 }
 
 /// The variants of the draws of `stochastic`.
@@ -277,7 +295,8 @@ fn every_compute_shader_has_the_common_workgroup() {
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
             other if other.starts_with("soft/resolve") => {
-                soft::resolve_variant(Interior::Linear, false, Cut { parts: 1, len: 1 }, 1, 128)
+                let kind = Kind { interior: Interior::Linear, exact: false, modulated: false };
+                soft::resolve_variant(kind, Cut { parts: 1, len: 1 }, 1, 128)
             }
             _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
         };

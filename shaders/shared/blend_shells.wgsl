@@ -5,11 +5,14 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
     var sums = no_sums();
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     var key = 0x80000000u;
+    var first = vec2<f32>(0.0);
     for (var k = 0u; k < n; k++) {
         let event = (*list)[start + k];
-        let depth = segment_depth(sums, key_depth(key), key_depth(event.x), ray);
-        sum = behind(sum, key, segment_color(sums, depth));
-        sums = after_event(sums, terms_of(event.y, pixel, ray), is_exit(event.y));
+        let terms = terms_of(event, pixel, ray);
+        let last = vec2<f32>(key_depth(event.x), terms.rest);
+        sum = behind(sum, key, segment_color(sums, segment_depth(sums, first, last, ray)));
+        sums = after_event(sums, terms, is_exit(event.y));
+        first = last;
         key = event.x;
         if k % LOOK == LOOK - 1u && done(sum, 1.0, push.most_color) {
             break;

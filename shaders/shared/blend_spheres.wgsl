@@ -13,7 +13,7 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
     var sum = Composed(vec4<f32>(0.0), NOTHING);
     var count = 0u;
     var key = 0x80000000u;
-    var first = 0.0;
+    var first = vec2<f32>(0.0);
     for (var k = 0u; k < n; k++) {
         let event = (*list)[start + k];
         let i = event_splat(event.y);
@@ -21,8 +21,9 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
         var depth = 0.0;
         var units = 0u;
         var leaving = 0u;
+        let exit = is_exit(event.y);
         for (var j = 0u; j < count; j++) {
-            let found = segment_of(open[j], first, last);
+            let found = segment_of(open[j], first, last, exit && ids[j] == i);
             if PACKED == 0u {
                 depth += found;
             } else {
@@ -34,22 +35,24 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
             depth = f32(units) * DEPTH_UNIT;
         }
         sum = behind(sum, key, segment_color(sums, depth));
-        if is_exit(event.y) {
-            sums = after_event(sums, Terms(terms[leaving], 0.0), true);
+        first = vec2<f32>(last, 0.0);
+        if exit {
+            first.y = rest_of(open[leaving].y, open[leaving].z * half_chord(open[leaving].x, 0.0), true, last);
+            sums = after_event(sums, Terms(terms[leaving], 0.0, 0.0), true);
             count -= 1u;
             open[leaving] = open[count];
             terms[leaving] = terms[count];
             ids[leaving] = ids[count];
         } else if count < CAPACITY / 2u {
             let entered = opened(event.y, pixel, ray);
+            first.y = rest_of(entered.sphere.y, entered.sphere.z * half_chord(entered.sphere.x, 0.0), false, last);
             open[count] = entered.sphere;
             terms[count] = entered.terms;
             ids[count] = i;
-            sums = after_event(sums, Terms(entered.terms, 0.0), false);
+            sums = after_event(sums, Terms(entered.terms, 0.0, 0.0), false);
             count += 1u;
         }
         key = event.x;
-        first = last;
         if k % LOOK == LOOK - 1u && done(sum, 1.0, push.most_color) {
             break;
         }

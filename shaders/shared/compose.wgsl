@@ -51,7 +51,7 @@ fn splat_at(i: u32) -> Splat {
 }
 
 fn tilt_at(i: u32) -> Tilt {
-    if SHAPE != SHAPE_ORIENTED {
+    if !has_tilts() {
         return Tilt(vec4<f32>(0.0));
     }
     if PARTS == 1u {

@@ -35,26 +35,30 @@ fn rounded(v: array<vec2<f32>, 3>) -> vec3<f32> {
     return vec3<f32>(v[0].x, v[1].x, v[2].x);
 }
 
-// Pixel of a screen coordinate relative to the image's middle, and the fraction within it.
+// Pixel of a screen coordinate relative to the image's middle, the fraction within it, and what rounding took from that.
 struct Screen {
     pixel: i32,
     fraction: f32,
+    rest: f32,
 }
 
 fn on_screen(relative: vec2<f32>, size: u32) -> Screen {
     // An even image's middle is a border of pixels, an odd one's lies half a pixel in.
     let shifted = add2(relative, vec2<f32>(0.5 * f32(size % 2u), 0.0));
     let whole = clamp(floor(shifted.x), -16000.0, 16000.0);
-    var screen = Screen(i32(whole), (shifted.x - whole) + shifted.y);
-    if screen.fraction < 0.0 && whole > -16000.0 {
+    var within = add2(shifted, vec2<f32>(-whole, 0.0));
+    var screen = Screen(i32(whole), within.x, 0.0);
+    if within.x < 0.0 && whole > -16000.0 {
+        within = add2(within, vec2<f32>(1.0, 0.0));
         screen.pixel -= 1;
-        screen.fraction = ((shifted.x - whole) + 1.0) + shifted.y;
+        screen.fraction = within.x;
     }
     screen.pixel += i32(size / 2u);
     // Rounded up to the next pixel, it would lie in none.
     if screen.fraction == 1.0 {
         screen.fraction = 0.99999994;
     }
+    screen.rest = (within.x - screen.fraction) + within.y;
     return screen;
 }
 

@@ -27,7 +27,7 @@ struct RasterPush {
 var<immediate> push: RasterPush;
 
 fn tilt_of(i: u32) -> Tilt {
-    if SHAPE == SHAPE_ORIENTED {
+    if has_tilts() {
         return tilts[i];
     }
     return Tilt(vec4<f32>(0.0));

@@ -51,7 +51,7 @@ fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pi
     }
     c.a = select(0.0, c.a, coverage.hit);
     let key = select(record.x + push.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);
-    let distance = select(key_depth(record.x + push.nearest), 1.0, view.orthographic != 0u);
+    let distance = select(key_depth(record.x + push.nearest) + view.eye_hi.w, 1.0, view.orthographic != 0u);
     return Fragment(c, key, record.y, coverage.hit, coverage.rho, splat.radius * (distance / view.focal.x));
 }
 

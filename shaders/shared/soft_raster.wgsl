@@ -8,7 +8,7 @@ override CUT: u32 = 0u;
 
 // Depth before which nothing is seen.
 fn near_depth() -> f32 {
-    return view.depth_range.x - depth_origin();
+    return view.eye_lo.w;
 }
 
 // Depth of the solid point behind which nothing is seen.
@@ -16,5 +16,5 @@ fn solid_depth(p: u32) -> f32 {
     if CUT == 0u {
         return 3.4e38;
     }
-    return solids[p] - depth_origin();
+    return solids[p];
 }

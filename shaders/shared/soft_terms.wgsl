@@ -47,8 +47,9 @@ fn shell_absorption(chord: Chord, shells: u32, radius: f32, w: f32) -> f32 {
 struct Terms {
     // Color times weight, and weight.
     color: vec4<f32>,
-    // Optical depth of a unit of length; concentric shells only.
+    // Optical depth of a unit of length, and what rounding took from the event's depth; concentric shells only.
     density: f32,
+    rest: f32,
 }
 
 // A sphere of the base model: edge, middle, reach and absorption; color times weight, and weight.
@@ -68,7 +69,7 @@ fn opened(id: u32, pixel: vec2<u32>, ray: vec4<f32>) -> Opened {
     let i = event_splat(id);
     let splat = splat_at(i);
     let color = color_at(i);
-    let chord = chord_of(splat, pixel, ray);
+    let chord = chord_of(splat, tilt_at(i), pixel, ray);
     let absorbed = absorption(chord, splat.radius, color.a);
     return Opened(vec4<f32>(chord.edge, chord.middle, chord.reach, absorbed), chord.edge * vec4<f32>(color.rgb, 1.0));
 }
@@ -81,22 +82,25 @@ fn event_depth(event: vec2<u32>) -> f32 {
     return key_depth(event.x);
 }
 
-fn terms_of(id: u32, pixel: vec2<u32>, ray: vec4<f32>) -> Terms {
+fn terms_of(event: vec2<u32>, pixel: vec2<u32>, ray: vec4<f32>) -> Terms {
+    let id = event.y;
     if PACKED != 0u {
-        return Terms(packed_terms(records[id]), 0.0);
+        return Terms(packed_terms(records[id]), 0.0, 0.0);
     }
     let i = event_splat(id);
     let splat = splat_at(i);
     let color = color_at(i);
-    let chord = chord_of(splat, pixel, ray);
+    let chord = chord_of(splat, tilt_at(i), pixel, ray);
     if MODEL == MODEL_BASE {
-        return Terms(chord.edge * vec4<f32>(color.rgb, 1.0), 0.0);
+        return Terms(chord.edge * vec4<f32>(color.rgb, 1.0), 0.0, 0.0);
     }
     let shells = shells_of(splat);
     let place = f32(event_shell(id)) / f32(shells);
     let weight = max(chord.edge - place, 0.0) / (1.0 - place);
     let density = shell_absorption(chord, shells, splat.radius, color.a) * shell_density(chord.edge, place, f32(shells));
-    return Terms(weight * vec4<f32>(color.rgb, 1.0), density);
+    let half = chord.reach * half_chord(chord.edge, place);
+    let rest = rest_of(chord.middle, half, is_exit(id), key_depth(event.x));
+    return Terms(weight * vec4<f32>(color.rgb, 1.0), density, rest);
 }
 
 // Running sums of what is open, as sums of two floats: what was added can be taken away again.
@@ -139,7 +143,8 @@ fn segment_color(sums: Sums, depth: f32) -> vec4<f32> {
     return vec4<f32>(mean, select(0.0, opacity_of(depth), sums.open > 0.0));
 }
 
-// Optical depth of a segment of concentric shells.
-fn segment_depth(sums: Sums, first: f32, last: f32, ray: vec4<f32>) -> f32 {
-    return max(sums.density.x + sums.density.y, 0.0) * ((last - first) * ray.w);
+// Optical depth of a segment of concentric shells, between two depths that are sums of two floats.
+fn segment_depth(sums: Sums, first: vec2<f32>, last: vec2<f32>, ray: vec4<f32>) -> f32 {
+    let length = max((last.x - first.x) + (last.y - first.y), 0.0);
+    return max(sums.density.x + sums.density.y, 0.0) * (length * ray.w);
 }

@@ -2,6 +2,7 @@
 // The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
 // depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
 #import splat
+#import twofloat
 
 // 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
 override SHELLS: u32 = 1u;
@@ -38,7 +39,10 @@ struct Chord {
     reach: f32,
 }
 
-fn chord_of(splat: Splat, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
+fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
+    if SHAPE == SHAPE_EXACT_SPHERE {
+        return exact_chord(splat, tilt.normal, pixel, ray);
+    }
     let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
     let from_center = vec3<f32>(offset_to(splat, pixel) * unit, 0.0);
     let distance = length(cross(from_center, ray.xyz));
@@ -49,9 +53,50 @@ fn chord_of(splat: Splat, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
     return Chord(select(-1.0, edge, meets), middle, splat.radius / ray.w);
 }
 
+// The same where a sphere is so dense that it is opaque unless a ray passes within 10^-4 of its rim: what float32 knows of
+// the distance is no more than a few thousandths of that.
+fn exact_chord(splat: Splat, low: vec4<f32>, pixel: vec2<u32>, ray: vec4<f32>) -> Chord {
+    let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat)) + 0.5;
+    let x = add2(vec2<f32>(whole.x, 0.0), -vec2<f32>(splat.fraction_x, low.x));
+    let y = add2(vec2<f32>(whole.y, 0.0), -vec2<f32>(splat.fraction_y, low.y));
+    var depth = vec2<f32>(1.0, 0.0);
+    var slopes = array<vec2<f32>, 2>(vec2<f32>(0.0), vec2<f32>(0.0));
+    if view.orthographic == 0u {
+        depth = add2(vec2<f32>(splat.depth, low.z), vec2<f32>(depth_origin(), 0.0));
+        let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
+        slopes[0] = divide2(vec2<f32>(from_middle.x, 0.0), view.focal);
+        slopes[1] = divide2(vec2<f32>(from_middle.y, 0.0), view.focal);
+    }
+    let unit = divide2(depth, view.focal);
+    // From the centre to where the ray crosses its depth, and the ray's direction: ray × offset over the ray's length.
+    let a = multiply2(x, unit);
+    let b = multiply2(y, unit);
+    let turn = add2(multiply2(a, slopes[1]), -multiply2(b, slopes[0]));
+    let stretched = add2(vec2<f32>(1.0, 0.0), add2(square2(slopes[0]), square2(slopes[1])));
+    let squared = divide2(add2(square2(turn), add2(square2(a), square2(b))), stretched);
+    // 1 - d / r = (r² - d²) / (r (r + d)).
+    let gap = add2(two_product(splat.radius, splat.radius), -squared).x;
+    let edge = gap / (splat.radius * (splat.radius + sqrt(max(squared.x, 0.0))));
+    let along = divide2(add2(multiply2(a, slopes[0]), multiply2(b, slopes[1])), stretched);
+    let middle = add2(vec2<f32>(splat.depth, low.z), -along).x;
+    let meets = edge > 0.0 && splat.radius > LEAST_RADIUS;
+    return Chord(select(-1.0, edge, meets), middle, splat.radius / ray.w);
+}
+
+fn square2(x: vec2<f32>) -> vec2<f32> {
+    return multiply2(x, x);
+}
+
 // Half of the chord of shell `place` = i / N, over the radius: sqrt((r_i - d)(r_i + d)) / r.
 fn half_chord(edge: f32, place: f32) -> f32 {
     return sqrt(max(edge - place, 0.0) * (2.0 - edge - place));
+}
+
+// What rounding took from the depth at which a chord begins or ends: spheres may be small against the depth of the cloud.
+// 0 where it was cut.
+fn rest_of(middle: f32, half: f32, exit: bool, depth: f32) -> f32 {
+    let end = two_sum(middle, select(-half, half, exit));
+    return select(0.0, end.y, end.x == depth);
 }
 
 // N of Seemann et al., Section 3.2.

@@ -7,6 +7,8 @@ const SHAPE_SQUARE = 2u;
 const SHAPE_POINT = 3u;
 // A soft sphere (shared/sphere.wgsl): no pixel is always covered.
 const SHAPE_SPHERE = 4u;
+// The same where it is so dense that float32 would show: its tilt holds the rest of its place.
+const SHAPE_EXACT_SPHERE = 5u;
 override SHAPE: u32 = 0u;
 
 struct Splat {
@@ -16,14 +18,15 @@ struct Splat {
     fraction_y: f32,
     // Column (low 16 bits) and row of that pixel, signed; a centre farther out has a fraction beyond [0, 1).
     pixel: u32,
-    // z of the centre; of a sphere relative to that in the view.
+    // z of the centre, relative to that in the view.
     depth: f32,
     // In pixels; of a sphere in world units.
     radius: f32,
 }
 
 // What an oriented disc needs besides: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
-// plane against the centre's ray. The normal is zero for a flat disc.
+// plane against the centre's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
+// fraction_x, fraction_y and depth.
 struct Tilt {
     normal: vec4<f32>,
 }
@@ -73,7 +76,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -
     if view.orthographic == 0u {
         let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
         ray = vec3<f32>(from_middle / view.focal.x, 1.0);
-        unit = splat.depth / view.focal.x;
+        unit = (splat.depth + view.eye_hi.w) / view.focal.x;
         facing += along / view.focal.x;
     }
     let t = along / facing;
@@ -81,7 +84,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -
     let squared = dot(from_center, from_center);
     let depth = splat.depth - unit * t;
     // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
-    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth > 0.0) {
+    if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth + view.eye_hi.w > 0.0) {
         return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
     return Coverage(all(center_pixel(splat) == vec2<i32>(pixel)), splat.depth, 1.0);
@@ -107,6 +110,14 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
     let squared = dot(offset, offset);
     let inside = squared <= splat.radius * splat.radius;
     return Coverage(inside || in_center, splat.depth, relative_distance(sqrt(squared), splat.radius));
+}
+
+fn is_sphere() -> bool {
+    return SHAPE == SHAPE_SPHERE || SHAPE == SHAPE_EXACT_SPHERE;
+}
+
+fn has_tilts() -> bool {
+    return SHAPE == SHAPE_ORIENTED || SHAPE == SHAPE_EXACT_SPHERE;
 }
 
 // Maps floats to integers of the same order, negative ones included.

@@ -8,8 +8,8 @@ struct View {
     forward: vec4<f32>,
     forward_lo: vec4<f32>,
     // Eye minus the cloud's origin as a sum of two floats.
-    // In w the depth that those of soft spheres are relative to: no point is nearer, and the less they are, the more digits
-    // they have.
+    // In w the depth that those of splats are relative to: 0, or, where spheres are blended, one that no point is nearer than,
+    // since the less depths are, the more digits they have. And near relative to it.
     eye_hi: vec4<f32>,
     eye_lo: vec4<f32>,
     // To the light (w = 0) or the light's place relative to the eye (w = 1), in camera axes.

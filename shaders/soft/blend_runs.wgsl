@@ -36,7 +36,7 @@ fn main(
     let final_event = run.start + run.length - 1u;
     for (var i = start; i < end; i++) {
         let event = fragments[i];
-        open = after_event(open, terms_of(event.y, pixel, ray), is_exit(event.y));
+        open = after_event(open, terms_of(event, pixel, ray), is_exit(event.y));
         var depth = 0.0;
         if MODEL == MODEL_BASE {
             depth = segments[i];
@@ -45,7 +45,7 @@ fn main(
             }
         } else {
             let next = fragments[min(i + 1u, final_event)].x;
-            depth = segment_depth(open, key_depth(event.x), key_depth(next), ray);
+            depth = segment_depth(open, vec2<f32>(key_depth(event.x), 0.0), vec2<f32>(key_depth(next), 0.0), ray);
         }
         sum = behind(sum, event.x, segment_color(open, depth));
     }

@@ -3,6 +3,8 @@
 
 struct Push {
     count: u32,
+    // What depths of solid points are relative to.
+    origin: f32,
 }
 
 @group(0) @binding(0) var<storage, read> solid_image: array<vec4<f32>>;
@@ -24,5 +26,5 @@ fn main(
     let soft = image[p];
     image[p] = soft + (1.0 - soft.a) * solid_image[p];
     // Soft points with opacity lie before the solid ones.
-    depths[p] = min(depths[p], solid_depths[p]);
+    depths[p] = min(depths[p], solid_depths[p] + push.origin);
 }

@@ -6,7 +6,7 @@
 override COUNTED: u32 = 0u;
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
-    let chord = chord_of(splat, pixel, ray_of(pixel));
+    let chord = chord_of(splat, tilt, pixel, ray_of(pixel));
     if chord.edge <= 0.0 {
         return;
     }

@@ -98,10 +98,10 @@ fn main(
             }
             // Written out: iterations are few.
             let found = vec4<f32>(
-                segment_of(open, first.x, last.x),
-                segment_of(open, first.y, last.y),
-                segment_of(open, first.z, last.z),
-                segment_of(open, first.w, last.w),
+                segment_of(open, vec2<f32>(first.x, 0.0), last.x, false),
+                segment_of(open, vec2<f32>(first.y, 0.0), last.y, false),
+                segment_of(open, vec2<f32>(first.z, 0.0), last.z, false),
+                segment_of(open, vec2<f32>(first.w, 0.0), last.w, false),
             );
             if PACKED != 0u {
                 units = min(units + vec4<u32>(min(found, vec4<f32>(31.0)) * 67108864.0 + 0.5), vec4<u32>(MOST_UNITS));

@@ -25,7 +25,7 @@ fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     if p < push.band_start || p >= push.band_end {
         return;
     }
-    let chord = chord_of(splat, pixel, ray_of(pixel));
+    let chord = chord_of(splat, tilt, pixel, ray_of(pixel));
     if chord.edge <= 0.0 {
         return;
     }

@@ -29,8 +29,8 @@ fn main(
     let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
     var found = no_sums();
     for (var i = first; i < last; i++) {
-        let id = fragments[i].y;
-        found = plus_terms(found, terms_of(id, pixel, ray), select(1.0, -1.0, is_exit(id)));
+        let event = fragments[i];
+        found = plus_terms(found, terms_of(event, pixel, ray), select(1.0, -1.0, is_exit(event.y)));
     }
     sums[item] = RunSums(found.high, found.low, vec4<f32>(found.density, found.open, 0.0));
 }

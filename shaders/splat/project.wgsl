@@ -74,7 +74,7 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
     if SHAPE == SHAPE_POINT {
         return vec4<f32>(0.0);
     }
-    if SHAPE == SHAPE_SPHERE {
+    if is_sphere() {
         var reach = vec4<f32>(splat.radius * view.focal.x);
         if view.orthographic == 0u {
             let depth = splat.depth + view.eye_hi.w;
@@ -94,10 +94,11 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
             let half = splat.radius * sqrt(max(vec2<f32>(1.0) - n.xy * n.xy, vec2<f32>(0.0))) + margin;
             return half.xyxy;
         }
-        let radius = splat.radius * splat.depth / view.focal.x;
+        let depth = splat.depth + view.eye_hi.w;
+        let radius = splat.radius * depth / view.focal.x;
         let slope = center / view.focal.x;
-        let x = extent_perspective(slope.x, n.x, n.z, splat.depth, radius) * view.focal.x + margin;
-        let y = extent_perspective(slope.y, n.y, n.z, splat.depth, radius) * view.focal.x + margin;
+        let x = extent_perspective(slope.x, n.x, n.z, depth, radius) * view.focal.x + margin;
+        let y = extent_perspective(slope.y, n.y, n.z, depth, radius) * view.focal.x + margin;
         return vec4<f32>(x.x, y.x, x.y, y.y);
     }
     return vec4<f32>(splat.radius);
@@ -114,7 +115,7 @@ fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<u32> {
     let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));
     let window_low = vec2<i32>(view.window.xy);
     let window_high = vec2<i32>(view.window.zw);
-    let always = SHAPE != SHAPE_SPHERE;
+    let always = !is_sphere();
     let l = vec2<u32>(clamp(select(low, min(low, pixel), always), window_low, window_high));
     let h = vec2<u32>(clamp(select(high, max(high, pixel), always) + 1, window_low, window_high));
     return select(vec4<u32>(0u), vec4<u32>(l, h), all(l < h));
@@ -134,14 +135,15 @@ fn project(i: u32) -> vec2<u32> {
     let position = rounded(point.place);
     let pixel = bitcast<u32>(point.column.pixel & 0xffff | point.row.pixel << 16u);
     var radius = min(hi.w * view.radius_limits.x, HUGE);
-    var depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0)).x;
-    if SHAPE != SHAPE_SPHERE {
-        depth = position.z;
+    let depth = add2(point.place[2], vec2<f32>(-view.eye_hi.w, 0.0));
+    if !is_sphere() {
         radius = min(min(hi.w * view.radius_limits.x * point.scale, view.radius_limits.y), HUGE);
     }
-    let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth, radius);
+    let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth.x, radius);
     var tilt = Tilt(vec4<f32>(0.0));
-    if NORMALS != 0u {
+    if SHAPE == SHAPE_EXACT_SPHERE {
+        tilt.normal = vec4<f32>(point.column.rest, point.row.rest, depth.y, 0.0);
+    } else if NORMALS != 0u {
         let normal = turned(normals[i].xyz);
         var facing = normal[2].x;
         if view.orthographic == 0u {
@@ -159,7 +161,7 @@ fn project(i: u32) -> vec2<u32> {
     let area = extent.x * extent.y;
     if area > 0u {
         splats[i] = splat;
-        if SHAPE == SHAPE_ORIENTED {
+        if has_tilts() {
             tilts[i] = tilt;
         }
         var a = min(lo.w * view.opacity_factor, 1.0);

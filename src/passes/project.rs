@@ -126,6 +126,15 @@ pub enum Footprint {
     Point = 3,
     /// Sphere; its radius stays in world units.
     Sphere = 4,
+    /// The same, its place to twice as many digits.
+    ExactSphere = 5,
+}
+
+impl Footprint {
+    /// Whether splats of this shape have tilts.
+    pub fn has_tilts(self) -> bool {
+        matches!(self, Self::Oriented | Self::ExactSphere)
+    }
 }
 
 /// Which points of a cloud are projected.
@@ -231,6 +240,9 @@ pub struct Projecting {
     pub opacity_factor: f32,
     /// Which points.
     pub part: Part,
+    /// Whether depths of splats are relative to the nearest depth of the points' box: the less they are, the more digits they
+    /// have.
+    pub relative_depth: bool,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
     /// In which space colors are blended.
@@ -279,6 +291,8 @@ pub struct DeviceCloud {
     most_opacity: f32,
     most_color: f32,
     most_radius: f32,
+    /// What depths of splats are relative to.
+    depth_origin: f32,
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
     parts: Option<(f32, Parts)>,
@@ -298,7 +312,7 @@ pub struct DeviceCloud {
     pub fields: Buffer<f32>,
     /// Projected splats.
     pub splats: Buffer<Splat>,
-    /// Their tilts; a single element unless the cloud has normals.
+    /// Their tilts; a single element unless the cloud has normals, or had to be exact.
     pub tilts: Buffer<Tilt>,
     /// Their rectangles.
     pub bounds: Buffer<Bounds>,
@@ -350,6 +364,7 @@ impl DeviceCloud {
             has_normals: !normals.is_empty(),
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
+            depth_origin: 0.0,
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
             most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
             most_radius: points.radii.iter().copied().fold(0.0, f32::max),
@@ -373,6 +388,14 @@ impl DeviceCloud {
             stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
             view: device.buffer("view", 1, Memory::Upload)?,
         })
+    }
+
+    /// Makes room for tilts, for a footprint that has some.
+    pub fn reserve_tilts(&mut self, device: &Device, footprint: Footprint) -> Result<(), Error> {
+        if footprint.has_tilts() && self.tilts.len() < self.len {
+            self.tilts = device.buffer("tilts", self.len, Memory::Device)?;
+        }
+        Ok(())
     }
 
     /// Number of points.
@@ -409,6 +432,11 @@ impl DeviceCloud {
     /// The largest opacity, with the factor of the last [`Self::set_view`].
     pub fn most_opacity(&self) -> f32 {
         (self.most_opacity * self.opacity_factor).min(1.0)
+    }
+
+    /// The depth that those of splats are relative to since the last [`Self::set_view`]: 0, or the nearest of the points' box.
+    pub fn depth_origin(&self) -> f32 {
+        self.depth_origin
     }
 
     /// The largest radius of all points, as uploaded.
@@ -478,9 +506,11 @@ impl DeviceCloud {
             let (hi, lo) = split(v);
             (padded(hi), padded(lo))
         };
-        let (mut eye_hi, eye_lo) = rows(camera.eye - self.origin);
+        let (mut eye_hi, mut eye_lo) = rows(camera.eye - self.origin);
         let depths = self.corners.map(|corner| camera.to_view(corner).z);
-        eye_hi[3] = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as f32;
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as f32;
+        eye_hi[3] = if how.relative_depth { nearest } else { 0.0 };
+        eye_lo[3] = (camera.near - f64::from(eye_hi[3])) as f32;
         let (right, right_lo) = rows(camera.right);
         let (down, down_lo) = rows(-camera.up);
         let (forward, forward_lo) = rows(camera.forward);
@@ -507,6 +537,7 @@ impl DeviceCloud {
             modulation: how.part.modulation(),
         };
         self.opacity_factor = how.opacity_factor;
+        self.depth_origin = eye_hi[3];
         self.view.write(&[view]);
     }
 
@@ -565,7 +596,7 @@ impl DeviceCloud {
 
     /// Tilts of a chunk, or the single element that stands for none.
     pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
-        if self.has_normals { self.tilts.slice(first, count) } else { self.tilts.all() }
+        if self.tilts.len() == self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
     }
 }
 

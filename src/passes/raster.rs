@@ -248,8 +248,7 @@ impl<'a> Raster<'a> {
 
     /// Tilts of a chunk, or a stand-in where discs are flat.
     fn tilts(&self, first: u64, count: u64) -> Slice<'a, Tilt> {
-        let oriented = self.footprint == Footprint::Oriented;
-        if oriented { self.cloud.tilts_of(first, count) } else { self.cloud.tilts.slice(0, 1) }
+        if self.footprint.has_tilts() { self.cloud.tilts_of(first, count) } else { self.cloud.tilts.slice(0, 1) }
     }
 
     fn chunk(&self, chunk: usize, first: u64, count: u64) -> Chunk<'a> {

@@ -282,7 +282,7 @@ impl ABuffer {
             Some(scan) => scan,
             None => Scan::new(device, pixels + 1)?,
         });
-        let counted = job.storing.spheres().filter(|spheres| spheres.interior.counted());
+        let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
         self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
         let (counts, offsets) = (self.counts.get(), self.offsets.get());
 
@@ -327,7 +327,7 @@ impl ABuffer {
         let words = self.summary.mapped_slice();
         let (longest, total) = (words[1], words[3]);
         let [most_spheres, spheres] = match job.storing.spheres() {
-            Some(spheres) if spheres.interior.counted() => [words[4], words[5]],
+            Some(spheres) if spheres.kind.interior.counted() => [words[4], words[5]],
             Some(_) => [longest / 2, total / 2],
             None => [longest, total],
         };
@@ -467,8 +467,8 @@ impl Need {
         let sorted = matches!(job.storing, Storing::Ordered(_));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
         let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
-        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.interior.is_integrated());
-        let records = job.storing.spheres().is_some_and(|spheres| spheres.interior == Interior::Packed);
+        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
+        let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
         let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
         Self { fragment, spare, links, runs, segments, records }
     }

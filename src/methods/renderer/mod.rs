@@ -661,6 +661,7 @@ impl Renderer {
         how: &Projecting,
         timeline: &mut Timeline,
     ) -> Result<Vec<Stats>, Error> {
+        cloud.reserve_tilts(&self.device, how.footprint)?;
         cloud.set_view(&frame.camera, frame.size, window, how);
         let mut recorder = self.device.recorder()?;
         cloud.record_project(&mut recorder, how)?;
@@ -894,6 +895,7 @@ fn projecting_of(
         max_radius_px: settings.max_pixel_radius,
         opacity_factor: frame.factors.opacity,
         part,
+        relative_depth: Interior::of(&frame.method).is_some(),
         shading: frame.shading,
         color: frame.color,
     }

@@ -4,7 +4,7 @@ use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
-use crate::methods::soft::{self, Interior, SoftModel, Spheres};
+use crate::methods::soft::{self, Interior, Kind, SoftModel, Spheres};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -118,7 +118,8 @@ impl Renderer {
         let window = work.window;
         let raster = raster::Raster { cloud, stats, tiles: &self.tiles, walker: Walker::Compute, footprint, window };
         let counted_bytes = bands::pixels(window) * splatting_bytes(&frame.method);
-        let (order, depth_range, budget) = (Order::Index, depth_range(frame), work.budget);
+        let depth_range = depth_range(frame).map(|depth| depth - cloud.depth_origin());
+        let (order, budget) = (Order::Index, work.budget);
         let bin = bin::Job { raster, order, depth_range, budget, counted_bytes };
         if work.survey {
             return splats::survey(&self.device, &bin, facts);
@@ -168,7 +169,7 @@ impl Renderer {
         let outcome = if parts.soft > 0 {
             self.soft_points(cloud, frame, soft, &mut both)?
         } else {
-            self.only_solids(&mut both)?
+            self.only_solids(cloud.depth_origin(), &mut both)?
         };
         if outcome == Outcome::Done {
             *work.facts = facts;
@@ -177,11 +178,11 @@ impl Renderer {
     }
 
     /// A window without soft points from its layer.
-    fn only_solids(&mut self, work: &mut Work<'_>) -> Result<Outcome, Error> {
+    fn only_solids(&mut self, origin: f32, work: &mut Work<'_>) -> Result<Outcome, Error> {
         if !work.survey {
             let mut recorder = self.device.recorder()?;
             abuffer::record_nothing(&mut recorder, &self.target, work.window)?;
-            soft::record_compose(&mut recorder, &self.layer, &self.target, bands::pixels(work.window))?;
+            soft::record_compose(&mut recorder, &self.layer, &self.target, bands::pixels(work.window), origin)?;
             work.timeline.add(recorder.submit("solid points alone")?);
         }
         work.facts.note(&[], Walker::Compute);
@@ -202,7 +203,10 @@ impl Renderer {
         let window = work.window;
         let parts = cloud.parts(soft.threshold);
         let model = SoftModel::new(&frame.method, &soft, parts.median_radius * frame.factors.radius);
-        let how = soft_projecting(frame, cloud, &soft);
+        let most_radius = cloud.most_radius() * frame.factors.radius;
+        let exact = model.is_stiff(interior, most_radius);
+        let kind = Kind { interior, exact, modulated: soft.modulation.is_some() };
+        let how = soft_projecting(frame, cloud, &soft, kind.footprint());
         let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
         let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
         let Some(mut budget) = work.budget.with_tiles(Tiles::bytes(&stats, window)).filter(|_| countable) else {
@@ -216,13 +220,8 @@ impl Renderer {
         let raster =
             raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: how.footprint, window };
         let solid = parts.solid > 0;
-        let spheres = Spheres {
-            interior,
-            model,
-            modulated: soft.modulation.is_some(),
-            most_radius: cloud.most_radius() * frame.factors.radius,
-            layer: solid.then_some(&self.layer),
-        };
+        let spheres =
+            Spheres { kind, model, most_radius, origin: cloud.depth_origin(), layer: solid.then_some(&self.layer) };
         spheres.check(&frame.method, cloud.len())?;
         let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
         let storing = Storing::Spheres(spheres);
@@ -249,7 +248,7 @@ impl Renderer {
         work: &mut Work<'_>,
     ) -> Result<Outcome, Error> {
         let window = work.window;
-        let how = soft_projecting(frame, cloud, &soft);
+        let how = soft_projecting(frame, cloud, &soft, Footprint::Disc);
         let stats = self.project_as(cloud, frame, window, &how, work.timeline)?;
         let parts = cloud.parts(soft.threshold);
         let (device, walker) = (&self.device, Walker::Compute);
@@ -319,8 +318,7 @@ fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projectin
 }
 
 /// How the soft points become splats.
-fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
+fn soft_projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft, footprint: Footprint) -> Projecting {
     let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
-    let footprint = if Interior::of(&frame.method).is_some() { Footprint::Sphere } else { Footprint::Disc };
     Projecting { footprint, part, ..projecting(frame, cloud) }
 }

@@ -105,7 +105,7 @@ impl SoftDiscs {
             }
         };
         if let Some(layer) = job.layer {
-            record_compose(&mut recorder, layer, target, pixels)?;
+            record_compose(&mut recorder, layer, target, pixels, 0.0)?;
         }
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("soft/express")?);

@@ -11,7 +11,7 @@
 
 use super::{Layer, SoftModel};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::abuffer::{self, CountPush, LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, ResolvingGroup};
+use crate::methods::abuffer::{self, LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, ResolvingGroup};
 use crate::methods::bands::Band;
 use crate::methods::renderer::Target;
 use crate::methods::{Error, splats};
@@ -129,9 +129,17 @@ pass! {
     }
 }
 
+gpu_struct! {
+    /// Push constants: pixels, and the depth that those of solid points are relative to.
+    pub struct ComposePush {
+        count: u32,
+        origin: f32,
+    }
+}
+
 pass! {
     /// Soft points before solid ones.
-    pub Compose(CountPush) = "soft/compose" {
+    pub Compose(ComposePush) = "soft/compose" {
         solid_image: Read<[f32; 4]>,
         solid_depths: Read<f32>,
         image: ReadWrite<[f32; 4]>,
@@ -247,17 +255,35 @@ impl Interior {
     }
 }
 
+/// What the kernels are made for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kind {
+    /// What a sphere is made of.
+    pub interior: Interior,
+    /// Whether it is so dense that float32 would show ([`SoftModel::is_stiff`]).
+    pub exact: bool,
+    /// Whether some points are modulated.
+    pub modulated: bool,
+}
+
+impl Kind {
+    /// How spheres are projected.
+    pub fn footprint(self) -> Footprint {
+        if self.exact { Footprint::ExactSphere } else { Footprint::Sphere }
+    }
+}
+
 /// The soft points of a window.
 #[derive(Clone, Copy)]
 pub struct Spheres<'a> {
-    /// What a sphere is made of.
-    pub interior: Interior,
-    /// How dense it is.
+    /// What they are.
+    pub kind: Kind,
+    /// How dense they are.
     pub model: SoftModel,
-    /// Whether some points are modulated.
-    pub modulated: bool,
     /// Largest world radius.
     pub most_radius: f32,
+    /// The depth that those of solid points are relative to.
+    pub origin: f32,
     /// What the solid points left, if there are any.
     pub layer: Option<&'a Layer>,
 }
@@ -265,9 +291,9 @@ pub struct Spheres<'a> {
 impl<'a> Spheres<'a> {
     /// Refuses what events cannot name.
     pub fn check(&self, method: &Method, points: u64) -> Result<(), Error> {
-        let limit = self.interior.most_points();
+        let limit = self.kind.interior.most_points();
         if points > limit {
-            let shells = self.interior.most_shells();
+            let shells = self.kind.interior.most_shells();
             return Err(Error::TooManySpheres { points, method: method.name(), shells, limit });
         }
         Ok(())
@@ -275,7 +301,7 @@ impl<'a> Spheres<'a> {
 
     /// Device bytes per pixel beside those of lists.
     pub fn pixel_bytes(&self) -> u64 {
-        pixel_bytes(self.interior, self.layer.is_some())
+        pixel_bytes(self.kind.interior, self.layer.is_some())
     }
 
     /// Records the count; `spheres` is anything if they are not [`Interior::counted`].
@@ -289,7 +315,7 @@ impl<'a> Spheres<'a> {
         let whole = Band::whole(raster.window, 0);
         let solids = self.solids(counts);
         let stage = |chunk: Chunk<'a>| Count { chunk, solids, counts, spheres };
-        let with = |variant| count_variant(variant, self.interior, self.layer.is_some());
+        let with = |variant| count_variant(variant, self.kind.interior, self.layer.is_some());
         Ok(raster.record_variant(recorder, &whole, stage, SEGMENT, with)?)
     }
 
@@ -307,14 +333,14 @@ impl<'a> Spheres<'a> {
             let colors = raster.colors_of(&chunk);
             Store { chunk, solids, cursors, fragments, colors, records }
         };
-        let with = |variant| store_variant(variant, self.interior, self.layer.is_some());
-        Ok(raster.record_variant(recorder, band, stage, self.interior.segment(), with)?)
+        let with = |variant| store_variant(variant, self.kind.interior, self.layer.is_some());
+        Ok(raster.record_variant(recorder, band, stage, self.kind.interior.segment(), with)?)
     }
 
     /// Records the solid points of a window behind what is in the target.
     pub fn record_compose(&self, recorder: &mut Recorder<'a>, target: &'a Target, pixels: u64) -> Result<(), Error> {
         match self.layer {
-            Some(layer) => record_compose(recorder, layer, target, pixels),
+            Some(layer) => record_compose(recorder, layer, target, pixels, self.origin),
             None => Ok(()),
         }
     }
@@ -327,7 +353,7 @@ impl<'a> Spheres<'a> {
 
     /// The variant of the kernel for lists of up to `capacity` events.
     pub fn resolve_variant(&self, cut: Cut, stop: u32, capacity: u32) -> Variant {
-        resolve_variant(self.interior, self.modulated, cut, stop, capacity)
+        resolve_variant(self.kind, cut, stop, capacity)
     }
 
     /// Depths of the solid points; anything where there are none, since nobody reads it then.
@@ -348,10 +374,11 @@ pub fn record_compose<'a>(
     layer: &'a Layer,
     target: &'a Target,
     pixels: u64,
+    origin: f32,
 ) -> Result<(), Error> {
     let (image, depths) = (target.image(), target.depths());
     let compose = Compose { solid_image: layer.image(), solid_depths: layer.depths(), image, depths };
-    let run = Run::new(Dispatch::Invocations(pixels)).push(&CountPush { count: pixels as u32 });
+    let run = Run::new(Dispatch::Invocations(pixels)).push(&ComposePush { count: pixels as u32, origin });
     Ok(recorder.run(&compose, &run)?)
 }
 
@@ -366,21 +393,21 @@ pub fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant 
 }
 
 /// The variant of the kernel for lists of up to `capacity` events; which of the two kernels it is, [`abuffer::is_network`] says.
-pub fn resolve_variant(interior: Interior, modulated: bool, cut: Cut, stop: u32, capacity: u32) -> Variant {
-    let piece = if interior.is_integrated() { "blend_spheres" } else { "blend_shells" };
-    let variant = run_variant(interior, modulated, cut).with("STOP", stop).walker(piece);
+pub fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Variant {
+    let piece = if kind.interior.is_integrated() { "blend_spheres" } else { "blend_shells" };
+    let variant = run_variant(kind, cut).with("STOP", stop).walker(piece);
     let sorted = abuffer::resolve_variant(variant, capacity);
     if abuffer::is_network(capacity) { sorted.constant("CAPACITY", capacity) } else { sorted }
 }
 
 /// The variant of the passes over runs of long lists.
-pub fn run_variant(interior: Interior, modulated: bool, cut: Cut) -> Variant {
-    interior.terms(compose::variant(cut, Footprint::Sphere, Falloff::Flat), modulated)
+pub fn run_variant(kind: Kind, cut: Cut) -> Variant {
+    kind.interior.terms(compose::variant(cut, kind.footprint(), Falloff::Flat), kind.modulated)
 }
 
 /// The variant of `soft/segments`.
-pub fn segments_variant(interior: Interior, modulated: bool, cut: Cut) -> Variant {
-    run_variant(interior, modulated, cut).with("TAKEN", SEGMENTS_TAKEN)
+pub fn segments_variant(kind: Kind, cut: Cut) -> Variant {
+    run_variant(kind, cut).with("TAKEN", SEGMENTS_TAKEN)
 }
 
 /// Buffers of long lists, kept from frame to frame.
@@ -441,19 +468,15 @@ impl LongSpheres {
         let Sorted { composing, cut, work, runs, lists, fragments, records, partials } = *sorted;
         let (sums, segments) = (self.sums.get().all(), self.segments.get().all());
         let arguments = |word| Dispatch::Indirect(work.cast().skip(word).first(3));
-        let variant = run_variant(spheres.interior, spheres.modulated, cut);
+        let variant = run_variant(spheres.kind, cut);
         let push = spheres.push(0, 0, 0.0);
         let over_runs = || Run::new(arguments(0)).push(&push).variant(variant.clone());
         recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, &over_runs())?;
         recorder.run(&Carry { work, lists, sums }, &Run::new(arguments(4)))?;
-        if spheres.interior.is_integrated() {
+        if spheres.kind.interior.is_integrated() {
             for first in (0..longest).step_by(SEGMENTS_TAKEN as usize) {
                 let push = SoftPush { first, ..push };
-                let run = Run::new(arguments(8)).push(&push).variant(segments_variant(
-                    spheres.interior,
-                    spheres.modulated,
-                    cut,
-                ));
+                let run = Run::new(arguments(8)).push(&push).variant(segments_variant(spheres.kind, cut));
                 recorder.run(&Segments { composing, work, runs, fragments, segments, records }, &run)?;
             }
         }
@@ -501,7 +524,8 @@ mod tests {
         let method = Method::SoftConcentric(Soft::default());
         for (interior, limit) in limits {
             let model = SoftModel { lambda: 1.0, peak: 0.5 };
-            let spheres = Spheres { interior, model, modulated: false, most_radius: 1.0, layer: None };
+            let kind = Kind { interior, exact: false, modulated: false };
+            let spheres = Spheres { kind, model, most_radius: 1.0, origin: 0.0, layer: None };
             assert!(spheres.check(&method, limit).is_ok());
             let refused = spheres.check(&method, limit + 1);
             assert!(matches!(refused, Err(Error::TooManySpheres { limit: most, .. }) if most == limit), "{refused:?}");

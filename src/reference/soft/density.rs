@@ -12,8 +12,8 @@ pub struct Strength {
     pub peak: f64,
 }
 
-/// Optical depth of a chord that is asked to be opaque: of any billionth part of it, 1 is left.
-const OPAQUE: f64 = 1e9;
+/// Optical depth of a chord that is asked to be opaque: so is whatever can be told from none of it.
+const OPAQUE: f64 = 1e30;
 
 impl Strength {
     /// From the density that was asked for, and the median radius of the soft points.
