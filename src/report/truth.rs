@@ -11,7 +11,7 @@ use crate::points::Points;
 use crate::reference::abuffer::{Composite, composite, lists_at};
 use crate::reference::shading::shade;
 use crate::reference::soft::{Behind, Model, Scene};
-use crate::scene::{BlendedSplats, Method};
+use crate::scene::{Density, Method, Soft};
 
 /// Pixels that are compared with the reference; of a smaller image all.
 const SAMPLE: usize = 256;
@@ -55,7 +55,7 @@ impl Truth {
 /// Soft spheres in float64, before the solid points as the device splats them; `None` for another method.
 pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> Result<Option<Image>, Error> {
     let Some(model) = Model::new(frame.method, points) else { return Ok(None) };
-    let solids = solids(device, points, model.soft.threshold, frame)?;
+    let solids = solids(device, points, &model.soft, frame)?;
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
     let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
     let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
@@ -70,30 +70,15 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     }))
 }
 
-/// The picture of the solid points alone; `None` if there are none.
-fn solids(device: &Device, points: &Points, threshold: f32, frame: &Frame) -> Result<Option<Image>, Error> {
-    let solid = |index: &usize| points.fields.get(*index).is_none_or(|field| *field <= threshold);
-    let kept: Vec<usize> = (0..points.len()).filter(solid).collect();
-    if kept.is_empty() {
+/// The picture of the solid points alone, as the device has it behind soft ones of no density; `None` if there are none.
+fn solids(device: &Device, points: &Points, soft: &Soft, frame: &Frame) -> Result<Option<Image>, Error> {
+    if points.fields.iter().all(|field| *field > soft.threshold) && !points.fields.is_empty() {
         return Ok(None);
     }
-    let alone = Points {
-        positions: gather(&points.positions, &kept),
-        colors: gather(&points.colors, &kept),
-        opacities: gather(&points.opacities, &kept),
-        radii: gather(&points.radii, &kept),
-        normals: points.normals.as_ref().map(|normals| gather(normals, &kept)),
-        file_order: Vec::new(),
-        fields: Vec::new(),
-    };
+    let method = Method::SoftBase(Soft { threshold: soft.threshold, density: Density::Lambda(0.0), ..Soft::default() });
     let mut renderer = Renderer::new(device)?;
-    let mut cloud = renderer.upload(&alone)?;
-    let method = Method::Splats(BlendedSplats::default());
+    let mut cloud = renderer.upload(points)?;
     Ok(Some(renderer.render(&mut cloud, &Frame { method, ..*frame })?.image))
-}
-
-fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
-    indices.iter().map(|index| values[*index]).collect()
 }
 
 fn behind(image: &Image, pixel: usize) -> Behind {
