@@ -338,6 +338,7 @@ impl Course {
             color: ColorSpace::Linear,
             opacity_factor: 1.0,
             part: Part::All,
+            relative_depth: false,
         };
         cloud.set_view(&frame(Method::Points).camera, [SIDE; 2], window, &how);
         let cloud = &*cloud;
