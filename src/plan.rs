@@ -103,7 +103,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
             plan.soft_spheres(device, frame, facts, soft.threshold, why);
         }
         Method::SoftExpress(soft) => plan.soft_discs(device, frame, facts, soft.threshold, why),
-        Method::Squares(_) | Method::Circles(_) => plan.splats(device, frame, facts, wide_atomics, seen, why),
+        Method::Squares(_) | Method::Circles(_) | Method::Paraboloid(_) | Method::Cone(_) | Method::Sphere(_) => {
+            plan.splats(device, frame, facts, wide_atomics, seen, why);
+        }
     }
     let without = |what: &str| match frame.method.discs() {
         Some(_) => format!("{what}: {why}"),

@@ -13,7 +13,7 @@ use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
 use pellucid::passes::project::{self, Footprint, Part, Projecting};
 use pellucid::passes::{radix, raster, scan, tiles};
-use pellucid::scene::{ColorSpace, Falloff, Shading, ShadingModel, Shells};
+use pellucid::scene::{ColorSpace, Falloff, Relief, Shading, ShadingModel, Shells};
 use pellucid::{gpu_struct, pass};
 
 /// Sizes of subgroups that a device may have.
@@ -29,6 +29,11 @@ fn check<P: Pass>(seen: &mut Vec<&'static str>, variants: impl IntoIterator<Item
 
 fn raster_variants() -> Vec<Variant> {
     FOOTPRINTS.iter().flat_map(|f| raster::WALKERS.map(|w| raster::variant(*f, w))).collect()
+}
+
+fn relief_variants() -> Vec<Variant> {
+    let reliefs = [Relief::Flat, Relief::Paraboloid, Relief::Cone, Relief::Sphere];
+    reliefs.iter().flat_map(|r| raster_variants().into_iter().map(|v| splat::relief_variant(v, *r))).collect()
 }
 
 /// All ways to shade.
@@ -212,9 +217,9 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::Combine>(&mut seen, [Variant::plain()]);
     check::<linked_list::Store>(&mut seen, raster_variants());
     check::<linked_list::Gather>(&mut seen, [linked_list::gather_variant()]);
-    check::<splat::Nearest>(&mut seen, raster_variants());
-    check::<splat::NearestDepth>(&mut seen, raster_variants());
-    check::<splat::NearestId>(&mut seen, raster_variants());
+    check::<splat::Nearest>(&mut seen, relief_variants());
+    check::<splat::NearestDepth>(&mut seen, relief_variants());
+    check::<splat::NearestId>(&mut seen, relief_variants());
     check::<splat::Resolve>(&mut seen, compose_variants());
     check::<points::Nearest>(&mut seen, [points::nearest_variant()]);
     check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);

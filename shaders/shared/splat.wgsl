@@ -11,6 +11,13 @@ const SHAPE_SPHERE = 4u;
 const SHAPE_EXACT_SPHERE = 5u;
 override SHAPE: u32 = 0u;
 
+// How far the fragments of a flat splat move toward the viewer, in its radii (Schütz and Wimmer 2015): not at all, or by
+// 1 - rho^2, 1 - rho, sqrt(1 - rho^2).
+const RELIEF_FLAT = 0u;
+const RELIEF_PARABOLOID = 1u;
+const RELIEF_CONE = 2u;
+override RELIEF: u32 = 0u;
+
 struct Splat {
     // Where in its pixel the projected centre lies, in [0, 1); the pixel is apart, so that a fraction of a pixel is as
     // fine at the image's edge as in its middle.
@@ -94,6 +101,21 @@ fn relative_distance(distance: f32, radius: f32) -> f32 {
     return select(1.0, min(distance / radius, 1.0), radius > 0.0);
 }
 
+// Depth of a flat splat where the distance from its centre over its radius has this square.
+fn moved_depth(splat: Splat, squared: f32, view: View) -> f32 {
+    if RELIEF == RELIEF_FLAT {
+        return splat.depth;
+    }
+    var w = 1.0 - squared;
+    if RELIEF == RELIEF_CONE {
+        w = 1.0 - sqrt(squared);
+    } else if RELIEF != RELIEF_PARABOLOID {
+        w = sqrt(max(w, 0.0));
+    }
+    let unit = select(splat.depth + view.eye_hi.w, 1.0, view.orthographic != 0u) / view.focal.x;
+    return splat.depth - w * (splat.radius * unit);
+}
+
 fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
     let in_center = all(center_pixel(splat) == vec2<i32>(pixel));
     if SHAPE == SHAPE_POINT {
@@ -105,11 +127,14 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
     let offset = offset_to(splat, pixel);
     if SHAPE == SHAPE_SQUARE {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
-        return Coverage(inside || in_center, splat.depth, 1.0);
+        // The rim counts where only the centre's own pixel is covered.
+        let relative = select(1.0, dot(offset, offset) / (splat.radius * splat.radius), inside && splat.radius > 0.0);
+        return Coverage(inside || in_center, moved_depth(splat, relative, view), 1.0);
     }
     let squared = dot(offset, offset);
     let inside = squared <= splat.radius * splat.radius;
-    return Coverage(inside || in_center, splat.depth, relative_distance(sqrt(squared), splat.radius));
+    let rho = relative_distance(sqrt(squared), splat.radius);
+    return Coverage(inside || in_center, moved_depth(splat, rho * rho, view), rho);
 }
 
 fn is_sphere() -> bool {

@@ -1,15 +1,16 @@
-//! Opaque splats (`squares`, `circles`): the nearest wins, ties by content.
+//! Opaque splats (`squares`, `circles`, `paraboloid`, `cone`, `sphere`): the nearest wins, ties by content.
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
 use super::bands::{self, Band};
 use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
-use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
-use crate::scene::Falloff;
+use crate::passes::raster::{ChunkGroup, Raster, RasterPush};
+use crate::passes::tiles::SEGMENT;
+use crate::scene::{Falloff, Relief};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -54,6 +55,11 @@ pass! {
     }
 }
 
+/// The variant of the passes that find the nearest splats, for a walker's.
+pub fn relief_variant(walker: Variant, relief: Relief) -> Variant {
+    walker.with("RELIEF", relief as u32)
+}
+
 /// Device bytes per pixel of a window.
 pub const PIXEL_BYTES: u64 = 8;
 
@@ -69,12 +75,13 @@ impl Default for Opaque {
 }
 
 impl Opaque {
-    /// Renders a window into the target; `wide` says whether 64-bit atomics are used.
+    /// Renders a window into the target; `wide` says whether 64-bit atomics are used, `relief` how far fragments are moved.
     pub fn render(
         &mut self,
         device: &Device,
         raster: &Raster<'_>,
         wide: bool,
+        relief: Relief,
         target: &Target,
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
@@ -86,11 +93,13 @@ impl Opaque {
         recorder.fill("splat/clear", nearest, u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
         let all = &Band::whole(raster.window, 0);
+        let moved = |variant| relief_variant(variant, relief);
         if wide {
-            raster.record(&mut recorder, all, |chunk: Chunk<'_>| Nearest { chunk, nearest: nearest.cast() })?;
+            let packed = nearest.cast();
+            raster.record_variant(&mut recorder, all, |chunk| Nearest { chunk, nearest: packed }, SEGMENT, moved)?;
         } else {
-            raster.record(&mut recorder, all, |chunk: Chunk<'_>| NearestDepth { chunk, nearest })?;
-            raster.record(&mut recorder, all, |chunk: Chunk<'_>| NearestId { chunk, nearest })?;
+            raster.record_variant(&mut recorder, all, |chunk| NearestDepth { chunk, nearest }, SEGMENT, moved)?;
+            raster.record_variant(&mut recorder, all, |chunk| NearestId { chunk, nearest }, SEGMENT, moved)?;
         }
         let cut = Cut::new(device, raster.cloud.len())?;
         let composing = Composing::new(raster.cloud, cut);

@@ -6,7 +6,7 @@ use super::Picture;
 use super::coverage::{Shape, Splat, footprint};
 use crate::camera::Camera;
 use crate::points::Points;
-use crate::scene::ScreenSplats;
+use crate::scene::{Relief, ScreenSplats};
 
 /// The splat that an opaque method draws for a point: the radius times `size`, clamped to `max_pixel_radius`.
 pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplats) -> Splat {
@@ -19,7 +19,17 @@ pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplat
     }
 }
 
-/// The whole image: the smallest z wins, the smaller index among equal ones; opacity is ignored. `colors` holds a color
+/// How far a fragment moves toward the viewer, in drawn radii: w of Schütz and Wimmer 2015.
+fn moved(relief: Relief, rho: f64) -> f64 {
+    match relief {
+        Relief::Flat => 0.0,
+        Relief::Paraboloid => 1.0 - rho * rho,
+        Relief::Cone => 1.0 - rho,
+        Relief::Sphere => (1.0 - rho * rho).sqrt(),
+    }
+}
+
+/// The whole image: the smallest z wins, after fragments have moved toward the viewer by as much as `relief` says, the smaller index among equal ones; opacity is ignored. `colors` holds a color
 /// for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
@@ -28,18 +38,23 @@ pub fn render(
     colors: &[DVec3],
     shape: Shape,
     settings: &ScreenSplats,
+    relief: Relief,
 ) -> Picture {
     let pixels = size[0] as usize * size[1] as usize;
     let mut nearest: Vec<Option<usize>> = vec![None; pixels];
     let mut depth = vec![f64::INFINITY; pixels];
     let mut counts = vec![0; pixels];
     for index in 0..points.len() {
-        for pixel in footprint(camera, size, &splat(points, index, shape, settings)) {
+        let splat = splat(points, index, shape, settings);
+        let at_center = camera.pixels_per_unit(camera.to_view(splat.position).z, size[1]);
+        let radius = splat.radius.min(splat.max_pixel_radius / at_center);
+        for pixel in footprint(camera, size, &splat) {
+            let z = pixel.z - moved(relief, pixel.rho) * radius;
             let at = pixel.y as usize * size[0] as usize + pixel.x as usize;
             counts[at] += 1;
             // Points come in the order of their index, so an equal depth leaves the smaller one in place.
-            if pixel.z < depth[at] {
-                depth[at] = pixel.z;
+            if z < depth[at] {
+                depth[at] = z;
                 nearest[at] = Some(index);
             }
         }

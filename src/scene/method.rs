@@ -3,9 +3,9 @@
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
 use super::settings::{
-    BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_ENSEMBLES, MAX_K, MAX_LAYERS,
-    MAX_SAMPLES, MAX_SHELLS, Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr,
-    SpbrSimplified, Stochastic,
+    BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, MAX_ENSEMBLES,
+    MAX_K, MAX_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout,
+    Spbr, SpbrSimplified, SplatShape, Stochastic,
 };
 use super::table::{Range, Table};
 use super::tree::Value;
@@ -26,6 +26,9 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "points" => Method::Points,
         "squares" => Method::Squares(splats(table)?),
         "circles" => Method::Circles(splats(table)?),
+        "paraboloid" => Method::Paraboloid(interpolated(table)?),
+        "cone" => Method::Cone(interpolated(table)?),
+        "sphere" => Method::Sphere(splats(table)?),
         "abuffer" => Method::ABuffer(discs(table)?),
         "linked-list" => Method::LinkedList(discs(table)?),
         "sorted" => Method::Sorted(discs(table)?),
@@ -76,6 +79,11 @@ fn splats(table: &Table<'_>) -> Result<ScreenSplats, Error> {
         size: table.number32("size", Range::NOT_NEGATIVE)?.unwrap_or(default.size),
         max_pixel_radius: table.number32("max_pixel_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.max_pixel_radius),
     })
+}
+
+fn interpolated(table: &Table<'_>) -> Result<Interpolated, Error> {
+    let shapes = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
+    Ok(Interpolated { splats: splats(table)?, shape: table.choice("shape", &shapes)?.unwrap_or_default() })
 }
 
 fn discs(table: &Table<'_>) -> Result<Discs, Error> {

@@ -366,6 +366,40 @@ impl Default for OneLayer {
     }
 }
 
+/// Settings of `paraboloid` and `cone`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Interpolated {
+    /// Size and clamp.
+    pub splats: ScreenSplats,
+    /// `shape`.
+    pub shape: SplatShape,
+}
+
+/// Outline of an opaque splat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SplatShape {
+    /// `"circle"`
+    #[default]
+    Circle,
+    /// `"square"`
+    Square,
+}
+
+/// How far the fragments of an opaque splat move toward the viewer, in drawn radii, at the distance ρ from its centre, in
+/// radii (Schütz and Wimmer 2015).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Relief {
+    /// Not at all.
+    #[default]
+    Flat = 0,
+    /// 1 − ρ².
+    Paraboloid = 1,
+    /// 1 − ρ.
+    Cone = 2,
+    /// √(1 − ρ²).
+    Sphere = 3,
+}
+
 /// Settings of `spbr`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spbr {
@@ -422,6 +456,13 @@ pub enum Method {
     Squares(ScreenSplats),
     /// Opaque screen-aligned discs.
     Circles(ScreenSplats),
+    /// Opaque splats whose fragments move toward the viewer by a paraboloid, so that splats meet half-way (Schütz and Wimmer
+    /// 2015).
+    Paraboloid(Interpolated),
+    /// The same by a cone.
+    Cone(Interpolated),
+    /// The same by a sphere.
+    Sphere(ScreenSplats),
     /// Exact order-independent transparency (MCTB12).
     ABuffer(Discs),
     /// The same image through linked lists (YHGT10).
@@ -482,6 +523,9 @@ impl Method {
             Self::Points => "points",
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
+            Self::Paraboloid(_) => "paraboloid",
+            Self::Cone(_) => "cone",
+            Self::Sphere(_) => "sphere",
             Self::ABuffer(_) => "abuffer",
             Self::LinkedList(_) => "linked-list",
             Self::Sorted(_) => "sorted",
@@ -518,6 +562,9 @@ impl Method {
             | Self::Points
             | Self::Squares(_)
             | Self::Circles(_)
+            | Self::Paraboloid(_)
+            | Self::Cone(_)
+            | Self::Sphere(_)
             | Self::Hqs(_)
             | Self::Splats(_)
             | Self::SoftBase(_)
@@ -534,6 +581,16 @@ impl Method {
         match self {
             Self::ABuffer(discs) | Self::LinkedList(discs) => Some(discs),
             _ => None,
+        }
+    }
+
+    /// How far its fragments move toward the viewer.
+    pub fn relief(&self) -> Relief {
+        match self {
+            Self::Paraboloid(_) => Relief::Paraboloid,
+            Self::Cone(_) => Relief::Cone,
+            Self::Sphere(_) => Relief::Sphere,
+            _ => Relief::Flat,
         }
     }
 

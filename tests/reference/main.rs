@@ -10,7 +10,9 @@ use pellucid::points::Points;
 use pellucid::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
 use pellucid::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
 use pellucid::reference::{Picture, abuffer, scan, shading, sorted, splat};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Raster, ScreenSplats, Shading, ShadingModel};
+use pellucid::scene::{
+    ColorSpace, DiscShape, Discs, Falloff, Light, Raster, Relief, ScreenSplats, Shading, ShadingModel,
+};
 
 /// Rounding of a few dozen float64 operations on values of order 10.
 const ROUNDING: f64 = 1e-12;

@@ -35,8 +35,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats, Shading,
-    Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats,
+    Shading, SplatShape, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -517,10 +517,17 @@ impl Renderer {
             Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
             Method::Spbr(_) | Method::SpbrSimplified(_) => unreachable!("rendered by ensembles"),
-            Method::Auto(_) | Method::Points | Method::Squares(_) | Method::Circles(_) => {
+            Method::Auto(_)
+            | Method::Points
+            | Method::Squares(_)
+            | Method::Circles(_)
+            | Method::Paraboloid(_)
+            | Method::Cone(_)
+            | Method::Sphere(_) => {
                 if !work.survey {
                     let raster = projected.raster(&self.tiles);
-                    self.opaque.render(&self.device, &raster, self.wide_atomics, &self.target, work.timeline)?;
+                    let (wide, relief) = (self.wide_atomics, frame.method.relief());
+                    self.opaque.render(&self.device, &raster, wide, relief, &self.target, work.timeline)?;
                     self.progress.inc(bands::pixels(window));
                 }
                 Outcome::Done
@@ -872,7 +879,10 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
     let (footprint, settings) = match (frame.method, frame.method.discs()) {
         (_, Some(discs)) => (abuffer::footprint(discs.shape), UNCLAMPED),
         (Method::Squares(splats), _) => (Footprint::Square, splats),
-        (Method::Circles(splats), _) => (Footprint::Disc, splats),
+        (Method::Circles(splats) | Method::Sphere(splats), _) => (Footprint::Disc, splats),
+        (Method::Paraboloid(Interpolated { splats, shape }) | Method::Cone(Interpolated { splats, shape }), _) => {
+            (if shape == SplatShape::Square { Footprint::Square } else { Footprint::Disc }, splats)
+        }
         (Method::Hqs(blended), _) => (Footprint::Disc, blended.splats),
         (Method::Splats(blended), _) => (Footprint::Oriented, blended.splats),
         _ => (Footprint::Point, UNCLAMPED),

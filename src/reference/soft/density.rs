@@ -13,7 +13,7 @@ pub struct Strength {
 }
 
 /// Optical depth of a chord that is asked to be opaque: so is whatever can be told from none of it.
-const OPAQUE: f64 = 1e30;
+const OPAQUE: f64 = 1e20;
 
 impl Strength {
     /// From the density that was asked for, and the median radius of the soft points.

@@ -6,8 +6,8 @@ use crate::methods::soft::SoftModel;
 use crate::passes::project::Parts;
 use crate::points::Points;
 use crate::scene::{
-    self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, LongLists, Method, OneLayer, Peel, Raster,
-    ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
+    self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, Method, OneLayer, Peel,
+    Raster, ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
 };
 
 /// What several methods draw alike, each in its way.
@@ -205,6 +205,9 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
     for opaque in [
         Method::Points,
         Method::Squares(ScreenSplats::default()),
+        Method::Paraboloid(Interpolated::default()),
+        Method::Cone(Interpolated::default()),
+        Method::Sphere(ScreenSplats::default()),
         Method::Hqs(BlendedSplats::default()),
         Method::Splats(BlendedSplats::default()),
     ] {
