@@ -69,11 +69,17 @@ fn fragments_move_by_the_drawn_radius() {
     let plain = ScreenSplats::default();
     let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
     let z = alone(Shape::Disc, plain, Relief::Paraboloid);
-    (near(z[middle], 3.0), near(z[beside], 5.0 - 2.0 * 0.75), near(z[corner], 5.0 - 2.0 * 0.5));
+    near(z[middle], 3.0);
+    near(z[beside], 5.0 - 2.0 * 0.75);
+    near(z[corner], 5.0 - 2.0 * 0.5);
     let z = alone(Shape::Disc, plain, Relief::Cone);
-    (near(z[middle], 3.0), near(z[beside], 4.0), near(z[corner], 3.0 + 2f64.sqrt()));
+    near(z[middle], 3.0);
+    near(z[beside], 4.0);
+    near(z[corner], 3.0 + 2f64.sqrt());
     let z = alone(Shape::Disc, plain, Relief::Sphere);
-    (near(z[middle], 3.0), near(z[beside], 5.0 - 3f64.sqrt()), near(z[corner], 5.0 - 2f64.sqrt()));
+    near(z[middle], 3.0);
+    near(z[beside], 5.0 - 3f64.sqrt());
+    near(z[corner], 5.0 - 2f64.sqrt());
     // A square's corner lies √2 radii out, where a paraboloid is as far behind the centre as its apex is before it.
     let z = alone(Shape::Square, plain, Relief::Paraboloid);
     near(z[2 * 9 + 6], 7.0);
