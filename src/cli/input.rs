@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
-use pellucid::points::Points;
+use pellucid::points::{Arranged, Points};
 use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
 
 use super::talk::Talk;
@@ -72,8 +72,8 @@ pub struct Resolved {
     pub name: String,
     /// All settings.
     pub scene: Scene,
-    /// All points, in canonical order.
-    pub points: Points,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
     /// The camera, given or automatic.
     pub camera: Camera,
     /// `--seed`.
@@ -81,6 +81,11 @@ pub struct Resolved {
 }
 
 impl Resolved {
+    /// All points.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+
     /// The metadata of an image. `method` and `device` are what was taken in the end.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
@@ -153,14 +158,14 @@ pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<R
     }
     scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
     let up = scene::up_axis(&clouds);
-    let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), progress)?;
-    let (camera, warnings) = scene::camera(&scene, &points, up)?;
+    let arranged = scene::arrange(&scene, clouds, args.seed, progress)?;
+    let (camera, warnings) = scene::camera(&scene, arranged.points(), up)?;
     for warning in scene.warnings.iter().chain(&warnings) {
         talk.warn(warning);
     }
     let names: Vec<_> = args.inputs.iter().map(|input| input.display().to_string()).collect();
     let name = if names.is_empty() { DEFAULT_SCENE.to_owned() } else { names.join(" ") };
-    Ok(Resolved { name, scene, points, camera, seed: args.seed })
+    Ok(Resolved { name, scene, arranged, camera, seed: args.seed })
 }
 
 fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Result<(Scene, Vec<Cloud>)> {

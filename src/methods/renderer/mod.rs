@@ -1,5 +1,6 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
+mod arranged;
 mod bytes;
 mod parts;
 
