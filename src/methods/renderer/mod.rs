@@ -142,6 +142,8 @@ pub struct Facts {
     pub slots: u64,
     /// How the nearest points of ensembles are found.
     pub form: Option<Form>,
+    /// Whether points of ensembles may cover more pixels than one invocation walks.
+    pub listed: bool,
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
     pub thin: Vec<Thin>,
     /// Points that are not soft, of methods that tell; the others are.
@@ -786,8 +788,7 @@ impl Renderer {
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
         if let Some(stderr) = &mut image.stderr {
             let dealt = frame.method.is_dealt();
-            let errors =
-                if dealt { self.ensembles.read_stderr(window)? } else { self.sampler.read_stderr(window)? };
+            let errors = if dealt { self.ensembles.read_stderr(window)? } else { self.sampler.read_stderr(window)? };
             place_counts(frame, window, &errors, stderr);
         }
         if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {

@@ -4,8 +4,8 @@ use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
-use crate::methods::spbr::{self, Form};
 use crate::methods::soft::{self, Interior, SoftModel, Spheres};
+use crate::methods::spbr::{self, Form};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -152,6 +152,7 @@ impl Renderer {
         (facts.ensembles, facts.form) = (drawn, Some(form));
         facts.slots = shares.iter().map(|s| spbr::slots_of(s, ensembles, drawn)).sum();
         facts.thin = spbr::thin(&shares);
+        facts.listed = spbr::is_listed(&shares);
         if !work.survey {
             cloud.set_view(&frame.camera, frame.size, window, &how);
             let (budget, method, seed, progress) = (work.budget, frame.method, frame.seed, &self.progress);
