@@ -328,7 +328,7 @@ mod tests {
         small[10] = [1.0; 4];
         assert_eq!(of(&grey, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
         // Numbers that are none, and colors beyond 1 that stay.
-        assert_eq!(of(&vec![[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &grey).factor, 1.0);
+        assert_eq!(of(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &grey).factor, 1.0);
         let mut bright = [[2.0, 0.4, -0.5, 0.5], [0.7, 0.1, 0.0, 1.0]];
         brighten(&mut bright, 2.0);
         assert_eq!(bright, [[2.0, 0.8, -1.0, 0.5], [1.0, 0.2, 0.0, 1.0]]);
