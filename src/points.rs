@@ -1,6 +1,7 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::cloud::Bounds;
 
@@ -43,5 +44,46 @@ impl Points {
     /// The scene's box; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.positions.iter().copied())
+    }
+
+    /// The same points in another order: place i gets the point that stands at `from(i)`. Column by column, each freed as
+    /// soon as it is copied, since a hundred million points are too many to hold twice.
+    pub(crate) fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
+        fn pick<T: Copy + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+            (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
+        }
+        Self {
+            positions: pick(self.positions, &from),
+            colors: pick(self.colors, &from),
+            opacities: pick(self.opacities, &from),
+            radii: pick(self.radii, &from),
+            normals: self.normals.map(|normals| pick(normals, &from)),
+            file_order: pick(self.file_order, &from),
+            fields: pick(self.fields, &from),
+        }
+    }
+
+    /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
+    /// forgotten.
+    pub(crate) fn append(&mut self, more: Self) {
+        if self.is_empty() {
+            *self = Self { file_order: Vec::new(), ..more };
+            return;
+        }
+        let (before, added) = (self.len(), more.len());
+        self.normals = match (self.normals.take(), more.normals) {
+            (None, None) => None,
+            (own, other) => {
+                let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
+                normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
+                Some(normals)
+            }
+        };
+        self.positions.extend(more.positions);
+        self.colors.extend(more.colors);
+        self.opacities.extend(more.opacities);
+        self.radii.extend(more.radii);
+        self.fields.extend(more.fields);
+        self.file_order = Vec::new();
     }
 }

@@ -9,8 +9,15 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
 
+use super::{density, order};
 use crate::points::Points;
+use crate::random::{key, threefry2x32};
+
+/// Told apart from it, the words that shuffle have nothing to do with those that decide what is drawn.
+const SHUFFLE: u32 = 0x7368_7566;
 
 /// What is known of one cloud.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +26,8 @@ pub struct Surface {
     pub points: Range<u64>,
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
-    /// Points for each unit of a surface's area (world units squared), by counting spheres; 0 if it has no area.
+    /// Points for each unit of a surface's area (world units squared), by counting spheres (Tanaka et al. 2016, Section
+    /// 3.2.1, less its biases: rims, the spheres' own centres). 0 if the points are too few to tell or all in one place.
     pub density: f64,
     /// Largest opacity α of its points, in [0, 1]: that of its surface.
     pub opacity: f32,
@@ -38,4 +46,42 @@ pub struct Dealt {
 pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     let bound = |e: u64| (u128::from(slots) * u128::from(e) / u128::from(ensembles)) as u64;
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
+}
+
+/// Puts each cloud into canonical order, shuffles it by the seed, finds its density, and puts one behind the other. Clouds
+/// without points are left out.
+///
+/// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical order
+/// goes behind all those with smaller words, the first of [`threefry2x32`] with counter \[i, place of the cloud\] and the
+/// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
+/// every machine. `progress` counts points, each of them twice.
+pub fn deal(clouds: Vec<Points>, seed: u64, progress: &ProgressBar) -> Dealt {
+    progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
+    let mut dealt = Dealt::default();
+    for cloud in clouds {
+        let Some(bounds) = cloud.bounds() else { continue };
+        let place = dealt.surfaces.len() as u32;
+        let cloud = shuffled(order::canonical(cloud), place, seed);
+        progress.inc(cloud.len() as u64);
+        let first = dealt.points.len() as u64;
+        dealt.surfaces.push(Surface {
+            points: first..first + cloud.len() as u64,
+            center: bounds.center(),
+            density: density::estimate(&cloud.positions, progress),
+            opacity: cloud.opacities.iter().copied().fold(0.0, f32::max),
+        });
+        dealt.points.append(cloud);
+    }
+    dealt
+}
+
+fn shuffled(mut cloud: Points, place: u32, seed: u64) -> Points {
+    // Random order knows no files.
+    cloud.file_order = Vec::new();
+    let [low, high] = key(seed);
+    let word = |i: u32| threefry2x32([i, place], [low, high ^ SHUFFLE])[0];
+    // Points are counted in 32 bits: more of them don't fit any device.
+    let mut order: Vec<(u32, u32)> = (0..cloud.len()).into_par_iter().map(|i| (word(i as u32), i as u32)).collect();
+    order.par_sort_unstable();
+    cloud.in_order(|i| order[i].1 as usize)
 }

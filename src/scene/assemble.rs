@@ -78,7 +78,7 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
     let mut points = Points::default();
     for (settings, cloud) in scene.clouds.iter().zip(clouds) {
         let request = request(settings, needs_radii, scene.method.needs_field());
-        append(&mut points, transformed(settings, cloud, &request, progress)?);
+        points.append(transformed(settings, cloud, &request, progress)?);
     }
     if points.is_empty() {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
@@ -155,26 +155,4 @@ fn drop_non_finite(points: &mut Points) {
 fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     column.retain(|_| keep.next().copied().unwrap_or(false));
-}
-
-/// Puts `more` behind `points`; whoever has no normals gets zeros if the other has some.
-fn append(points: &mut Points, more: Points) {
-    if points.is_empty() {
-        *points = more;
-        return;
-    }
-    let (before, added) = (points.len(), more.len());
-    points.normals = match (points.normals.take(), more.normals) {
-        (None, None) => None,
-        (own, other) => {
-            let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
-            normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
-            Some(normals)
-        }
-    };
-    points.positions.extend(more.positions);
-    points.colors.extend(more.colors);
-    points.opacities.extend(more.opacities);
-    points.radii.extend(more.radii);
-    points.fields.extend(more.fields);
 }

@@ -1,0 +1,237 @@
+//! Stochastic point-based rendering (Tanaka et al., "See-through imaging of laser-scanned 3D cultural heritage objects
+//! based on stochastic rendering of large-scale point clouds", 2016; Uchida et al., "Noise-robust transparent visualization
+//! of large-scale point clouds acquired by laser scanning", 2020): opaque images of random parts of the points, and their
+//! mean.
+//!
+//! A surface of opacity α is to leave a pixel free with probability 1 − α in each image. Points on it are as good as
+//! independent, so that m of them on average over the area of a pixel leave it free with probability e^(−m), and
+//! m = −ln(1 − α) (Eq. 1 in the limit of many pixels: [`opacity`]).
+
+use glam::{DVec2, DVec3};
+
+use super::Picture;
+use crate::camera::{Camera, Projection};
+use crate::prepare::ensembles::{Dealt, Surface, slots};
+use crate::random::{key, threefry2x32};
+use crate::scene::{Spbr, SpbrSimplified};
+
+/// What the two methods differ in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rule {
+    /// L.
+    pub ensembles: u32,
+    /// Whether points are left out or copied until their surface has its opacity, and a point weighs as much as its own
+    /// opacity asks for; else all of them are dealt, once.
+    pub adjust: bool,
+    /// Whether a slanted surface has as many points over a pixel as its slant brings there (Eq. 2).
+    pub cos_theta: bool,
+}
+
+impl From<Spbr> for Rule {
+    fn from(settings: Spbr) -> Self {
+        Self { ensembles: settings.ensembles, adjust: true, cos_theta: settings.cos_theta }
+    }
+}
+
+impl From<SpbrSimplified> for Rule {
+    fn from(settings: SpbrSimplified) -> Self {
+        Self { ensembles: settings.ensembles, adjust: false, cos_theta: true }
+    }
+}
+
+/// The opacity of `points` points of one pixel's area, dropped at random, for each pixel: 1 − e^(−m).
+pub fn opacity(points: f64) -> f64 {
+    -(-points).exp_m1()
+}
+
+/// The inverse: −ln(1 − α) points over a pixel for the opacity α, infinite for 1.
+pub fn points_per_pixel(alpha: f64) -> f64 {
+    -(-alpha).ln_1p()
+}
+
+/// Eq. 1 of the paper: the opacity of an area S that holds n points of the cross-section s.
+pub fn opacity_of_segment(points: f64, section_by_area: f64) -> f64 {
+    1.0 - (1.0 - section_by_area).powf(points)
+}
+
+/// Eq. 2 in the limit of many pixels: the opacity of a surface whose normal and the direction to the viewer have this
+/// cosine, if it has the opacity `alpha` where they agree.
+pub fn slanted(alpha: f64, cos: f64) -> f64 {
+    opacity(points_per_pixel(alpha) / cos.abs())
+}
+
+/// Alpha blending of two surfaces: color and opacity of `front` before `back`, colors premultiplied.
+pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
+    (front.0 + (1.0 - front.1) * back.0, front.1 + (1.0 - front.1) * back.1)
+}
+
+/// How a cloud is dealt under a camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// z of the cloud's center, not before `near`: where a point is one pixel wide. Unused in an orthographic view.
+    pub depth: f64,
+    /// The ratio k = L·(−ln(1 − α)) / (s ρ) of points dealt to points there are, before it is cut to L. 1 for a rule that
+    /// doesn't adjust.
+    pub ratio: f64,
+    /// M = round(k N), of all ensembles together.
+    pub slots: u64,
+}
+
+/// Of a cloud without density k is infinite: its points are in every ensemble. Of one that is not to be seen it is 0.
+pub fn share(camera: &Camera, height: u32, surface: &Surface, rule: &Rule) -> Share {
+    let depth = camera.to_view(surface.center).z.max(camera.near);
+    let points = surface.points.end - surface.points.start;
+    if !rule.adjust {
+        return Share { depth, ratio: 1.0, slots: points };
+    }
+    let section = camera.pixels_per_unit(depth, height).powi(-2);
+    let wanted = points_per_pixel(f64::from(surface.opacity));
+    let ensembles = f64::from(rule.ensembles);
+    let ratio = if wanted == 0.0 { 0.0 } else { ensembles * wanted / (section * surface.density) };
+    Share { depth, ratio, slots: (ratio.min(ensembles) * points as f64).round() as u64 }
+}
+
+/// Pixels that the point at `index` covers, with its depth: a fraction of one as often as that says.
+fn footprint(scene: &View<'_>, surface: &Surface, share: &Share, index: u64, ensemble: u32) -> Option<(Vec<u32>, f64)> {
+    let View { camera, size, dealt, rule, seed } = *scene;
+    let index = index as usize;
+    let position = dealt.points.positions[index];
+    let (at, z) = camera.project(position, size);
+    let perspective = matches!(camera.projection, Projection::Perspective { .. });
+    if !position.is_finite() || z < camera.near || z > camera.far || (perspective && z <= 0.0) {
+        return None;
+    }
+    let nearer = if perspective { share.depth / z } else { 1.0 };
+    let own = if rule.adjust { weight(dealt.points.opacities[index].into(), surface.opacity.into()) } else { 1.0 };
+    let area = nearer * nearer * own * slant(scene, index);
+    let [width, height] = size.map(i64::from);
+    let (columns, rows) = if area < 1.0 {
+        let [low, high] = key(seed);
+        let word = threefry2x32([index as u32, ensemble], [low, high])[0];
+        if f64::from(word) >= area * 4_294_967_296.0 {
+            return None;
+        }
+        let DVec2 { x, y } = at.floor();
+        (x as i64..x as i64 + 1, y as i64..y as i64 + 1)
+    } else {
+        // Centers from the lower side on, the upper one left out.
+        let half = 0.5 * area.sqrt();
+        let centers = |at: f64| (at - half - 0.5).ceil() as i64..(at + half - 0.5).ceil() as i64;
+        (centers(at.x), centers(at.y))
+    };
+    let columns = columns.start.max(0)..columns.end.min(width);
+    let rows = rows.start.max(0)..rows.end.min(height);
+    let pixels = rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as u32)).collect();
+    Some((pixels, z))
+}
+
+/// The share of a point with its own opacity of those with that of the surface.
+fn weight(own: f64, surface: f64) -> f64 {
+    if own == surface { 1.0 } else { points_per_pixel(own) / points_per_pixel(surface) }
+}
+
+/// |cos θ| of a point's normal where the rule wants it, else 1.
+fn slant(scene: &View<'_>, index: usize) -> f64 {
+    let normal = scene.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
+    let to_viewer = match scene.camera.projection {
+        Projection::Perspective { .. } => (scene.camera.eye - scene.dealt.points.positions[index]).normalize_or_zero(),
+        Projection::Orthographic { .. } => -scene.camera.forward,
+    };
+    match normal {
+        Some(normal) if !scene.rule.cos_theta => normal.dot(to_viewer).abs(),
+        _ => 1.0,
+    }
+}
+
+/// What an image is made from.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    camera: &'a Camera,
+    size: [u32; 2],
+    dealt: &'a Dealt,
+    rule: Rule,
+    seed: u64,
+}
+
+/// The image, and the standard error of each pixel's color, infinite if there is one ensemble alone. A is the share of
+/// ensembles that drew something on a pixel, `counts` how many points they drew there in all, the hidden ones included.
+///
+/// `colors` holds a color for each point, shaded and in the space that blending runs in ([`super::shading::shade`]).
+pub fn render(
+    camera: &Camera,
+    size: [u32; 2],
+    dealt: &Dealt,
+    colors: &[DVec3],
+    rule: &Rule,
+    seed: u64,
+) -> (Picture, Vec<DVec3>) {
+    render_with(camera, size, dealt, colors, rule, seed, slots)
+}
+
+/// As [`render`], with the slots of an ensemble, of how many in how many ensembles, from elsewhere.
+pub fn render_with(
+    camera: &Camera,
+    size: [u32; 2],
+    dealt: &Dealt,
+    colors: &[DVec3],
+    rule: &Rule,
+    seed: u64,
+    slots: impl Fn(u64, u32, u32) -> std::ops::Range<u64>,
+) -> (Picture, Vec<DVec3>) {
+    let view = View { camera, size, dealt, rule: *rule, seed };
+    let count = size[0] as usize * size[1] as usize;
+    let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
+    let mut depth = vec![f64::INFINITY; count];
+    let mut counts = vec![0u32; count];
+    for ensemble in 0..rule.ensembles {
+        let image = draw(&view, ensemble, &slots, &mut counts);
+        for (pixel, (z, index)) in image.into_iter().enumerate() {
+            if let Some(index) = index {
+                let (sum, squares, drawn) = &mut sums[pixel];
+                let color = colors[index as usize];
+                *sum += color;
+                *squares += color * color;
+                *drawn += 1;
+                depth[pixel] = depth[pixel].min(z);
+            }
+        }
+    }
+    let ensembles = f64::from(rule.ensembles);
+    let mean =
+        |&(sum, _, drawn): &(DVec3, DVec3, u32)| (sum / ensembles).extend(f64::from(drawn) / ensembles).to_array();
+    let stderr = |&(sum, squares, _): &(DVec3, DVec3, u32)| match rule.ensembles {
+        1 => DVec3::INFINITY,
+        // The spread of the ensembles around their mean, over L (L − 1).
+        _ => ((squares - sum * sum / ensembles).max(DVec3::ZERO) / (ensembles * (ensembles - 1.0))).map(f64::sqrt),
+    };
+    let rgba = sums.iter().map(mean).collect();
+    let stderr = sums.iter().map(stderr).collect();
+    (Picture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
+}
+
+/// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
+fn draw(
+    view: &View<'_>,
+    ensemble: u32,
+    slots: impl Fn(u64, u32, u32) -> std::ops::Range<u64>,
+    counts: &mut [u32],
+) -> Vec<(f64, Option<u64>)> {
+    let mut image = vec![(f64::INFINITY, None); counts.len()];
+    for surface in &view.dealt.surfaces {
+        let share = share(view.camera, view.size[1], surface, &view.rule);
+        let points = surface.points.end - surface.points.start;
+        for slot in slots(share.slots, view.rule.ensembles, ensemble) {
+            let index = surface.points.start + slot % points;
+            let Some((pixels, z)) = footprint(view, surface, &share, index, ensemble) else { continue };
+            for pixel in pixels {
+                counts[pixel as usize] += 1;
+                let nearest = &mut image[pixel as usize];
+                // Strictly: `far` may be infinite, but no drawn point is.
+                if z < nearest.0 {
+                    *nearest = (z, Some(index));
+                }
+            }
+        }
+    }
+    image
+}
