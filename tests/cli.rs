@@ -7,6 +7,7 @@ mod cli {
     mod ci;
     mod compare;
     mod failures;
+    mod frames;
     mod measure;
     mod prepare;
     mod render;

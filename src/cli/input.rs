@@ -18,7 +18,7 @@ const DEFAULT_SCENE: &str = "garden";
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
+    /// A scene file (.toml) or one or more point clouds, or pictures that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
@@ -108,9 +108,18 @@ impl InputArgs {
 
     /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
     pub fn default_output(&self) -> PathBuf {
+        self.named(".png")
+    }
+
+    /// As [`InputArgs::default_output`], for numbered pictures.
+    pub fn default_pattern(&self) -> PathBuf {
+        self.named("_%02d.png")
+    }
+
+    fn named(&self, end: &str) -> PathBuf {
         let stem = self.inputs.first().and_then(|input| input.file_stem());
         let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
-        name.push(".png");
+        name.push(end);
         name.into()
     }
 
@@ -150,22 +159,61 @@ impl InputArgs {
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
 pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    read(args, talk, progress)?.resolve(None, talk, progress)
+}
+
+/// A scene and its clouds as they were read.
+#[derive(Clone)]
+pub struct Loaded {
+    name: String,
+    scene: Scene,
+    /// Those of the scene, in its order.
+    clouds: Vec<Cloud>,
+    seed: u64,
+}
+
+impl Loaded {
+    /// How many clouds there are.
+    pub fn count(&self) -> usize {
+        self.clouds.len()
+    }
+
+    /// The scene with the first `count` of its clouds alone.
+    pub fn first(&self, count: usize) -> Self {
+        let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
+        scene.clouds.truncate(count);
+        clouds.truncate(count);
+        Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+    }
+
+    /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
+    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let Self { name, scene, clouds, seed } = self;
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        let up = scene::up_axis(&clouds);
+        let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        let (camera, warnings) = match given {
+            Some(camera) => (camera, Vec::new()),
+            None => scene::camera(&scene, arranged.points(), up)?,
+        };
+        for warning in scene.warnings.iter().chain(&warnings) {
+            talk.warn(warning);
+        }
+        Ok(Resolved { name, scene, arranged, camera, seed })
+    }
+}
+
+/// Reads the inputs and applies the options.
+pub fn read(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
     let overrides = args.overrides()?;
     let (mut scene, clouds) = load(args, &overrides, progress)?;
     scene.camera.view = args.view();
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, talk);
     }
-    scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
-    let up = scene::up_axis(&clouds);
-    let arranged = scene::arrange(&scene, clouds, args.seed, progress)?;
-    let (camera, warnings) = scene::camera(&scene, arranged.points(), up)?;
-    for warning in scene.warnings.iter().chain(&warnings) {
-        talk.warn(warning);
-    }
     let names: Vec<_> = args.inputs.iter().map(|input| input.display().to_string()).collect();
     let name = if names.is_empty() { DEFAULT_SCENE.to_owned() } else { names.join(" ") };
-    Ok(Resolved { name, scene, arranged, camera, seed: args.seed })
+    Ok(Loaded { name, scene, clouds, seed: args.seed })
 }
 
 fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Result<(Scene, Vec<Cloud>)> {

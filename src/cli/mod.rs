@@ -3,6 +3,7 @@
 mod compare;
 mod compare_profiles;
 mod devices;
+mod frames;
 mod info;
 mod input;
 mod limit;

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
+use pellucid::image::Image;
+use pellucid::methods::brightness::{self, Applied};
 use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::profile::Profile;
@@ -107,6 +109,13 @@ impl Session {
         let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
         self.device.check_validation()?;
         Ok(rendered)
+    }
+
+    /// Brightens a frame's image if its method is to do so; by how much.
+    pub fn brighten(&mut self, image: &mut Image) -> Result<Option<Applied>> {
+        let applied = brightness::apply(&mut self.renderer, &mut self.cloud, &self.frame, image)?;
+        self.device.check_validation()?;
+        Ok(applied)
     }
 
     /// A profile without frames.
