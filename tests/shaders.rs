@@ -5,6 +5,7 @@ use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior};
+use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
     abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
@@ -164,6 +165,18 @@ fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant>
     sized.flat_map(|run| [Footprint::Disc, Footprint::Oriented].map(|footprint| of(run, footprint))).collect()
 }
 
+/// The variants of a pass that goes through slots of ensembles.
+fn slots_variants(stage: Stage, of: impl Fn(Variant) -> Vec<Variant>) -> Vec<Variant> {
+    let kinds = (0..16).map(|i| spbr::Kind {
+        weighted: i & 1 != 0,
+        slanted: i & 2 != 0,
+        squares: i & 4 != 0,
+        spread: i & 8 != 0,
+    });
+    let ways = [(None, false), (None, true), (Some(3), false)];
+    kinds.flat_map(|kind| ways.map(|(stripes, counted)| kind.variant(stage, stripes, counted))).flat_map(of).collect()
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
@@ -232,6 +245,17 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<hardware::DrawHeld>(&mut seen, draw_variants());
     check::<hardware::DrawSums>(&mut seen, draw_variants());
     check::<hardware::Fold>(&mut seen, stochastic().map(|(_, kind, _)| hardware::fold_variant(kind)));
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    let ways = projectings(Footprint::Point);
+    let drawn = |v: Variant| cuts.map(|cut| spbr::draw_variant(v.clone(), cut, &ways[0])).to_vec();
+    check::<spbr::Draw>(&mut seen, slots_variants(Stage::Draw, drawn));
+    check::<spbr::Nearest>(&mut seen, slots_variants(Stage::Nearest, |v| vec![v]));
+    check::<spbr::NearestDepth>(&mut seen, slots_variants(Stage::NearestDepth, |v| vec![v]));
+    check::<spbr::NearestId>(&mut seen, slots_variants(Stage::NearestId, |v| vec![v]));
+    let summed = |v: Variant| ways.iter().step_by(4).map(|how| spbr::sum_variant(v.clone(), how, true)).collect();
+    check::<spbr::Sum>(&mut seen, slots_variants(Stage::Sum, summed));
+    check::<spbr::Large>(&mut seen, [Variant::plain()]);
+    check::<spbr::Resolve>(&mut seen, [false, true].map(spbr::resolve_variant));
     check::<approximate::Weighted>(&mut seen, sum_variants());
     check::<approximate::Average>(&mut seen, sum_variants());
     check::<approximate::Unsorted>(&mut seen, sum_variants());

@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
-use pellucid::points::Points;
+use pellucid::points::{Arranged, Points};
 use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
 
 use super::talk::Talk;
@@ -72,8 +72,8 @@ pub struct Resolved {
     pub name: String,
     /// All settings.
     pub scene: Scene,
-    /// All points, in canonical order.
-    pub points: Points,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
     /// The camera, given or automatic.
     pub camera: Camera,
     /// `--seed`.
@@ -81,6 +81,11 @@ pub struct Resolved {
 }
 
 impl Resolved {
+    /// All points.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+
     /// The metadata of an image. `method` and `device` are what was taken in the end.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
@@ -186,15 +191,15 @@ impl Loaded {
         let Self { name, scene, clouds, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
         let up = scene::up_axis(&clouds);
-        let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), progress)?;
+        let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         let (camera, warnings) = match given {
             Some(camera) => (camera, Vec::new()),
-            None => scene::camera(&scene, &points, up)?,
+            None => scene::camera(&scene, arranged.points(), up)?,
         };
         for warning in scene.warnings.iter().chain(&warnings) {
             talk.warn(warning);
         }
-        Ok(Resolved { name, scene, points, camera, seed })
+        Ok(Resolved { name, scene, arranged, camera, seed })
     }
 }
 

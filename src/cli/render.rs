@@ -76,7 +76,7 @@ impl ChoiceArgs {
             talk.warn("--recalibrate has no effect without --max-error or --budget");
         }
         let method = resolved.scene.method;
-        if wish.is_any() && formation(&method, &resolved.points).is_err() {
+        if wish.is_any() && formation(&method, resolved.points()).is_err() {
             talk.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
                 method.name()
@@ -97,7 +97,7 @@ fn choose(
     talk: Talk,
 ) -> Result<Choice> {
     stage(progress, "choosing the method");
-    let (points, background, only) = (&resolved.points, resolved.scene.image.background, args.input.asked_method());
+    let (points, background, only) = (resolved.points(), resolved.scene.image.background, args.input.asked_method());
     let subject = Subject { points, frame: session.frame, background, only };
     let choice =
         choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;

@@ -38,7 +38,7 @@ impl Session {
         // On a device that was not met before, `auto` measures it first.
         stage(progress, "choosing the method");
         let Self { renderer, cloud, frame, .. } = &mut session;
-        (session.frame.method, session.why) = plan::choose(renderer, cloud, &resolved.points, frame)?;
+        (session.frame.method, session.why) = plan::choose(renderer, cloud, resolved.points(), frame)?;
         stage(progress, "rendering");
         Ok(session)
     }
@@ -68,7 +68,7 @@ impl Session {
             factors: Factors::default(),
         };
         let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload(&resolved.points)?;
+        let cloud = renderer.upload_arranged(&resolved.arranged)?;
         Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 

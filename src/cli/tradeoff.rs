@@ -98,7 +98,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    settings::formation(&resolved.scene.method, &resolved.points)?;
+    settings::formation(&resolved.scene.method, resolved.points())?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -117,7 +117,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;
-    let subject = Subject { points: &resolved.points, frame, background, scene: &resolved.name };
+    let subject = Subject { points: resolved.points(), frame, background, scene: &resolved.name };
     counted(&progress, "tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(), &args.output, &progress)?;
     stage(&progress, "writing the report");

@@ -11,9 +11,13 @@ use glam::{DVec2, DVec3};
 
 use super::Picture;
 use crate::camera::{Camera, Projection};
+use crate::cloud::Bounds;
 use crate::prepare::ensembles::{Dealt, Surface, slots};
 use crate::random::{key, threefry2x32};
 use crate::scene::{Spbr, SpbrSimplified};
+
+/// What tells the random words of this method from those of `stochastic`: "SPBR" on the second word of the key.
+const STREAM: u32 = 0x5350_4252;
 
 /// What the two methods differ in.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,27 +72,37 @@ pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
 /// How a cloud is dealt under a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
-    /// z of the cloud's center, not before `near`: where a point is one pixel wide. Unused in an orthographic view.
+    /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close to it,
+    /// half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
     pub depth: f64,
     /// The ratio k = L·(−ln(1 − α)) / (s ρ) of points dealt to points there are, before it is cut to L. 1 for a rule that
     /// doesn't adjust.
     pub ratio: f64,
     /// M = round(k N), of all ensembles together.
     pub slots: u64,
+    /// −ln(1 − α) of the opacity α that all these points bring about: the surface's, or less where k is cut to L. A point of
+    /// that opacity or a larger one counts as one.
+    pub unit: f64,
 }
 
 /// Of a cloud without density k is infinite: its points are in every ensemble. Of one that is not to be seen it is 0.
-pub fn share(camera: &Camera, height: u32, surface: &Surface, rule: &Rule) -> Share {
-    let depth = camera.to_view(surface.center).z.max(camera.near);
+pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
-    if !rule.adjust {
-        return Share { depth, ratio: 1.0, slots: points };
-    }
-    let section = camera.pixels_per_unit(depth, height).powi(-2);
+    let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
+    let corners = Bounds::of(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
+    let deepest = corners.iter().map(|corner| camera.to_view(*corner).z).fold(f64::NEG_INFINITY, f64::max);
+    let depth = camera.to_view(surface.center).z.max(0.5 * deepest).max(camera.near);
+    // Points over a pixel, if all are in every ensemble.
+    let most = surface.density / camera.pixels_per_unit(depth, height).powi(2);
     let wanted = points_per_pixel(f64::from(surface.opacity));
     let ensembles = f64::from(rule.ensembles);
-    let ratio = if wanted == 0.0 { 0.0 } else { ensembles * wanted / (section * surface.density) };
-    Share { depth, ratio, slots: (ratio.min(ensembles) * points as f64).round() as u64 }
+    let ratio = match (rule.adjust, wanted) {
+        (false, _) => 1.0,
+        (true, 0.0) => 0.0,
+        (true, _) => ensembles * wanted / most,
+    };
+    let slots = (ratio.min(ensembles) * points as f64).round() as u64;
+    Share { depth, ratio, slots, unit: wanted.min(most) }
 }
 
 /// Pixels that the point at `index` covers, with its depth: a fraction of one as often as that says.
@@ -102,12 +116,12 @@ fn footprint(scene: &View<'_>, surface: &Surface, share: &Share, index: u64, ens
         return None;
     }
     let nearer = if perspective { share.depth / z } else { 1.0 };
-    let own = if rule.adjust { weight(dealt.points.opacities[index].into(), surface.opacity.into()) } else { 1.0 };
+    let own = if rule.adjust { weight(dealt.points.opacities[index].into(), share.unit) } else { 1.0 };
     let area = nearer * nearer * own * slant(scene, index);
     let [width, height] = size.map(i64::from);
     let (columns, rows) = if area < 1.0 {
         let [low, high] = key(seed);
-        let word = threefry2x32([index as u32, ensemble], [low, high])[0];
+        let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
         if f64::from(word) >= area * 4_294_967_296.0 {
             return None;
         }
@@ -125,9 +139,10 @@ fn footprint(scene: &View<'_>, surface: &Surface, share: &Share, index: u64, ens
     Some((pixels, z))
 }
 
-/// The share of a point with its own opacity of those with that of the surface.
-fn weight(own: f64, surface: f64) -> f64 {
-    if own == surface { 1.0 } else { points_per_pixel(own) / points_per_pixel(surface) }
+/// How much of a point is wanted for an opacity, if a whole one brings about `unit` ([`Share::unit`]): never more than all.
+fn weight(opacity: f64, unit: f64) -> f64 {
+    let wanted = points_per_pixel(opacity);
+    if wanted == 0.0 { 0.0 } else { (wanted / unit).min(1.0) }
 }
 
 /// |cos θ| of a point's normal where the rule wants it, else 1.
@@ -218,7 +233,7 @@ fn draw(
 ) -> Vec<(f64, Option<u64>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
     for surface in &view.dealt.surfaces {
-        let share = share(view.camera, view.size[1], surface, &view.rule);
+        let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
         let points = surface.points.end - surface.points.start;
         for slot in slots(share.slots, view.rule.ensembles, ensemble) {
             let index = surface.points.start + slot % points;

@@ -147,21 +147,40 @@ fn the_nearest_point_wins_and_of_equal_ones_the_first() {
 #[test]
 fn shares() {
     let camera = perspective();
-    let surface = Surface { points: 10..110, center: -2.0 * DVec3::Z, density: 5.0, opacity: 0.5 };
-    // 4.5 / 2 pixels per unit; 20 ln 2 / (5 · (2/4.5)²) = 14.04 of 20.
-    let found = share(&camera, 9, &surface, &rule(20));
-    assert_close(found.ratio, 20.0 * 2f64.ln() / (5.0 * (2.0 / 4.5f64).powi(2)), ROUNDING);
+    let hundred = dealt(&[(vec![-2.0 * DVec3::Z; 100], 5.0, 0.5)]);
+    let surface = &hundred.surfaces[0];
+    // 4.5 / 2 pixels per unit: 5 · (2/4.5)² = 0.988 points over a pixel, of which 0.693 are wanted.
+    let most = 5.0 * (2.0 / 4.5f64).powi(2);
+    let found = share(&camera, 9, &hundred, surface, &rule(20));
+    assert_close(found.ratio, 20.0 * 2f64.ln() / most, ROUNDING);
+    assert_close(found.unit, 2f64.ln(), ROUNDING);
     assert_eq!((found.depth, found.slots), (2.0, 1404));
     let of = |density: f64, opacity: f32, rule: Rule| {
-        let found = share(&camera, 9, &Surface { density, opacity, ..surface.clone() }, &rule);
-        (found.ratio, found.slots)
+        let found = share(&camera, 9, &hundred, &Surface { density, opacity, ..surface.clone() }, &rule);
+        (found.ratio, found.slots, found.unit)
     };
     // More than L is L; opaque surfaces and those without a density have all points in all ensembles.
-    assert_eq!(of(0.05, 0.5, rule(20)).1, 2000);
-    assert_eq!(of(5.0, 1.0, rule(20)), (f64::INFINITY, 2000));
-    assert_eq!(of(0.0, 0.5, rule(20)), (f64::INFINITY, 2000));
-    assert_eq!(of(0.0, 0.0, rule(20)), (0.0, 0));
-    assert_eq!(of(5.0, 0.5, Rule { adjust: false, ..rule(20) }), (1.0, 100));
+    let (_, slots, unit) = of(0.05, 0.5, rule(20));
+    assert_eq!(slots, 2000);
+    assert_close(unit, most / 100.0, ROUNDING);
+    let (ratio, slots, unit) = of(5.0, 1.0, rule(20));
+    assert_eq!((ratio, slots), (f64::INFINITY, 2000));
+    assert_close(unit, most, ROUNDING);
+    assert_eq!(of(0.0, 0.5, rule(20)), (f64::INFINITY, 2000, 0.0));
+    assert_eq!(of(0.0, 0.0, rule(20)), (0.0, 0, 0.0));
+    assert_eq!(of(5.0, 0.5, Rule { adjust: false, ..rule(20) }).1, 100);
+}
+
+#[test]
+fn a_cloud_around_the_camera_has_the_depth_of_its_part_before_it() {
+    let camera = perspective();
+    let depth = |z: [f64; 2]| {
+        let dealt = dealt(&[(z.map(|z| -z * DVec3::Z).to_vec(), 5.0, 0.5)]);
+        share(&camera, 9, &dealt, &dealt.surfaces[0], &rule(20)).depth
+    };
+    assert_eq!(depth([4.0, 8.0]), 6.0);
+    assert_eq!(depth([-20.0, 8.0]), 4.0);
+    assert_eq!(depth([-20.0, -8.0]), 0.5);
 }
 
 #[test]
@@ -233,6 +252,12 @@ fn points_weigh_as_much_as_their_own_opacity() {
     dealt.points.opacities.fill(0.25);
     let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(40), 2);
     assert_opacity(&picture, 0.25);
+    // What an opaque point asks for is all there is.
+    dealt.points.opacities.fill(1.0);
+    dealt.surfaces[0].opacity = 1.0;
+    dealt.points.opacities[..1000].fill(0.25);
+    let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(3), 2);
+    assert_opacity(&picture, 1.0 - 1e-9);
     // Not so in the simplified method: 30 points in 40 ensembles.
     let simple = Rule { adjust: false, ..rule(40) };
     let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &simple, 2);

@@ -4,6 +4,7 @@ use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
+use crate::methods::spbr::{self, Form};
 use crate::methods::soft::{self, Interior, SoftModel, Spheres};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
@@ -130,6 +131,38 @@ impl Renderer {
         };
         let job = splats::WindowJob { bin, blend_depth, layer };
         self.splatter.render(&mut self.bins, &self.device, &job, into, work.timeline, facts)
+    }
+
+    /// A window of ensembles.
+    pub(super) fn dealt(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (shares, how) = (spbr::shares(cloud, frame)?, projecting(frame, cloud));
+        let ensembles = frame.method.ensembles().unwrap_or(1);
+        let drawn = self.drawn.unwrap_or(ensembles).min(ensembles);
+        let (device, window, spread) = (&self.device, work.window, frame.spread());
+        let form = match Form::of(device, cloud, &how, self.wide_atomics) {
+            Form::Single if !self.single_pass => Form::Wide,
+            form => form,
+        };
+        let facts = &mut *work.facts;
+        (facts.ensembles, facts.form) = (drawn, Some(form));
+        facts.slots = shares.iter().map(|s| spbr::slots_of(s, ensembles, drawn)).sum();
+        facts.thin = spbr::thin(&shares);
+        if !work.survey {
+            cloud.set_view(&frame.camera, frame.size, window, &how);
+            let (budget, method, seed, progress) = (work.budget, frame.method, frame.seed, &self.progress);
+            let (how, shares) = (&how, &shares);
+            let job =
+                spbr::WindowJob { cloud, window, how, shares, method, drawn, seed, spread, form, budget, progress };
+            facts.visible += self.ensembles.render(device, &job, &self.target, work.timeline)?;
+            self.progress.inc(bands::pixels(window));
+        }
+        facts.note(&[], Walker::Compute);
+        Ok(Outcome::Done)
     }
 
     /// Copies a finished window to the host.
