@@ -299,6 +299,8 @@ fn every_compute_shader_has_the_common_workgroup() {
             "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
+            "spbr/large" | "spbr/resolve" => Variant::plain(),
+            other if other.starts_with("spbr/") => Variant::plain().walker("spbr_slots"),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
             other if other.starts_with("soft/resolve") => {
                 soft::resolve_variant(Interior::Linear, false, Cut { parts: 1, len: 1 }, 1, 128)

@@ -13,12 +13,12 @@ fn main(
     if square >= atomicLoad(&counters[0].large) {
         return;
     }
-    let from = large[2u * square];
+    let square_of = large[2u * square];
     let rectangle = large[2u * square + 1u];
     let width = rectangle.z - rectangle.x;
     let area = width * (rectangle.w - rectangle.y);
     for (var p = (group % STRIPES) * WG_SIZE + local; p < area; p += STRIPES * WG_SIZE) {
         let pixel = vec2<u32>(rectangle.x + p % width, rectangle.y + p / width);
-        visit(from.x, from.y, from.z, window_index(pixel, view.window));
+        visit(square_of.x, square_of.y, square_of.z, window_index(pixel, view.window));
     }
 }

@@ -3,7 +3,7 @@
 // Slots of one invocation, at most 32.
 override RUN: u32 = 8u;
 
-fn cover(slot: Slot, hit: Hit) {
+fn cover_pixels(slot: Slot, hit: Hit) {
     let width = view.window.z - view.window.x;
     if SQUARES == 0u {
         visit(slot.point, slot.plane, hit.key, window_index(vec2<u32>(hit.low), view.window));
@@ -51,7 +51,7 @@ fn main(
             let slot = slot_of(n);
             let hit = quick_hit(slot);
             if hit.seen {
-                cover(slot, hit);
+                cover_pixels(slot, hit);
                 visible += 1u;
             }
             unsure |= u32(hit.unsure) << k;
@@ -61,7 +61,7 @@ fn main(
         let slot = slot_of(start + firstTrailingBit(unsure) * WG_SIZE);
         let hit = exact_hit(slot);
         if hit.seen {
-            cover(slot, hit);
+            cover_pixels(slot, hit);
             visible += 1u;
         }
         unsure &= unsure - 1u;

@@ -23,7 +23,7 @@ override SPREAD: u32 = 0u;
 override PARTS: u32 = 1u;
 override PART_LENGTH: u32 = 1u;
 
-const NOTHING = 0xffffffffffffffffu;
+const NOTHING = 0xfffffffffffffffflu;
 
 fn color_at(i: u32) -> vec3<f32> {
     if PARTS == 1u {

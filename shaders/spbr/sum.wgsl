@@ -4,7 +4,7 @@
 #import spbr_color
 #walker
 // Index and depth, as words of one 64-bit number.
-@group(0) @binding(6) var<storage, read_write> nearest: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read> point_colors: array<vec4<f32>>;
 // Of each pixel green, red, number, blue.
 @group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>;
