@@ -227,8 +227,11 @@ fn images_are_those_of_the_reference() {
                 for (i, (a, b)) in found.image.rgba.iter().zip(&wanted.rgba).enumerate() {
                     let apart = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
                     let stderr = found.image.stderr.as_ref().expect("asked for")[i];
-                    let error =
-                        stderr.iter().zip(errors[i].to_array()).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
+                    let error = stderr
+                        .iter()
+                        .zip(errors[i].to_array())
+                        .map(|(a, b)| (f64::from(*a) - b).abs())
+                        .fold(0.0, f64::max);
                     let (depth, far) = (f64::from(found.image.depth[i]), wanted.depth[i]);
                     let deep = depth != far && (depth - far).abs() > 1e-5;
                     let off = !(apart < 1e-5 && error < 1e-4) || deep;

@@ -786,8 +786,7 @@ impl Renderer {
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
         if let Some(stderr) = &mut image.stderr {
             let dealt = frame.method.is_dealt();
-            let errors =
-                if dealt { self.ensembles.read_stderr(window)? } else { self.sampler.read_stderr(window)? };
+            let errors = if dealt { self.ensembles.read_stderr(window)? } else { self.sampler.read_stderr(window)? };
             place_counts(frame, window, &errors, stderr);
         }
         if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {

@@ -4,8 +4,8 @@ use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
-use crate::methods::spbr::{self, Form};
 use crate::methods::soft::{self, Interior, SoftModel, Spheres};
+use crate::methods::spbr::{self, Form};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};

@@ -18,9 +18,9 @@ use indicatif::ProgressBar;
 
 use self::rounds::{Epochs, Piece, epoch_bits, pieces};
 use self::share::{Placed, Share, Wanted};
+use super::Error;
 use super::bands::{self, Budget, Window};
 use super::renderer::{Frame, Target, Thin, Timeline};
-use super::Error;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, View};
