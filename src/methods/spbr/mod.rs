@@ -187,6 +187,16 @@ const SUBMITTED_PASSES: u32 = 100;
 const MOST_PLANES: u64 = 4096;
 /// Steps of an invocation of a large square at most.
 const LARGE_STEPS: u64 = 8192;
+/// What tells the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the key.
+const STREAM: u32 = 0x5350_4252;
+
+/// Threefry's key for the words that decide which points smaller than a pixel are drawn. A word's counter is the point's
+/// place in the dealt list, and the ensemble.
+pub fn key(seed: u64) -> [u32; 2] {
+    let [low, high] = random::key(seed);
+    [low, high ^ STREAM]
+}
+
 /// Device bytes per pixel of a window, with one plane.
 pub fn pixel_bytes(spread: bool) -> u64 {
     8 + 16 + 4 + if spread { 48 } else { 0 }
@@ -617,8 +627,7 @@ impl Ensembles {
 
 fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> SlotsPush {
     let ensembles = job.ensembles();
-    // The words decide which points smaller than a pixel are drawn; their counter is the place in the list and the ensemble.
-    let [key_x, key_y] = random::key(job.seed);
+    let [key_x, key_y] = key(job.seed);
     let scale = job.scale();
     let before = u128::from(share.slots) * u128::from(round.ensembles.start);
     let bits = if job.form == Form::Narrow { 0 } else { epoch_bits(job.cloud.len()) };
