@@ -166,7 +166,7 @@ fn the_error_falls_as_one_over_the_root_of_ensembles() {
         // What the mean over seeds is off the reference is noise.
         assert!(of(row, "/repeats/bias") < 1.5 * of(row, "/repeats/bias_floor"), "{row}");
     }
-    let slope = of(&report["convergence"][0], "/rmse/slope");
+    let slope = of(&report["convergence"][0], "/rmse/exponent");
     assert!((slope + 0.5).abs() < 0.06, "{}", report["convergence"]);
     assert!(report["reference"]["method"].as_str().unwrap().contains("float64"), "{}", report["reference"]);
     let picture = read_image(&inside(&folder, "report/reference.png")).unwrap();

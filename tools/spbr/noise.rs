@@ -33,7 +33,7 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
     for plane_px in PLANES {
         let count = (POINTS * scale * scale).round() as usize;
         let per_pixel = POINTS / plane_px.powi(2);
-        let clean = plane(count, stage.seed, 1.0);
+        let clean = plane(count, stage.seed);
         // The same spread in pixels, while the plane has fewer.
         let noisy = moved(&clean, (VARIANCE / (scale * scale)).sqrt(), stage.seed + 1);
         let (mut clean, mut noisy) = (stage.upload(clean)?, stage.upload(noisy)?);

@@ -42,14 +42,30 @@ impl Stage {
     /// The square from (−½, −½, 0) to (½, ½, 0), or what is around it, from the front: `height` world units on `side`
     /// pixels. Values are encoded, as the papers blend them.
     pub fn square(&mut self, cloud: &mut DeviceCloud, side: u32, height: f64, method: Method) -> Result<Image> {
+        self.image(cloud, Self::front(height), [side, side], method)
+    }
+
+    /// The square's camera.
+    fn front(height: f64) -> Camera {
         let up = DVec3::Y;
         let projection = Projection::Orthographic { height };
-        let camera = Camera::look_at(DVec3::Z, DVec3::ZERO, up, projection, 0.1, 2.0);
-        self.image(cloud, camera.expect("Y is not the view's direction"), [side, side], method)
+        Camera::look_at(DVec3::Z, DVec3::ZERO, up, projection, 0.1, 2.0).expect("Y is not the view's direction")
+    }
+
+    /// The whole square of points of opacity 1, as if they had another one.
+    pub fn thinned(&mut self, cloud: &mut DeviceCloud, side: u32, opacity: f32, method: Method) -> Result<Image> {
+        let factors = Factors { opacity, ..Factors::default() };
+        let frame = Frame { factors, ..self.frame(Self::front(1.0), [side, side], method) };
+        Ok(self.renderer.render(cloud, &frame)?.image)
     }
 
     pub fn image(&mut self, cloud: &mut DeviceCloud, camera: Camera, size: [u32; 2], method: Method) -> Result<Image> {
-        let frame = Frame {
+        let frame = self.frame(camera, size, method);
+        Ok(self.renderer.render(cloud, &frame)?.image)
+    }
+
+    fn frame(&self, camera: Camera, size: [u32; 2], method: Method) -> Frame {
+        Frame {
             camera,
             size,
             shading: Shading::default(),
@@ -61,19 +77,18 @@ impl Stage {
             seed: self.seed,
             max_error: None,
             factors: Factors::default(),
-        };
-        Ok(self.renderer.render(cloud, &frame)?.image)
+        }
     }
 }
 
-/// White points, uniform on the square of side 1 around the origin, of this opacity.
-pub fn plane(count: usize, seed: u64, opacity: f32) -> Points {
+/// White points of opacity 1, uniform on the square of side 1 around the origin.
+pub fn plane(count: usize, seed: u64) -> Points {
     let mut random = random(seed);
     let mut at = || random.random::<f64>() - 0.5;
     Points {
         positions: (0..count).map(|_| DVec3::new(at(), at(), 0.0)).collect(),
         colors: vec![Vec3::ONE; count],
-        opacities: vec![opacity; count],
+        opacities: vec![1.0; count],
         radii: vec![0.0; count],
         ..Points::default()
     }
