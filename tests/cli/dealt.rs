@@ -126,7 +126,7 @@ fn as_many_ensembles_as_an_error_needs() {
         let (_, metadata) = exr(&inside(&folder, name));
         let choice: Value = serde_json::from_str(&metadata["pellucid:choice"]).unwrap();
         assert_eq!(choice["method"], "spbr");
-        assert!(choice["rmse"].as_f64().unwrap() <= most.parse().unwrap(), "{choice}");
+        assert!(choice["rmse"].as_f64().unwrap() <= most.parse::<f64>().unwrap(), "{choice}");
         let setting = choice["setting"].as_str().unwrap().to_owned();
         setting.strip_prefix("method.ensembles=").unwrap().parse::<u32>().unwrap()
     };
