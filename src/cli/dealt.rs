@@ -65,6 +65,8 @@ fn many(copied: &[(f64, &str)], ensembles: f64) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
     use glam::DVec3;
 
@@ -73,7 +75,7 @@ mod tests {
         let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
         let share = Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0 };
         let spbr = Method::Spbr(Default::default());
-        warnings(&["a.ply".to_owned()], &[surface.clone()], &[share.clone()], &spbr).join("\n")
+        warnings(&["a.ply".to_owned()], from_ref(&surface), from_ref(&share), &spbr).join("\n")
     }
 
     #[test]
