@@ -170,11 +170,11 @@ pass! {
 }
 
 /// Slots of one invocation, at most 32.
-const RUN: u64 = 8;
+const RUN: u64 = 16;
 /// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
 const SMALL: f64 = 64.0;
-/// Slots of a round from which on more ensembles at once gain nothing.
-const ROUND_SLOTS: u64 = 1 << 18;
+/// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
+const ROUND_SLOTS: u64 = 1 << 13;
 /// Most slots of a dispatch, and of one whose large squares may all be on the list.
 const DISPATCH_SLOTS: u64 = 1 << 24;
 /// See [`DISPATCH_SLOTS`].
@@ -264,6 +264,8 @@ pub struct Kind {
     pub slanted: bool,
     /// Whether points may be wider than a pixel.
     pub squares: bool,
+    /// Whether rounds have more than one ensemble.
+    pub planes: bool,
     /// Whether the standard error is asked for.
     pub spread: bool,
 }
@@ -275,7 +277,8 @@ impl Kind {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
             .with("SLANTED", u32::from(self.slanted))
-            .with("SQUARES", u32::from(self.squares));
+            .with("SQUARES", u32::from(self.squares))
+            .with("PLANES", u32::from(self.planes));
         let variant = match stripes {
             None => variant.walker("spbr_slots").with("RUN", RUN as u32).with("COUNTED", u32::from(counted)),
             Some(stripes) => variant.walker("spbr_large").with("STRIPES", stripes),
@@ -345,6 +348,8 @@ pub struct WindowJob<'a> {
     pub spread: bool,
     /// How the nearest points are found.
     pub form: Form,
+    /// Pieces of work that keep the device busy.
+    pub concurrent: u64,
     /// The budget.
     pub budget: Budget,
     /// Says how far the ensembles are.
@@ -364,7 +369,7 @@ impl WindowJob<'_> {
     fn kind(&self) -> Kind {
         let weighted = matches!(self.method, Method::Spbr(_));
         let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
-        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, spread: self.spread }
+        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, planes: self.planes() > 1, spread: self.spread }
     }
 
     fn listed(&self) -> bool {
@@ -382,7 +387,7 @@ impl WindowJob<'_> {
     /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth while.
     fn planes(&self) -> u64 {
         let slots: u64 = self.shares.iter().map(|s| s.slots).sum();
-        let worth = ROUND_SLOTS * u64::from(self.ensembles()) / slots.max(1);
+        let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);
         let bytes = 8 * self.pixels();
         let fit = (self.budget.binding / bytes).min(self.budget.bytes / 2 / bytes);
         worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)
