@@ -6,7 +6,9 @@ mod cli {
     #[cfg(unix)]
     mod ci;
     mod compare;
+    mod dealt;
     mod failures;
+    mod frames;
     mod measure;
     mod prepare;
     mod render;

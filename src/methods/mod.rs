@@ -3,6 +3,7 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod bands;
+pub mod brightness;
 pub mod cost;
 pub mod linked_list;
 pub mod one_layer;

@@ -10,6 +10,7 @@
 use glam::{DVec2, DVec3};
 
 use super::Picture;
+use super::abuffer::{Composite, Fragment, composite};
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
 use crate::prepare::ensembles::{Dealt, Surface, slots};
@@ -105,10 +106,17 @@ pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rul
     Share { depth, ratio, slots, unit: wanted.min(most) }
 }
 
-/// Pixels that the point at `index` covers, with its depth: a fraction of one as often as that says.
-fn footprint(scene: &View<'_>, surface: &Surface, share: &Share, index: u64, ensemble: u32) -> Option<(Vec<u32>, f64)> {
-    let View { camera, size, dealt, rule, seed } = *scene;
-    let index = index as usize;
+/// A point as it is drawn.
+struct Drawn {
+    at: DVec2,
+    z: f64,
+    /// In pixels; below 1 the probability with which it is drawn.
+    area: f64,
+}
+
+/// `None` if it isn't drawn in any ensemble.
+fn drawn(view: &View<'_>, share: &Share, index: usize) -> Option<Drawn> {
+    let View { camera, size, dealt, rule, .. } = *view;
     let position = dealt.points.positions[index];
     let (at, z) = camera.project(position, size);
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
@@ -117,26 +125,33 @@ fn footprint(scene: &View<'_>, surface: &Surface, share: &Share, index: u64, ens
     }
     let nearer = if perspective { share.depth / z } else { 1.0 };
     let own = if rule.adjust { weight(dealt.points.opacities[index].into(), share.unit) } else { 1.0 };
-    let area = nearer * nearer * own * slant(scene, index);
+    Some(Drawn { at, z, area: nearer * nearer * own * slant(view, index) })
+}
+
+/// Pixels of an image: the one that holds the projected point, or those whose centers lie in a square of its area, the lower
+/// sides included.
+fn pixels(drawn: &Drawn, size: [u32; 2]) -> impl Iterator<Item = usize> + use<> {
+    let Drawn { at, area, .. } = *drawn;
     let [width, height] = size.map(i64::from);
-    let (columns, rows) = if area < 1.0 {
-        let [low, high] = key(seed);
-        let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
-        if f64::from(word) >= area * 4_294_967_296.0 {
-            return None;
-        }
-        let DVec2 { x, y } = at.floor();
-        (x as i64..x as i64 + 1, y as i64..y as i64 + 1)
-    } else {
-        // Centers from the lower side on, the upper one left out.
+    let range = |at: f64, side: i64| {
         let half = 0.5 * area.sqrt();
-        let centers = |at: f64| (at - half - 0.5).ceil() as i64..(at + half - 0.5).ceil() as i64;
-        (centers(at.x), centers(at.y))
+        let from = |x: f64| ((x - 0.5).ceil() as i64).clamp(0, side);
+        if area < 1.0 {
+            (at.floor() as i64).clamp(-1, side)..at.floor() as i64 + 1
+        } else {
+            from(at - half)..from(at + half)
+        }
     };
-    let columns = columns.start.max(0)..columns.end.min(width);
-    let rows = rows.start.max(0)..rows.end.min(height);
-    let pixels = rows.flat_map(|y| columns.clone().map(move |x| (y * width + x) as u32)).collect();
-    Some((pixels, z))
+    let inside = |range: std::ops::Range<i64>, side: i64| range.start.max(0)..range.end.min(side);
+    let (columns, rows) = (inside(range(at.x, width), width), inside(range(at.y, height), height));
+    rows.flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
+}
+
+/// Whether an ensemble has a point that covers less than a pixel.
+fn is_drawn(area: f64, index: usize, ensemble: u32, seed: u64) -> bool {
+    let [low, high] = key(seed);
+    let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
+    f64::from(word) < area * 4_294_967_296.0
 }
 
 /// How much of a point is wanted for an opacity, if a whole one brings about `unit` ([`Share::unit`]): never more than all.
@@ -146,14 +161,14 @@ fn weight(opacity: f64, unit: f64) -> f64 {
 }
 
 /// |cos θ| of a point's normal where the rule wants it, else 1.
-fn slant(scene: &View<'_>, index: usize) -> f64 {
-    let normal = scene.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
-    let to_viewer = match scene.camera.projection {
-        Projection::Perspective { .. } => (scene.camera.eye - scene.dealt.points.positions[index]).normalize_or_zero(),
-        Projection::Orthographic { .. } => -scene.camera.forward,
+fn slant(view: &View<'_>, index: usize) -> f64 {
+    let normal = view.dealt.points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
+    let to_viewer = match view.camera.projection {
+        Projection::Perspective { .. } => (view.camera.eye - view.dealt.points.positions[index]).normalize_or_zero(),
+        Projection::Orthographic { .. } => -view.camera.forward,
     };
     match normal {
-        Some(normal) if !scene.rule.cos_theta => normal.dot(to_viewer).abs(),
+        Some(normal) if !view.rule.cos_theta => normal.dot(to_viewer).abs(),
         _ => 1.0,
     }
 }
@@ -203,7 +218,7 @@ pub fn render_with(
         for (pixel, (z, index)) in image.into_iter().enumerate() {
             if let Some(index) = index {
                 let (sum, squares, drawn) = &mut sums[pixel];
-                let color = colors[index as usize];
+                let color = colors[index];
                 *sum += color;
                 *squares += color * color;
                 *drawn += 1;
@@ -230,23 +245,55 @@ fn draw(
     ensemble: u32,
     slots: impl Fn(u64, u32, u32) -> std::ops::Range<u64>,
     counts: &mut [u32],
-) -> Vec<(f64, Option<u64>)> {
+) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
     for surface in &view.dealt.surfaces {
         let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
         let points = surface.points.end - surface.points.start;
         for slot in slots(share.slots, view.rule.ensembles, ensemble) {
-            let index = surface.points.start + slot % points;
-            let Some((pixels, z)) = footprint(view, surface, &share, index, ensemble) else { continue };
-            for pixel in pixels {
-                counts[pixel as usize] += 1;
-                let nearest = &mut image[pixel as usize];
-                // Strictly: `far` may be infinite, but no drawn point is.
-                if z < nearest.0 {
-                    *nearest = (z, Some(index));
+            let index = (surface.points.start + slot % points) as usize;
+            let Some(point) = drawn(view, &share, index) else { continue };
+            if point.area < 1.0 && !is_drawn(point.area, index, ensemble, view.seed) {
+                continue;
+            }
+            for pixel in pixels(&point, view.size) {
+                counts[pixel] += 1;
+                if point.z < image[pixel].0 {
+                    image[pixel] = (point.z, Some(index));
                 }
             }
         }
     }
     image
+}
+
+/// The image to which the mean tends as ensembles grow in number: each point is in a share k/L of them, independently of the
+/// others but for one part in their number, so that it is the image of points of this opacity, or less where less than a
+/// pixel is drawn, blended front to back. `counts` are the points on a pixel.
+pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
+    let view = View { camera, size, dealt, rule: *rule, seed: 0 };
+    let mut lists: Vec<Vec<Fragment>> = vec![Vec::new(); size[0] as usize * size[1] as usize];
+    for surface in &dealt.surfaces {
+        let share = share(camera, size[1], dealt, surface, rule);
+        let (first, end) = (surface.points.start as usize, surface.points.end as usize);
+        let dealt = share.slots as f64 / (f64::from(rule.ensembles) * (end - first) as f64);
+        for index in first..end {
+            let Some(point) = drawn(&view, &share, index) else { continue };
+            let alpha = dealt * point.area.min(1.0);
+            pixels(&point, size).for_each(|p| lists[p].push(Fragment { z: point.z, index: index as u32, alpha }));
+        }
+    }
+    let composites = lists.iter_mut().map(|list| {
+        // Stable: of equal depths in the order of the list.
+        list.sort_by(|a, b| a.z.total_cmp(&b.z));
+        composite(list, colors)
+    });
+    let composites: Vec<Composite> = composites.collect();
+    Picture {
+        width: size[0],
+        height: size[1],
+        rgba: composites.iter().map(|c| c.color.extend(c.alpha).to_array()).collect(),
+        depth: composites.iter().map(|c| c.depth).collect(),
+        counts: lists.iter().map(|list| list.len() as u32).collect(),
+    }
 }

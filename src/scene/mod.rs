@@ -10,6 +10,7 @@ mod keys;
 mod method;
 mod overrides;
 mod parse;
+mod photo;
 pub mod procedural;
 mod settings;
 mod table;

@@ -12,7 +12,7 @@ impl Renderer {
     pub fn upload_arranged(&self, arranged: &Arranged) -> Result<DeviceCloud, Error> {
         match arranged {
             Arranged::Canonical(points) => self.upload(points),
-            Arranged::Dealt(dealt) => self.upload(&dealt.points),
+            Arranged::Dealt(dealt) => self.upload_dealt(dealt),
         }
     }
 }
