@@ -7,6 +7,7 @@ mod cli {
     #[cfg(unix)]
     mod ci;
     mod compare;
+    mod dealt;
     mod failures;
     mod frames;
     mod measure;

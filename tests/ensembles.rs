@@ -245,6 +245,23 @@ fn a_shuffle_keeps_the_points_and_follows_from_the_seed_alone() {
 }
 
 #[test]
+fn shuffled_again_it_is_another_order_of_the_same_clouds() {
+    let one = dealt(vec![colored(500, 23), colored(300, 24)], 7);
+    let other = one.again(8);
+    assert_eq!(other.surfaces, one.surfaces);
+    assert_eq!(one.again(8), other);
+    let sorted = |dealt: &Dealt, range: std::ops::Range<usize>| {
+        let mut rows = rows(&dealt.points)[range].to_vec();
+        rows.sort_unstable();
+        rows
+    };
+    for range in [0..500, 500..800] {
+        assert_ne!(rows(&one.points)[range.clone()], rows(&other.points)[range.clone()]);
+        assert_eq!(sorted(&one, range.clone()), sorted(&other, range));
+    }
+}
+
+#[test]
 fn the_order_is_random() {
     // Points along a line: the mean of the first half, and neighbors in the list, have nothing to do with each other.
     let count = 100_000usize;

@@ -10,6 +10,7 @@ use pellucid::gpu::Device;
 use pellucid::image::Image;
 use pellucid::methods::spbr::Form;
 use pellucid::methods::{Error, Frame, Rendered, Renderer};
+use pellucid::plan::plan;
 use pellucid::points::Points;
 use pellucid::prepare::ensembles::{Dealt, Surface};
 use pellucid::reference::spbr as reference;
@@ -378,6 +379,29 @@ fn an_error_may_stop_the_ensembles() {
             assert!(error <= 0.05 && (90..200).contains(&found.facts.ensembles), "{error}");
             assert!(last.is_none_or(|before| before == bits(&found.image)));
             last = Some(bits(&found.image));
+        }
+    });
+}
+
+#[test]
+fn the_plan_lists_the_passes_that_run() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let list = mixture(7);
+        let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
+        for (shading, distance) in [(Shading::default(), 2.2), (lambert, 2.2), (Shading::default(), 20.0)] {
+            let frame = Frame { shading, ..frame(camera(distance, true), SIZE, method(9)) };
+            let mut cloud = renderer.upload_dealt(&list).expect("fits");
+            let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
+            let steps = plan(device, &frame, &surveyed, renderer.wide_atomics, "asked for");
+            let found = renderer.render(&mut cloud, &frame).expect("renders");
+            let mut ran: Vec<&str> = found.profile.passes.iter().map(|pass| pass.name).collect();
+            let mut planned: Vec<&str> = steps.iter().filter(|step| step.on).map(|step| step.name).collect();
+            ran.sort_unstable();
+            planned.sort_unstable();
+            assert_eq!(ran, planned);
+            assert_eq!((surveyed.slots, surveyed.ensembles), (found.facts.slots, found.facts.ensembles));
+            assert!(found.facts.visible > 0);
         }
     });
 }

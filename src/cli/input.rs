@@ -22,7 +22,7 @@ pub struct InputArgs {
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted. By default the scene file's, else auto: the cheapest one that is exact for the scene
+    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles. By default the scene file's, else auto: the cheapest one that is exact for the scene
     /// (`plan` says which, and why).
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
@@ -84,6 +84,16 @@ impl Resolved {
     /// All points.
     pub fn points(&self) -> &Points {
         self.arranged.points()
+    }
+
+    /// What the clouds of [`Arranged::surfaces`] are called. Clouds without points are not among them.
+    pub fn cloud_names(&self) -> Vec<String> {
+        let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
+        if clouds.len() == count {
+            clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+        } else {
+            (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+        }
     }
 
     /// The metadata of an image. `method` and `device` are what was taken in the end.

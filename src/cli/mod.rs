@@ -2,6 +2,7 @@
 
 mod compare;
 mod compare_profiles;
+mod dealt;
 mod devices;
 mod frames;
 mod info;

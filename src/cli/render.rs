@@ -97,8 +97,8 @@ fn choose(
     talk: Talk,
 ) -> Result<Choice> {
     stage(progress, "choosing the method");
-    let (points, background, only) = (resolved.points(), resolved.scene.image.background, args.input.asked_method());
-    let subject = Subject { points, frame: session.frame, background, only };
+    let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
+    let subject = Subject { arranged, frame: session.frame, background, only };
     let choice =
         choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
     stage(progress, "rendering");
@@ -222,7 +222,7 @@ fn picture(
         }
     };
     session.renderer.progress = progress.clone();
-    session.describe(talk);
+    session.describe(resolved, talk);
     let mut rendered = session.render()?;
     let brightness = session.brighten(&mut rendered.image)?;
     progress.finish_and_clear();

@@ -7,11 +7,13 @@ use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::image::Image;
 use pellucid::methods::brightness::{self, Applied};
+use pellucid::methods::spbr;
 use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
 
+use super::dealt;
 use super::input::Resolved;
 use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
@@ -73,12 +75,18 @@ impl Session {
     }
 
     /// Says on which device what is rendered, and how.
-    pub fn describe(&self, talk: Talk) {
+    pub fn describe(&self, resolved: &Resolved, talk: Talk) {
         let info = self.device.info();
         talk.detail(format_args!("device {} ({})", info.name, info.driver));
         talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
         talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+        // Of another method, or points that were not dealt: there is nothing to say.
+        let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
+        let surfaces = resolved.arranged.surfaces();
+        dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method)
+            .iter()
+            .for_each(|warning| talk.warn(warning));
     }
 
     /// Says what a frame met and took.

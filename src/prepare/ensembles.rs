@@ -78,10 +78,29 @@ pub fn deal(clouds: Vec<Points>, seed: u64, progress: &ProgressBar) -> Dealt {
 fn shuffled(mut cloud: Points, place: u32, seed: u64) -> Points {
     // Random order knows no files.
     cloud.file_order = Vec::new();
+    let order = shuffle(cloud.len(), place, seed);
+    cloud.in_order(|i| order[i] as usize)
+}
+
+/// For each place of a cloud the point that comes there.
+fn shuffle(count: usize, place: u32, seed: u64) -> Vec<u32> {
     let [low, high] = key(seed);
     let word = |i: u32| threefry2x32([i, place], [low, high ^ SHUFFLE])[0];
     // Points are counted in 32 bits: more of them don't fit any device.
-    let mut order: Vec<(u32, u32)> = (0..cloud.len()).into_par_iter().map(|i| (word(i as u32), i as u32)).collect();
+    let mut order: Vec<(u32, u32)> = (0..count).into_par_iter().map(|i| (word(i as u32), i as u32)).collect();
     order.par_sort_unstable();
-    cloud.in_order(|i| order[i].1 as usize)
+    order.into_iter().map(|(_, index)| index).collect()
+}
+
+impl Dealt {
+    /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
+    pub fn again(&self, seed: u64) -> Self {
+        let of = |(surface, place): (&Surface, u32)| {
+            let first = surface.points.start;
+            let count = (surface.points.end - first) as usize;
+            shuffle(count, place, seed).into_iter().map(move |index| first as usize + index as usize)
+        };
+        let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(of).collect();
+        Self { points: self.points.clone().in_order(|i| order[i]), surfaces: self.surfaces.clone() }
+    }
 }

@@ -142,6 +142,8 @@ pub struct Facts {
     pub slots: u64,
     /// How the nearest points of ensembles are found.
     pub form: Option<Form>,
+    /// Whether points of ensembles may cover more pixels than one invocation walks.
+    pub listed: bool,
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
     pub thin: Vec<Thin>,
     /// Points that are not soft, of methods that tell; the others are.

@@ -152,6 +152,7 @@ impl Renderer {
         (facts.ensembles, facts.form) = (drawn, Some(form));
         facts.slots = shares.iter().map(|s| spbr::slots_of(s, ensembles, drawn)).sum();
         facts.thin = spbr::thin(&shares);
+        facts.listed = spbr::is_listed(&shares);
         if !work.survey {
             cloud.set_view(&frame.camera, frame.size, window, &how);
             let (budget, method, seed, progress) = (work.budget, frame.method, frame.seed, &self.progress);

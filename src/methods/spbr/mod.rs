@@ -20,7 +20,7 @@ use self::rounds::{Epochs, Piece, epoch_bits, pieces};
 use self::share::{Placed, Share, Wanted};
 use super::Error;
 use super::bands::{self, Budget, Window};
-use super::renderer::{Frame, Target, Thin, Timeline};
+use super::renderer::{Facts, Frame, Target, Thin, Timeline};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, View};
@@ -361,19 +361,14 @@ impl WindowJob<'_> {
         self.method.ensembles().unwrap_or(1)
     }
 
-    fn largest(&self) -> f64 {
-        self.shares.iter().map(|s| s.largest).fold(0.0, f64::max)
-    }
-
     fn kind(&self) -> Kind {
         let weighted = matches!(self.method, Method::Spbr(_));
         let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
-        Kind { weighted, slanted, squares: self.largest() > 1.0, spread: self.spread }
+        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, spread: self.spread }
     }
 
-    /// Whether squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
     fn listed(&self) -> bool {
-        (self.largest().sqrt() + 1.0).powi(2) > SMALL
+        is_listed(self.shares)
     }
 
     /// Most slots of a dispatch.
@@ -482,7 +477,7 @@ impl Ensembles {
             job.progress.set_message(format!("rendering, {next} ensembles"));
         }
         self.record_resolve(&mut recorder, job, target)?;
-        recorder.copy("splat/stats", self.counters.get().all(), self.counters_host.get().all())?;
+        recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
         target.record_read_back(&mut recorder, job.pixels())?;
         timeline.add(recorder.submit("spbr/resolve")?);
         let counters = self.counters_host.get().mapped_slice()[0];
@@ -666,6 +661,28 @@ pub fn shares(cloud: &DeviceCloud, frame: &Frame) -> Result<Vec<Share>, Error> {
         opacity_factor: f64::from(frame.factors.opacity),
     };
     Ok(placed.iter().map(|p| wanted.share(p)).collect())
+}
+
+/// Most pixels that a point may cover.
+fn largest(shares: &[Share]) -> f64 {
+    shares.iter().map(|s| s.largest).fold(0.0, f64::max)
+}
+
+/// Whether squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
+pub fn is_listed(shares: &[Share]) -> bool {
+    (largest(shares).sqrt() + 1.0).powi(2) > SMALL
+}
+
+/// Bytes that a pass must at least read and write; `pixels` of the image.
+pub fn least_bytes(name: &str, facts: &Facts, spread: bool, pixels: u64) -> Option<u64> {
+    let (walk, squares) = (facts.slots * 32 * facts.windows.max(1), if spread { 32 } else { 0 });
+    match name {
+        "spbr/nearest" | "spbr/nearest-depth" | "spbr/nearest-id" => Some(walk + facts.visible * 8),
+        "spbr/draw" => Some(walk + facts.visible * (16 + 16) + pixels * (16 + 4)),
+        "spbr/sum" => Some(walk + facts.visible * 8 + pixels * (16 + 4)),
+        "spbr/resolve" => Some(pixels * (16 + 4 + squares + 20 + squares / 2)),
+        _ => None,
+    }
 }
 
 /// Slots of the first `drawn` of `ensembles`.

@@ -1,0 +1,75 @@
+//! What somebody should know about clouds whose points are dealt to ensembles.
+
+use pellucid::methods::spbr::share::Share;
+use pellucid::prepare::ensembles::Surface;
+use pellucid::scene::Method;
+
+/// Copies of a point up to which Tanaka et al. (2016, Fig. 5 and Table 1) found opacities to be right.
+const COPIES: f64 = 20.0;
+
+/// One sentence for each cloud that doesn't come out as asked; `names` are those of the clouds.
+pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method: &Method) -> Vec<String> {
+    let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };
+    let of = |((name, surface), share): ((&String, &Surface), &Share)| {
+        warning(surface, share, ensembles).map(|warning| format!("{name}: {warning}"))
+    };
+    names.iter().zip(surfaces).zip(shares).filter_map(of).collect()
+}
+
+fn warning(surface: &Surface, share: &Share, ensembles: u32) -> Option<String> {
+    let opacity = f64::from(surface.opacity);
+    let points = (surface.points.end - surface.points.start) as f64;
+    let copies = share.slots as f64 / points;
+    // Opaque surfaces ask for all that there is.
+    if opacity <= 0.0 || opacity >= 1.0 {
+        None
+    } else if surface.density == 0.0 {
+        let all = "every point is drawn in every ensemble, whatever the opacity";
+        Some(format!(
+            "its {points} point(s) are too few, or too far apart, to tell how dense a surface they make: {all}"
+        ))
+    } else if share.capped {
+        let times = -(-opacity).ln_1p() / share.unit;
+        Some(format!(
+            "opacity {opacity:.3} needs {times:.1} times as many points on a pixel as there are, so that it becomes {:.3}; \
+             a smaller image or more points would help, more ensembles would not",
+            share.opacity
+        ))
+    } else if copies > COPIES {
+        Some(format!(
+            "opacity {opacity:.3} in {ensembles} ensembles takes {copies:.0} copies of each point, and noise stays about that of \
+             {:.1} ensembles; a smaller image or more points would help, more ensembles would not",
+            f64::from(ensembles) / copies
+        ))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn said(density: f64, opacity: f32, slots: u64, capped: bool) -> String {
+        let surface = Surface { points: 10..110, center: DVec3::ZERO, density, opacity };
+        let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
+        let share = Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0 };
+        let spbr = Method::Spbr(Default::default());
+        warnings(&["a.ply".to_owned()], &[surface.clone()], &[share.clone()], &spbr).join("\n")
+    }
+
+    #[test]
+    fn who_loses_opacity_is_told() {
+        assert_eq!(said(3.0, 0.5, 700, false), "");
+        assert!(
+            said(3.0, 0.5, 2100, false)
+                .contains("21 copies of each point, and noise stays about that of 4.8 ensembles")
+        );
+        let capped = said(3.0, 0.9, 10_000, true);
+        assert!(capped.starts_with("a.ply: opacity 0.900 needs 9.2 times") && capped.contains("0.221"), "{capped}");
+        assert!(said(0.0, 0.5, 10_000, true).contains("100 point(s)"));
+        // Nothing is lost where everything is asked for, or nothing.
+        assert_eq!(said(3.0, 1.0, 10_000, true) + &said(0.0, 0.0, 0, false), "");
+    }
+}
