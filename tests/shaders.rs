@@ -171,7 +171,8 @@ fn slots_variants(stage: Stage, of: impl Fn(Variant) -> Vec<Variant>) -> Vec<Var
         weighted: i & 1 != 0,
         slanted: i & 2 != 0,
         squares: i & 4 != 0,
-        spread: i & 8 != 0,
+        planes: i & 8 != 0,
+        spread: i & 4 != 0,
     });
     let ways = [(None, false), (None, true), (Some(3), false)];
     kinds.flat_map(|kind| ways.map(|(stripes, counted)| kind.variant(stage, stripes, counted))).flat_map(of).collect()

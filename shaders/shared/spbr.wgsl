@@ -64,6 +64,8 @@ var<immediate> push: Push;
 override WEIGHTED: u32 = 0u;
 // 1: less of it where the normal is slanted.
 override SLANTED: u32 = 0u;
+// 0: a round has a single ensemble.
+override PLANES: u32 = 1u;
 // 0: no point is wider than a pixel.
 override SQUARES: u32 = 1u;
 // Squares of at most this many pixels are walked by one invocation.
@@ -82,12 +84,24 @@ struct Slot {
     plane: u32,
 }
 
+// a / b for a quotient below 2^22. CPUs divide whole numbers one by one.
+fn quotient(a: u32, b: u32) -> u32 {
+    let about = u32(f32(a) / f32(b));
+    let rest = i32(a - about * b);
+    return select(select(about, about + 1u, rest >= i32(b)), about - 1u, rest < 0);
+}
+
 // First slot of an ensemble of the round.
 fn first_slot(plane: u32) -> u32 {
-    return plane * push.whole + (push.carry + plane * push.rest) / push.ensembles;
+    return plane * push.whole + quotient(push.carry + plane * push.rest, push.ensembles);
 }
 
 fn slot_of(n: u32) -> Slot {
+    let along = push.point + n;
+    let point = push.base + along - quotient(along, push.repeat) * push.repeat;
+    if PLANES == 0u {
+        return Slot(point, 0u);
+    }
     let slot = push.first + n;
     // The last ensemble that begins at or before the slot: right but for rounding, which two comparisons mend.
     let size = f32(push.whole) + f32(push.rest) / f32(push.ensembles);
@@ -99,7 +113,7 @@ fn slot_of(n: u32) -> Slot {
     if plane + 1u < push.planes && first_slot(plane + 1u) <= slot {
         plane += 1u;
     }
-    return Slot(push.base + (push.point + n) % push.repeat, plane);
+    return Slot(point, plane);
 }
 
 struct Hit {

@@ -170,7 +170,7 @@ pass! {
 }
 
 /// Slots of one invocation, at most 32.
-const RUN: u64 = 8;
+const RUN: u64 = 16;
 /// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
 const SMALL: f64 = 64.0;
 /// Slots of a round from which on more ensembles at once gain nothing.
@@ -264,6 +264,8 @@ pub struct Kind {
     pub slanted: bool,
     /// Whether points may be wider than a pixel.
     pub squares: bool,
+    /// Whether rounds have more than one ensemble.
+    pub planes: bool,
     /// Whether the standard error is asked for.
     pub spread: bool,
 }
@@ -275,7 +277,8 @@ impl Kind {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
             .with("SLANTED", u32::from(self.slanted))
-            .with("SQUARES", u32::from(self.squares));
+            .with("SQUARES", u32::from(self.squares))
+            .with("PLANES", u32::from(self.planes));
         let variant = match stripes {
             None => variant.walker("spbr_slots").with("RUN", RUN as u32).with("COUNTED", u32::from(counted)),
             Some(stripes) => variant.walker("spbr_large").with("STRIPES", stripes),
@@ -364,7 +367,7 @@ impl WindowJob<'_> {
     fn kind(&self) -> Kind {
         let weighted = matches!(self.method, Method::Spbr(_));
         let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
-        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, spread: self.spread }
+        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, planes: self.planes() > 1, spread: self.spread }
     }
 
     fn listed(&self) -> bool {
