@@ -185,14 +185,15 @@ fn steps(
 ) -> Result<()> {
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    // What is to be said about the scene is said once.
     let whole = loaded.clone().resolve(None, talk, progress)?;
     progress.finish_and_clear();
+    // What is to be said about the scene is said once, with the last step.
+    let silent = talk.without_warnings();
     for step in 1..count {
         let progress = talk.progress();
         stage(&progress, &format!("step {step} of {count}"));
-        let part = loaded.first(step).resolve(Some(whole.camera), Talk::new(true, false), &progress)?;
-        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
+        let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
+        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, silent)?;
     }
     picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)
 }

@@ -18,8 +18,8 @@ fn the_factor_is_printed_and_kept() {
         done(&folder, &args);
         exr(&inside(&folder, name))
     };
-    let (plain, of_plain) = render("plain.exr", &["--set", "method.ensembles=20", "--set", "method.brightness=1"]);
-    let (bright, of_bright) = render("bright.exr", &["--set", "method.ensembles=20"]);
+    let (plain, of_plain) = render("plain.exr", &["--set", "method.ensembles=200", "--set", "method.brightness=1"]);
+    let (bright, of_bright) = render("bright.exr", &["--set", "method.ensembles=200"]);
     let found: Value = serde_json::from_str(&of_bright["pellucid:brightness"]).unwrap();
     let p = found["p"].as_f64().unwrap() as f32;
     assert!(p > 1.0 && found["threshold"].as_u64() <= found["largest"].as_u64(), "{found}");
