@@ -7,26 +7,35 @@ use pellucid::scene::Method;
 /// Copies of a point up to which Tanaka et al. (2016, Fig. 5 and Table 1) found opacities to be right.
 const COPIES: f64 = 20.0;
 
-/// One sentence for each cloud that doesn't come out as asked; `names` are those of the clouds.
+/// A sentence for each cloud that doesn't come out as asked, and one for all of those with many copies; `names` are those of
+/// the clouds.
 pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method: &Method) -> Vec<String> {
     let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };
-    let of = |((name, surface), share): ((&String, &Surface), &Share)| {
-        warning(surface, share, ensembles).map(|warning| format!("{name}: {warning}"))
-    };
-    names.iter().zip(surfaces).zip(shares).filter_map(of).collect()
+    let mut warnings = Vec::new();
+    let mut copied = Vec::new();
+    for ((name, surface), share) in names.iter().zip(surfaces).zip(shares) {
+        let copies = share.slots as f64 / (surface.points.end - surface.points.start) as f64;
+        match lost(surface, share) {
+            Some(lost) => warnings.push(format!("{name}: {lost}")),
+            // Opaque surfaces ask for all that there is.
+            None if surface.opacity < 1.0 && copies > COPIES => copied.push((copies, name.as_str())),
+            None => {}
+        }
+    }
+    warnings.extend(many(&copied, f64::from(ensembles)));
+    warnings
 }
 
-fn warning(surface: &Surface, share: &Share, ensembles: u32) -> Option<String> {
+/// What keeps a surface from the opacity that is asked for.
+fn lost(surface: &Surface, share: &Share) -> Option<String> {
     let opacity = f64::from(surface.opacity);
-    let points = (surface.points.end - surface.points.start) as f64;
-    let copies = share.slots as f64 / points;
-    // Opaque surfaces ask for all that there is.
     if opacity <= 0.0 || opacity >= 1.0 {
         None
     } else if surface.density == 0.0 {
-        let all = "every point is drawn in every ensemble, whatever the opacity";
+        let points = surface.points.end - surface.points.start;
         Some(format!(
-            "its {points} point(s) are too few, or too far apart, to tell how dense a surface they make: {all}"
+            "its {points} point(s) are too few, or too far apart, to tell how dense a surface they make: every point is drawn \
+             in every ensemble, whatever the opacity"
         ))
     } else if share.capped {
         let times = -(-opacity).ln_1p() / share.unit;
@@ -35,19 +44,29 @@ fn warning(surface: &Surface, share: &Share, ensembles: u32) -> Option<String> {
              a smaller image or more points would help, more ensembles would not",
             share.opacity
         ))
-    } else if copies > COPIES {
-        Some(format!(
-            "opacity {opacity:.3} in {ensembles} ensembles takes {copies:.0} copies of each point, and noise stays about that of \
-             {:.1} ensembles; a smaller image or more points would help, more ensembles would not",
-            f64::from(ensembles) / copies
-        ))
     } else {
         None
     }
 }
 
+/// The clouds of which each point is copied often, with their copies.
+fn many(copied: &[(f64, &str)], ensembles: f64) -> Option<String> {
+    let most = copied.iter().map(|(copies, _)| *copies).fold(0.0, f64::max);
+    let names: Vec<&str> = copied.iter().map(|(_, name)| *name).collect();
+    (!copied.is_empty()).then(|| {
+        format!(
+            "up to {most:.0} copies of each point are dealt to {ensembles} ensembles, so that there is about the noise of {:.1} \
+             of them; a smaller image or more points would help, more ensembles would not: {}",
+            ensembles / most,
+            names.join(", ")
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
     use glam::DVec3;
 
@@ -56,7 +75,7 @@ mod tests {
         let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
         let share = Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0 };
         let spbr = Method::Spbr(Default::default());
-        warnings(&["a.ply".to_owned()], &[surface.clone()], &[share.clone()], &spbr).join("\n")
+        warnings(&["a.ply".to_owned()], from_ref(&surface), from_ref(&share), &spbr).join("\n")
     }
 
     #[test]

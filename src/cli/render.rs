@@ -32,7 +32,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel the layers that
-    /// were blended, as `layers.Y`, and with stochastic the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
+    /// were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
     #[arg(long)]
     aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
@@ -51,7 +51,8 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 struct ChoiceArgs {
     /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
-    /// over the background, against abuffer, or against soft-base for soft spheres. With --method only its settings. A scene file's method says only which discs.
+    /// over the background, against abuffer, against soft-base for soft spheres, or against what ever more ensembles of spbr
+    /// tend to. With --method only its settings. A scene file's method says only which discs.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     max_error: Option<f64>,
     /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the

@@ -156,9 +156,21 @@ impl Renderer {
         if !work.survey {
             cloud.set_view(&frame.camera, frame.size, window, &how);
             let (budget, method, seed, progress) = (work.budget, frame.method, frame.seed, &self.progress);
-            let (how, shares) = (&how, &shares);
-            let job =
-                spbr::WindowJob { cloud, window, how, shares, method, drawn, seed, spread, form, budget, progress };
+            let (how, shares, concurrent) = (&how, &shares, device.info().concurrent_runs);
+            let job = spbr::WindowJob {
+                cloud,
+                window,
+                how,
+                shares,
+                method,
+                drawn,
+                seed,
+                spread,
+                form,
+                concurrent,
+                budget,
+                progress,
+            };
             facts.visible += self.ensembles.render(device, &job, &self.target, work.timeline)?;
             self.progress.inc(bands::pixels(window));
         }

@@ -173,8 +173,8 @@ pass! {
 const RUN: u64 = 16;
 /// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
 const SMALL: f64 = 64.0;
-/// Slots of a round from which on more ensembles at once gain nothing.
-const ROUND_SLOTS: u64 = 1 << 18;
+/// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
+const ROUND_SLOTS: u64 = 1 << 13;
 /// Most slots of a dispatch, and of one whose large squares may all be on the list.
 const DISPATCH_SLOTS: u64 = 1 << 24;
 /// See [`DISPATCH_SLOTS`].
@@ -348,6 +348,8 @@ pub struct WindowJob<'a> {
     pub spread: bool,
     /// How the nearest points are found.
     pub form: Form,
+    /// Pieces of work that keep the device busy.
+    pub concurrent: u64,
     /// The budget.
     pub budget: Budget,
     /// Says how far the ensembles are.
@@ -385,7 +387,7 @@ impl WindowJob<'_> {
     /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth while.
     fn planes(&self) -> u64 {
         let slots: u64 = self.shares.iter().map(|s| s.slots).sum();
-        let worth = ROUND_SLOTS * u64::from(self.ensembles()) / slots.max(1);
+        let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);
         let bytes = 8 * self.pixels();
         let fit = (self.budget.binding / bytes).min(self.budget.bytes / 2 / bytes);
         worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)

@@ -8,6 +8,9 @@ use crate::prepare::ensembles::slots;
 /// A first element that any device's offset alignment allows to bind from.
 const ALIGNED: u64 = 64;
 
+/// How often a dispatch may go round its points, so that the shader's division by floats is right but for one.
+const MOST_TURNS: u64 = 1 << 20;
+
 /// A dispatch: some consecutive slots of one cloud in one round, whose points lie in one binding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Piece {
@@ -36,7 +39,7 @@ pub fn pieces(share: &Share, ensembles: u32, round: Range<u32>, longest: u64, mo
         // What a binding cannot hold as a whole is gone through without going round.
         let from = if whole { share.points.start } else { share.points.start + point };
         let room = if whole { u64::MAX } else { (longest - ALIGNED).min(count - point) };
-        let taken = (end - next).min(room).min(most);
+        let taken = (end - next).min(room).min(most).min(count.saturating_mul(MOST_TURNS));
         let start = from / ALIGNED * ALIGNED;
         let bound_end = if whole { share.points.end } else { from + taken };
         found.push(Piece {
