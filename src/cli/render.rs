@@ -188,13 +188,13 @@ fn steps(
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let whole = loaded.clone().resolve(None, talk, progress)?;
     progress.finish_and_clear();
-    // What is to be said about the scene is said once, with the last step.
-    let silent = talk.without_warnings();
+    // What is to be said about the scene was said.
+    let silent = Talk::new(true, false);
     for step in 1..count {
         let progress = talk.progress();
         stage(&progress, &format!("step {step} of {count}"));
         let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
-        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, silent)?;
+        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
     }
     picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)
 }

@@ -25,11 +25,6 @@ impl Talk {
         Self { quiet, verbose }
     }
 
-    /// The same without warnings and notes, for what was said before.
-    pub fn without_warnings(self) -> Self {
-        Self { quiet: true, ..self }
-    }
-
     /// A warning, unless the user wants none.
     pub fn warn(self, warning: impl Display) {
         if !self.quiet {
