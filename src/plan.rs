@@ -147,12 +147,13 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 }
 
 /// The passes of stochastic point-based rendering.
-const SPBR: [&str; 9] = [
+const SPBR: [&str; 10] = [
     "spbr/clear",
     "spbr/draw",
     "spbr/nearest",
     "spbr/nearest-depth",
     "spbr/nearest-id",
+    "spbr/renew",
     "spbr/large",
     "spbr/sum",
     "spbr/resolve",
@@ -549,6 +550,9 @@ impl Plan {
         let wide = "points of more than 64 pixels are possible: whole workgroups fill them";
         let narrow = "no point can be wider than 7 pixels";
         self.add("spbr/large", any && facts.listed, if facts.listed { wide } else { narrow });
+        let epochs = "index and epoch of a point share 32 bits";
+        let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "epochs last" };
+        self.add("spbr/renew", any && facts.renewed, format!("{epochs}: {renewed}"));
         self.add("spbr/resolve", true, format!("sums of {} ensembles to color and A", facts.ensembles));
         self.add("spbr/summary", true, "how many points were drawn, to the host");
         self.rest(&SPBR, &format!("{} needs none", frame.method.name()));

@@ -167,7 +167,8 @@ fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant>
 
 /// The variants of a pass that goes through slots of ensembles.
 fn slots_variants(stage: Stage, of: impl Fn(Variant) -> Vec<Variant>) -> Vec<Variant> {
-    let kinds = (0..16).map(|i| spbr::Kind {
+    let kinds = (0..32).map(|i| spbr::Kind {
+        thinned: i & 16 != 0,
         weighted: i & 1 != 0,
         slanted: i & 2 != 0,
         squares: i & 4 != 0,
@@ -255,6 +256,7 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<spbr::NearestId>(&mut seen, slots_variants(Stage::NearestId, |v| vec![v]));
     let summed = |v: Variant| ways.iter().step_by(4).map(|how| spbr::sum_variant(v.clone(), how, true)).collect();
     check::<spbr::Sum>(&mut seen, slots_variants(Stage::Sum, summed));
+    check::<spbr::Renew>(&mut seen, [Variant::plain()]);
     check::<spbr::Large>(&mut seen, [Variant::plain()]);
     check::<spbr::Resolve>(&mut seen, [false, true].map(spbr::resolve_variant));
     check::<approximate::Weighted>(&mut seen, sum_variants());
@@ -300,7 +302,7 @@ fn every_compute_shader_has_the_common_workgroup() {
             "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
-            "spbr/large" | "spbr/resolve" => Variant::plain(),
+            "spbr/large" | "spbr/renew" | "spbr/resolve" => Variant::plain(),
             other if other.starts_with("spbr/") => Variant::plain().walker("spbr_slots"),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
             other if other.starts_with("soft/resolve") => {

@@ -295,7 +295,25 @@ fn the_bytes_do_not_depend_on_atomics_windows_and_rounds() {
 }
 
 #[test]
-fn seeds_decide_and_many_rounds_need_clearing() {
+fn epochs_that_run_out_change_nothing() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        // Enough points that an ensemble is a round by itself.
+        let list = dealt(&[plane(10, 300_000, [4.0 * X, 3.0 * Y], DVec3::ZERO, Vec3::ONE, 0.99)]);
+        let frame = Frame { fragments: false, ..frame(camera(4.0, true), SIZE, method(8)) };
+        let many = render_on(&mut renderer, &list, &frame);
+        assert!(!many.facts.renewed);
+        for (epoch_bits, single_pass) in [(2, true), (1, true), (0, true), (2, false)] {
+            (renderer.epoch_bits, renderer.single_pass) = (epoch_bits, single_pass);
+            let few = render_on(&mut renderer, &list, &frame);
+            assert_eq!(few.facts.renewed, single_pass);
+            assert!(bits(&few.image) == bits(&many.image), "{epoch_bits} bits");
+        }
+    });
+}
+
+#[test]
+fn seeds_decide() {
     with_device(|device| {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let list = mixture(5);

@@ -26,7 +26,7 @@ struct Push {
     ensemble: u32,
     // Pixels of a plane.
     pixels: u32,
-    // Bits of the epoch, and the epoch in the uppermost of 32 bits.
+    // Bits of the epoch, at most 31, and the epoch in the uppermost of 32 bits.
     epoch_bits: u32,
     epoch: u32,
     // Key of the random words.
@@ -62,6 +62,8 @@ var<immediate> push: Push;
 
 // 0: every point asks for the whole pixel; 1: its opacity says how much of it.
 override WEIGHTED: u32 = 0u;
+// 0: every point is drawn, since each asks for a pixel.
+override THINNED: u32 = 1u;
 // 1: less of it where the normal is slanted.
 override SLANTED: u32 = 0u;
 // 0: a round has a single ensemble.
@@ -163,6 +165,9 @@ fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
 
 // Whether a point that asks for less than a pixel gets it in an ensemble: Tanaka et al. leave out points at random.
 fn is_drawn(slot: Slot, area: f32) -> bool {
+    if THINNED == 0u {
+        return true;
+    }
     let counter = vec2<u32>(push.list + slot.point, push.ensemble + slot.plane);
     let word = threefry2x32(counter, vec2<u32>(push.key_x, push.key_y)).x;
     return area >= 1.0 || word < u32(area * 4294967296.0);
@@ -225,8 +230,10 @@ fn clear_of_borders(fraction: vec2<f32>, error: f32) -> bool {
     return all(fraction > vec2<f32>(error)) && all(fraction < vec2<f32>(1.0 - error));
 }
 
-// Low and high word of what the nearest point of an ensemble has least of: epoch, depth, index. The newer an epoch, the
-// less it is, so that a plane needs no clearing while there are epochs left.
+// Low and high word of what the nearest point of an ensemble has most of: epoch, and the complements of depth key and index.
+// The newer an epoch, the more it is, so that a plane needs no clearing while there are epochs left; 0 stands for nothing.
 fn key_words(point: u32, depth: u32) -> vec2<u32> {
-    return vec2<u32>(((depth << 1u) << (31u - push.epoch_bits)) | (push.list + point), push.epoch | (depth >> push.epoch_bits));
+    let near = ~depth;
+    let index = ~(push.list + point) & (0xffffffffu >> push.epoch_bits);
+    return vec2<u32>(((near << 1u) << (31u - push.epoch_bits)) | index, push.epoch | (near >> push.epoch_bits));
 }

@@ -6,7 +6,7 @@
 
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
     let place = plane * push.pixels + pixel;
-    if depth == atomicLoad(&nearest[place].key) {
-        atomicMin(&nearest[place].id, push.list + point);
+    if ~depth == atomicLoad(&nearest[place].key) {
+        atomicMax(&nearest[place].id, ~(push.list + point));
     }
 }

@@ -11,12 +11,12 @@ struct Push {
 }
 var<immediate> push: Push;
 
-@group(0) @binding(0) var<storage, read> sums: array<vec4<u32>>;
+// As in spbr/sum.
+@group(0) @binding(0) var<storage, read> pixels: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read> squares: array<vec4<u32>>;
-@group(0) @binding(2) var<storage, read> depth_keys: array<u32>;
-@group(0) @binding(3) var<storage, read_write> image: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> depths: array<f32>;
-@group(0) @binding(5) var<storage, read_write> spread: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read_write> depths: array<f32>;
+@group(0) @binding(4) var<storage, read_write> spread: array<vec4<f32>>;
 
 override SPREAD: u32 = 0u;
 
@@ -49,11 +49,12 @@ fn main(
     if p >= push.pixels {
         return;
     }
-    let sum = sums[p];
+    let last = pixels[2u * p + 1u];
+    // Green, red, number, blue.
+    let sum = vec4<u32>(pixels[2u * p].zw, last.xy);
     let count = f32(push.ensembles);
     image[p] = vec4<f32>(vec3<f32>(sum.yxw) / (push.scale * count), f32(sum.z) / count);
-    let key = depth_keys[p];
-    depths[p] = select(key_depth(key), bitcast<f32>(0x7f800000u), sum.z == 0u);
+    depths[p] = select(key_depth(~last.z), bitcast<f32>(0x7f800000u), sum.z == 0u);
     if SPREAD != 0u {
         let first = squares[2u * p];
         let second = squares[2u * p + 1u];

@@ -6,12 +6,10 @@
 // Index and depth, as words of one 64-bit number.
 @group(0) @binding(6) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read> point_colors: array<vec4<f32>>;
-// Of each pixel green, red, number, blue.
-@group(0) @binding(8) var<storage, read_write> sums: array<atomic<u32>>;
+// Of each pixel eight words: two spare ones; sums of green, red, number, blue; complement of the nearest depth's key.
+@group(0) @binding(8) var<storage, read_write> pixels: array<atomic<u32>>;
 // Of each pixel the sums of squares of red, green, blue, 64 bits each, and a spare one.
 @group(0) @binding(9) var<storage, read_write> squares: array<atomic<u32>>;
-// Keys of the nearest depths.
-@group(0) @binding(10) var<storage, read_write> depth_keys: array<atomic<u32>>;
 
 // 1: squares are summed, too.
 override SPREAD: u32 = 0u;
@@ -40,11 +38,11 @@ fn add_square(place: u32, value: u32) {
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
     if all(nearest[plane * push.pixels + pixel] == key_words(point, depth)) {
         let color = whole_color(color_of(point));
-        atomicAdd(&sums[4u * pixel], color.g);
-        atomicAdd(&sums[4u * pixel + 1u], color.r);
-        atomicAdd(&sums[4u * pixel + 2u], 1u);
-        atomicAdd(&sums[4u * pixel + 3u], color.b);
-        atomicMin(&depth_keys[pixel], depth);
+        atomicAdd(&pixels[8u * pixel + 2u], color.g);
+        atomicAdd(&pixels[8u * pixel + 3u], color.r);
+        atomicAdd(&pixels[8u * pixel + 4u], 1u);
+        atomicAdd(&pixels[8u * pixel + 5u], color.b);
+        atomicMax(&pixels[8u * pixel + 6u], ~depth);
         if SPREAD != 0u {
             add_square(8u * pixel, color.r);
             add_square(8u * pixel + 2u, color.g);

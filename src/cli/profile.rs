@@ -47,7 +47,8 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
         Format::Png => Stop::EightBit { transparent: false },
     };
     let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
-    session.describe(&resolved, talk);
+    session.describe(talk);
+    session.warn(&resolved, talk);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let mut profile = session.profile();

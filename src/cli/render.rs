@@ -224,7 +224,11 @@ fn picture(
         }
     };
     session.renderer.progress = progress.clone();
-    session.describe(resolved, talk);
+    session.describe(talk);
+    // Of a time series once.
+    if step.is_none_or(|(step, count)| step == count) {
+        session.warn(resolved, talk);
+    }
     let mut rendered = session.render()?;
     let brightness = session.brighten(&mut rendered.image)?;
     progress.finish_and_clear();

@@ -75,18 +75,21 @@ impl Session {
     }
 
     /// Says on which device what is rendered, and how.
-    pub fn describe(&self, resolved: &Resolved, talk: Talk) {
+    pub fn describe(&self, talk: Talk) {
         let info = self.device.info();
         talk.detail(format_args!("device {} ({})", info.name, info.driver));
         talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
         talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+    }
+
+    /// Warns of clouds that don't come out as asked.
+    pub fn warn(&self, resolved: &Resolved, talk: Talk) {
         // Of another method, or points that were not dealt: there is nothing to say.
         let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
         let surfaces = resolved.arranged.surfaces();
-        dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method)
-            .iter()
-            .for_each(|warning| talk.warn(warning));
+        let warnings = dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
+        warnings.iter().for_each(|warning| talk.warn(warning));
     }
 
     /// Says what a frame met and took.

@@ -5,6 +5,11 @@
 //! M = round(kN) are dealt: ensemble e of L takes slots ⌊eM/L⌋ to ⌊(e+1)M/L⌋. So no copy is stored, the sizes of ensembles
 //! differ by at most one, for k < 1 the points left out are random, and while k ≤ L no ensemble holds a point twice, since
 //! its copies are N slots apart and an ensemble has M/L ≤ N of them.
+//!
+//! For k > 1 the list is gone through again in the same order, so that ensembles N slots apart have much the same points, and
+//! noise stays about that of L/k ensembles. Ensembles of other parts of the points would have little less of it: how many
+//! points lie on a pixel is left to chance anyway. (The variance is α(1 − α)k/L against about α(1 − α)/L + (1 − α)²mk/L with
+//! m = −ln(1 − α): for k = 10 no more at α = 0.2, a quarter more at 0.5, 2.8 times as much at 0.9.)
 
 use std::ops::Range;
 

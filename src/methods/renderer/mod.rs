@@ -142,6 +142,8 @@ pub struct Facts {
     pub slots: u64,
     /// How the nearest points of ensembles are found.
     pub form: Option<Form>,
+    /// Whether a pixel's nearest point has to be cleared between ensembles.
+    pub renewed: bool,
     /// Whether points of ensembles may cover more pixels than one invocation walks.
     pub listed: bool,
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
@@ -338,6 +340,8 @@ pub struct Renderer {
     pub wide_atomics: bool,
     /// Whether ensembles are drawn in one go where that can be; a test may switch it off.
     pub single_pass: bool,
+    /// Most bits of a key for epochs of ensembles; 31 unless a test sets fewer.
+    pub epoch_bits: u32,
     /// Layers after which `peel` gives up; [`MAX_LAYERS`] unless a test sets fewer.
     pub max_layers: u32,
 }
@@ -365,6 +369,7 @@ impl Renderer {
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
+            epoch_bits: 31,
             max_layers: MAX_LAYERS,
         })
     }

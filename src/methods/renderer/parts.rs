@@ -1,6 +1,7 @@
 //! Windows of methods that draw three-pass splats, and of those that tell solid points from soft ones.
 
 use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of};
+use crate::camera::Projection;
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
@@ -155,22 +156,25 @@ impl Renderer {
         facts.listed = spbr::is_listed(&shares);
         if !work.survey {
             cloud.set_view(&frame.camera, frame.size, window, &how);
-            let (budget, method, seed, progress) = (work.budget, frame.method, frame.seed, &self.progress);
-            let (how, shares, concurrent) = (&how, &shares, device.info().concurrent_runs);
-            let job = spbr::WindowJob {
-                cloud,
-                window,
-                how,
-                shares,
-                method,
-                drawn,
-                seed,
-                spread,
-                form,
-                concurrent,
-                budget,
-                progress,
-            };
+        }
+        let job = spbr::WindowJob {
+            cloud,
+            window,
+            how: &how,
+            shares: &shares,
+            method: frame.method,
+            drawn,
+            seed: frame.seed,
+            spread,
+            perspective: matches!(frame.camera.projection, Projection::Perspective { .. }),
+            form,
+            most_epoch_bits: self.epoch_bits,
+            concurrent: device.info().concurrent_runs,
+            budget: work.budget,
+            progress: &self.progress,
+        };
+        facts.renewed |= job.is_renewed();
+        if !work.survey {
             facts.visible += self.ensembles.render(device, &job, &self.target, work.timeline)?;
             self.progress.inc(bands::pixels(window));
         }

@@ -107,9 +107,8 @@ pass! {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
         point_colors: Parts<[f32; 4]>,
-        sums: ReadWrite<u64>,
+        pixels: ReadWrite<u64>,
         squares: ReadWrite<u64>,
-        depth_keys: ReadWrite<u32>,
     }
 }
 
@@ -143,9 +142,8 @@ pass! {
         slots: Shared<SlotsGroup>,
         nearest: Read<[u32; 2]>,
         point_colors: Read<[f32; 4]>,
-        sums: ReadWrite<u32>,
+        pixels: ReadWrite<u32>,
         squares: ReadWrite<u32>,
-        depth_keys: ReadWrite<u32>,
     }
 }
 
@@ -158,11 +156,17 @@ pass! {
 }
 
 pass! {
+    /// Nothing as the nearest point of each pixel.
+    pub Renew(super::abuffer::CountPush) = "spbr/renew" {
+        pixels: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
     /// Sums to color, A, depth and standard error.
     pub Resolve(ResolvePush) = "spbr/resolve" {
-        sums: Read<[u32; 4]>,
+        pixels: Read<[u32; 4]>,
         squares: Read<[u32; 4]>,
-        depth_keys: Read<u32>,
         image: ReadWrite<[f32; 4]>,
         depths: ReadWrite<f32>,
         spread: ReadWrite<[f32; 4]>,
@@ -174,7 +178,7 @@ const RUN: u64 = 16;
 /// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
 const SMALL: f64 = 64.0;
 /// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
-const ROUND_SLOTS: u64 = 1 << 13;
+const ROUND_SLOTS: u64 = 1 << 10;
 /// Most slots of a dispatch, and of one whose large squares may all be on the list.
 const DISPATCH_SLOTS: u64 = 1 << 24;
 /// See [`DISPATCH_SLOTS`].
@@ -199,13 +203,12 @@ pub fn key(seed: u64) -> [u32; 2] {
 
 /// Device bytes per pixel of a window, with one plane.
 pub fn pixel_bytes(spread: bool) -> u64 {
-    8 + 16 + 4 + if spread { 48 } else { 0 }
+    8 + 32 + if spread { 48 } else { 0 }
 }
 
 /// Pixels of a window whose buffers fit a binding, and a quarter of the budget.
 pub fn window_pixels(budget: Budget, spread: bool) -> u64 {
-    let widest = if spread { 32 } else { 16 };
-    budget.window_pixels(pixel_bytes(spread)).min(budget.binding / widest).max(1)
+    budget.window_pixels(pixel_bytes(spread)).min(budget.binding / 32).max(1)
 }
 
 /// How the nearest points are found.
@@ -260,6 +263,8 @@ pub enum Stage {
 pub struct Kind {
     /// Whether opacities differ from point to point.
     pub weighted: bool,
+    /// Whether points may ask for less than a pixel.
+    pub thinned: bool,
     /// Whether slanted normals make points smaller.
     pub slanted: bool,
     /// Whether points may be wider than a pixel.
@@ -276,6 +281,7 @@ impl Kind {
     pub fn variant(self, stage: Stage, stripes: Option<u32>, counted: bool) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
+            .with("THINNED", u32::from(self.thinned))
             .with("SLANTED", u32::from(self.slanted))
             .with("SQUARES", u32::from(self.squares))
             .with("PLANES", u32::from(self.planes));
@@ -346,8 +352,12 @@ pub struct WindowJob<'a> {
     pub seed: u64,
     /// Whether the standard error is asked for.
     pub spread: bool,
+    /// Whether the width of points depends on depth.
+    pub perspective: bool,
     /// How the nearest points are found.
     pub form: Form,
+    /// Most bits of a key for epochs.
+    pub most_epoch_bits: u32,
     /// Pieces of work that keep the device busy.
     pub concurrent: u64,
     /// The budget.
@@ -367,9 +377,16 @@ impl WindowJob<'_> {
     }
 
     fn kind(&self) -> Kind {
-        let weighted = matches!(self.method, Method::Spbr(_));
+        let weighted = matches!(self.method, Method::Spbr(_)) && self.shares.iter().any(|s| !s.uniform);
         let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
-        Kind { weighted, slanted, squares: largest(self.shares) > 1.0, planes: self.planes() > 1, spread: self.spread }
+        Kind {
+            weighted,
+            slanted,
+            thinned: weighted || slanted || self.perspective,
+            squares: largest(self.shares) > 1.0,
+            planes: self.planes() > 1,
+            spread: self.spread,
+        }
     }
 
     fn listed(&self) -> bool {
@@ -393,6 +410,21 @@ impl WindowJob<'_> {
         worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)
     }
 
+    /// Whether a pixel's nearest point stands beside its sums.
+    fn is_inline(&self) -> bool {
+        self.form == Form::Single && self.planes() == 1
+    }
+
+    /// Whether there are more rounds than epochs of planes that no fill can clear.
+    pub fn is_renewed(&self) -> bool {
+        self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
+    }
+
+    /// Bits of keys for epochs.
+    fn epoch_bits(&self) -> u32 {
+        if self.form == Form::Narrow { 0 } else { epoch_bits(self.cloud.len()).min(self.most_epoch_bits) }
+    }
+
     fn scale(&self) -> Scale {
         Scale::new(self.ensembles(), self.cloud.most_color(self.how))
     }
@@ -412,9 +444,8 @@ struct Round {
 /// Buffers, kept from frame to frame.
 pub struct Ensembles {
     nearest: Kept<u64>,
-    sums: Kept<[u32; 4]>,
+    pixels: Kept<[u32; 4]>,
     squares: Kept<[u32; 4]>,
-    depth_keys: Kept<u32>,
     spread: Kept<[f32; 4]>,
     large: Kept<[u32; 4]>,
     arguments: Kept<u32>,
@@ -426,9 +457,8 @@ impl Default for Ensembles {
     fn default() -> Self {
         Self {
             nearest: Kept::new("nearest of ensembles", Memory::Device),
-            sums: Kept::new("sums of ensembles", Memory::Device),
+            pixels: Kept::new("sums of ensembles", Memory::Device),
             squares: Kept::new("squares of ensembles", Memory::Device),
-            depth_keys: Kept::new("depths of ensembles", Memory::Device),
             spread: Kept::new("spread of ensembles", Memory::Device),
             large: Kept::new("large points", Memory::Device),
             arguments: Kept::new("large points, groups", Memory::Device),
@@ -449,7 +479,7 @@ impl Ensembles {
     ) -> Result<u64, Error> {
         self.reserve(device, job)?;
         let planes = job.planes() as u32;
-        let bits = if job.form == Form::Narrow { 0 } else { epoch_bits(job.cloud.len()) };
+        let bits = job.epoch_bits();
         let mut recorder = device.recorder()?;
         self.record_clear(&mut recorder)?;
         let (mut epochs, mut slots, mut passes) = (Epochs::new(bits), 0, 0);
@@ -459,7 +489,7 @@ impl Ensembles {
             let epoch = match epochs.take() {
                 Some(epoch) => epoch,
                 None => {
-                    recorder.fill("spbr/clear", self.nearest.get().all(), u32::MAX)?;
+                    self.record_renew(&mut recorder, job)?;
                     epochs = Epochs::new(bits);
                     epochs.take().unwrap_or_default()
                 }
@@ -497,11 +527,10 @@ impl Ensembles {
 
     fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
         let pixels = job.pixels();
-        let planes = pixels * job.planes();
+        let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
         // No larger than asked for, since all of it is cleared.
         self.nearest.reserve_within(device, planes, planes)?;
-        self.sums.reserve_within(device, pixels, pixels)?;
-        self.depth_keys.reserve_within(device, pixels, pixels)?;
+        self.pixels.reserve_within(device, 2 * pixels, 2 * pixels)?;
         let squares = if job.spread { 2 * pixels } else { 1 };
         self.squares.reserve_within(device, squares, squares)?;
         self.spread.reserve(device, if job.spread { pixels } else { 1 })?;
@@ -513,11 +542,22 @@ impl Ensembles {
     }
 
     fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        recorder.fill("spbr/clear", self.nearest.get().all(), u32::MAX)?;
-        recorder.fill("spbr/clear", self.depth_keys.get().all(), u32::MAX)?;
-        recorder.fill("spbr/clear", self.sums.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
         recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
         recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
+        Ok(())
+    }
+
+    /// Records that planes are empty again.
+    fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        if !job.is_inline() {
+            recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+            return Ok(());
+        }
+        let pass = Renew { pixels: self.pixels.get().all().cast() };
+        let push = super::abuffer::CountPush { count: job.pixels() as u32 };
+        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push))?;
         Ok(())
     }
 
@@ -565,7 +605,6 @@ impl Ensembles {
         let slots = self.slots(job, piece);
         let cloud = job.cloud;
         let nearest = self.nearest.get().all();
-        let depth_keys = self.depth_keys.get().all();
         let (run, variant) = run;
         match stage {
             Stage::Nearest => recorder.run(&Nearest { slots, nearest }, &run.variant(variant))?,
@@ -576,15 +615,15 @@ impl Ensembles {
             Stage::Draw => {
                 let cut = Cut::new(device, cloud.len())?;
                 let point_colors = cut.of(&cloud.point_colors);
-                let (sums, squares) = (self.sums.get().all().cast(), self.squares.get().all().cast());
-                let pass = Draw { slots, nearest, point_colors, sums, squares, depth_keys };
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Draw { slots, nearest, point_colors, pixels, squares };
                 recorder.run(&pass, &run.variant(draw_variant(variant, cut, job.how)))?;
             }
             Stage::Sum => {
                 let bound = piece.bound.end - piece.bound.start;
                 let point_colors = cloud.point_colors.slice(piece.bound.start, bound);
-                let (sums, squares) = (self.sums.get().all().cast(), self.squares.get().all().cast());
-                let pass = Sum { slots, nearest: nearest.cast(), point_colors, sums, squares, depth_keys };
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
                 recorder.run(&pass, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
             }
         }
@@ -611,9 +650,8 @@ impl Ensembles {
         target: &'a Target,
     ) -> Result<(), Error> {
         let pass = Resolve {
-            sums: self.sums.get().all(),
+            pixels: self.pixels.get().all(),
             squares: self.squares.get().all(),
-            depth_keys: self.depth_keys.get().all(),
             image: target.image(),
             depths: target.depths(),
             spread: self.spread.get().all(),
@@ -630,7 +668,7 @@ fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> Slo
     let [key_x, key_y] = key(job.seed);
     let scale = job.scale();
     let before = u128::from(share.slots) * u128::from(round.ensembles.start);
-    let bits = if job.form == Form::Narrow { 0 } else { epoch_bits(job.cloud.len()) };
+    let bits = job.epoch_bits();
     SlotsPush {
         count: (piece.slots.end - piece.slots.start) as u32,
         first: piece.slots.start as u32,
@@ -683,9 +721,9 @@ pub fn least_bytes(name: &str, facts: &Facts, spread: bool, pixels: u64) -> Opti
     let (walk, squares) = (facts.slots * 32 * facts.windows.max(1), if spread { 32 } else { 0 });
     match name {
         "spbr/nearest" | "spbr/nearest-depth" | "spbr/nearest-id" => Some(walk + facts.visible * 8),
-        "spbr/draw" => Some(walk + facts.visible * (16 + 16) + pixels * (16 + 4)),
-        "spbr/sum" => Some(walk + facts.visible * 8 + pixels * (16 + 4)),
-        "spbr/resolve" => Some(pixels * (16 + 4 + squares + 20 + squares / 2)),
+        "spbr/draw" => Some(walk + facts.visible * (16 + 16) + pixels * 32),
+        "spbr/sum" => Some(walk + facts.visible * 8 + pixels * 32),
+        "spbr/resolve" => Some(pixels * (32 + squares + 20 + squares / 2)),
         _ => None,
     }
 }

@@ -59,7 +59,7 @@ pub fn epoch_bits(points: u64) -> u32 {
     points.saturating_sub(1).leading_zeros().saturating_sub(32).min(31)
 }
 
-/// Numbers of epochs, newest last: each less than the one before.
+/// Numbers of epochs, newest last: each more than the one before, and none is 0, which stands for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Epochs {
     bits: u32,
@@ -67,15 +67,21 @@ pub struct Epochs {
 }
 
 impl Epochs {
-    /// Of planes that have just been cleared to ones. Without bits there is one epoch.
+    /// Of planes that have just been cleared. Without bits there is one epoch.
     pub fn new(bits: u32) -> Self {
-        Self { bits, next: if bits == 0 { 1 } else { (1u32 << bits) - 1 } }
+        Self { bits, next: 1 }
+    }
+
+    /// How many there are.
+    pub fn most(bits: u32) -> u32 {
+        ((1u32 << bits) - 1).max(1)
     }
 
     /// The next epoch in the uppermost bits of a word; `None` when the planes must be cleared again.
     pub fn take(&mut self) -> Option<u32> {
-        self.next = self.next.checked_sub(1)?;
-        Some(if self.bits == 0 { 0 } else { self.next << (32 - self.bits) })
+        let epoch = self.next;
+        self.next += 1;
+        (epoch <= Self::most(self.bits)).then(|| if self.bits == 0 { 0 } else { epoch << (32 - self.bits) })
     }
 }
 
@@ -84,7 +90,7 @@ mod tests {
     use super::*;
 
     fn share(points: Range<u64>, slots: u64) -> Share {
-        Share { points, slots, depth: 1.0, unit: 1.0, capped: false, opacity: 0.5, largest: 1.0 }
+        Share { points, slots, depth: 1.0, unit: 1.0, uniform: true, capped: false, opacity: 0.5, largest: 1.0 }
     }
 
     /// The points of all pieces in order, as the shader finds them.
@@ -126,10 +132,10 @@ mod tests {
     }
 
     #[test]
-    fn epochs_fall_and_end() {
+    fn epochs_rise_and_end() {
         assert_eq!([1, 2, 3, 1 << 20, 1 << 31, 1 << 32].map(epoch_bits), [31, 31, 30, 12, 1, 0]);
         let mut epochs = Epochs::new(2);
-        assert_eq!([epochs.take(), epochs.take(), epochs.take()], [Some(2 << 30), Some(1 << 30), Some(0)]);
+        assert_eq!([epochs.take(), epochs.take(), epochs.take()], [Some(1 << 30), Some(2 << 30), Some(3 << 30)]);
         assert_eq!(epochs.take(), None);
         let mut single = Epochs::new(0);
         assert_eq!([single.take(), single.take()], [Some(0), None]);

@@ -19,17 +19,21 @@ pub struct Placed {
     pub surface: Surface,
     /// Of its points' box, in world coordinates.
     pub corners: [DVec3; 8],
+    /// Whether all of its points have the same opacity.
+    pub uniform: bool,
 }
 
 impl Placed {
     /// The clouds of a list.
     pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
-        let corners = |surface: &Surface| {
+        let placed = |surface: &Surface| {
             let range = surface.points.start as usize..surface.points.end as usize;
-            let own = points.positions[range].iter().copied();
-            crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners())
+            let own = points.positions[range.clone()].iter().copied();
+            let corners = crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners());
+            let uniform = points.opacities[range].iter().all(|opacity| *opacity == surface.opacity);
+            Self { surface: surface.clone(), corners, uniform }
         };
-        surfaces.iter().map(|s| Self { surface: s.clone(), corners: corners(s) }).collect()
+        surfaces.iter().map(placed).collect()
     }
 
     /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the box, of
@@ -56,6 +60,8 @@ pub struct Share {
     pub depth: f64,
     /// −ln(1 − α) of the opacity α for which a point takes the whole of such a pixel; 0 where there is no area.
     pub unit: f64,
+    /// Whether all of its points have the opacity of their surface.
+    pub uniform: bool,
     /// Whether more points were wanted than L for each there is, so that opacity is lost.
     pub capped: bool,
     /// Opacity of its surface in the image, of that which was asked for.
@@ -107,6 +113,7 @@ impl Wanted<'_> {
             slots: (ratio * count as f64).round() as u64,
             depth,
             unit,
+            uniform: placed.uniform,
             capped,
             opacity: if capped { -(-there).exp_m1() } else { alpha },
             largest,
