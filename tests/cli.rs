@@ -2,6 +2,7 @@
 
 mod cli {
     mod bad;
+    mod brightness;
     mod choice;
     #[cfg(unix)]
     mod ci;

@@ -186,13 +186,14 @@ fn steps(
 ) -> Result<()> {
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    // What is to be said about the scene is said once.
     let whole = loaded.clone().resolve(None, talk, progress)?;
     progress.finish_and_clear();
+    // What is to be said about the scene was said.
+    let silent = Talk::new(true, false);
     for step in 1..count {
         let progress = talk.progress();
         stage(&progress, &format!("step {step} of {count}"));
-        let part = loaded.first(step).resolve(Some(whole.camera), Talk::new(true, false), &progress)?;
+        let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
         picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
     }
     picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)

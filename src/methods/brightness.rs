@@ -64,7 +64,9 @@ impl Applied {
     /// Of an image's metadata: `{p, threshold, largest}`, the latter two B_th and B_max or null where p was given.
     pub fn json(&self) -> Value {
         let window = self.found.map(|found| found.window);
-        json!({ "p": self.factor, "threshold": window.map(|w| w[0]), "largest": window.map(|w| w[1]) })
+        // 2.52, and not what float32 makes of it.
+        let p = self.factor.to_string().parse::<f64>().unwrap_or(f64::from(self.factor));
+        json!({ "p": p, "threshold": window.map(|w| w[0]), "largest": window.map(|w| w[1]) })
     }
 
     /// What somebody should know who wonders about p.
@@ -336,10 +338,10 @@ mod tests {
 
     #[test]
     fn metadata_and_warnings() {
-        let of = |window, end| Applied { factor: 2.5, found: Some(Brightening { factor: 2.5, window, end }) };
+        let of = |window, end| Applied { factor: 2.52, found: Some(Brightening { factor: 2.52, window, end }) };
         let given = Applied { factor: 2.5, found: None };
         assert_eq!(given.json().to_string(), r#"{"p":2.5,"threshold":null,"largest":null}"#);
-        assert_eq!(of([3, 200], End::Met).json().to_string(), r#"{"p":2.5,"threshold":3,"largest":200}"#);
+        assert_eq!(of([3, 200], End::Met).json().to_string(), r#"{"p":2.52,"threshold":3,"largest":200}"#);
         assert!([given, of([3, 200], End::Met), of([3, 200], End::JumpedOver)].iter().all(|x| x.warning().is_none()));
         assert!(of([0, 200], End::Met).warning().unwrap().contains("closer view"));
         assert!(of([3, 200], End::TooDark).warning().unwrap().contains("no factor up to 1000"));

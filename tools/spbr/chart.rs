@@ -22,13 +22,14 @@ pub fn figure(folder: &Path, name: &str, x: Axis, y: Axis, panels: &[(String, Ve
             let range_y = [row.found - row.spread, row.found + row.spread];
             Point { range_y, ..Point::new(row.x, row.found) }
         };
+        // What was measured lies on top.
         let series = [
-            Series { name: 0, points: rows.iter().map(found).collect(), note: String::new() },
             Series {
                 name: 1,
                 points: rows.iter().map(|row| Point::new(row.x, row.expected)).collect(),
                 note: String::new(),
             },
+            Series { name: 0, points: rows.iter().map(found).collect(), note: String::new() },
         ];
         Panel { title: title.clone(), series: series.into(), front: Vec::new(), is_guided: false }
     };
