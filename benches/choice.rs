@@ -19,7 +19,7 @@ use pellucid::Result;
 use pellucid::choice::{self, Choice, Wish};
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Renderer, Stop};
-use pellucid::points::Points;
+use pellucid::points::Arranged;
 use pellucid::report::tradeoff::settings::Ladders;
 use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
 use pellucid::scene::{self, Overrides, Scene, procedural};
@@ -62,8 +62,8 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let scene = Scene::from_toml_with(&generated.scene_toml, name.as_ref(), &overrides)?;
     let clouds = scene::take_generated(&scene, &generated)?;
     let up = scene::up_axis(&clouds);
-    let points = scene::assemble(&scene, clouds, true, &ProgressBar::hidden())?;
-    let (camera, _) = scene::camera(&scene, &points, up)?;
+    let arranged = scene::arrange(&scene, clouds, 0, &ProgressBar::hidden())?;
+    let (camera, _) = scene::camera(&scene, arranged.points(), up)?;
     let frame = Frame {
         camera,
         size: scene.image.size,
@@ -78,10 +78,11 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         seed: 0,
     };
     let start = Instant::now();
-    let table = search(device, &Subject { points: &points, frame, background: scene.image.background, scene: name })?;
+    let table =
+        search(device, &Subject { arranged: &arranged, frame, background: scene.image.background, scene: name })?;
     let (settings, seconds) = (table.rows.len(), start.elapsed().as_secs());
     println!("\n== {name} {keys:?}: {settings} settings searched in {seconds} s");
-    choices(device, &points, &scene, frame, &table)
+    choices(device, &arranged, &scene, frame, &table)
 }
 
 fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
@@ -93,9 +94,9 @@ fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
     tradeoff::run(device, subject, &options, folder.path(), &ProgressBar::hidden())
 }
 
-fn choices(device: &Device, points: &Points, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
-    let mut cloud = Renderer::new(device)?.upload(points)?;
-    let subject = choice::Subject { points, frame, background: scene.image.background, only: None };
+fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
+    let mut cloud = Renderer::new(device)?.upload_arranged(arranged)?;
+    let subject = choice::Subject { arranged, frame, background: scene.image.background, only: None };
     let exact = table.rows.iter().filter(|row| row.errors.rmse < choice::EXACT);
     let exact = exact.map(|row| row.gpu_ms.median).fold(f64::INFINITY, f64::min);
     let by_error = ERRORS.map(|error| Wish { max_error: Some(error), budget_ms: None });

@@ -4,13 +4,13 @@ use glam::Vec3;
 
 use crate::gpu::DeviceInfo;
 use crate::methods::Frame;
-use crate::points::Points;
+use crate::points::{Arranged, Points};
 
-/// A hash of what decides the image and the time of a frame whatever its method: points, camera, size, shading, color
+/// A hash of what decides the image and the time of a frame whatever its method: points, what is known of their clouds, camera, size, shading, color
 /// space, background, memory budget, factors and seed; device and driver; the program's version. In hexadecimal digits.
 ///
 /// Of the method only what `formation` says counts.
-pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
+pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
     let Frame {
         camera,
         size,
@@ -29,7 +29,7 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order, fields } = points;
+    let Points { positions, colors, opacities, radii, normals, file_order, fields } = arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
     add(bytemuck::cast_slice(colors));
@@ -39,8 +39,9 @@ pub fn of(points: &Points, frame: &Frame, background: Vec3, formation: &str, dev
     add(bytemuck::cast_slice(file_order));
     add(bytemuck::cast_slice(fields));
     // Debug output of floats is exact.
+    let surfaces = arranged.surfaces();
     let settings = format!(
-        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {factors:?} {background:?}"
+        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {factors:?} {background:?} {surfaces:?}"
     );
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
     for text in [&settings, formation, &program] {

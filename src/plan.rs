@@ -3,6 +3,7 @@
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
+use crate::methods::spbr::Form;
 use crate::methods::splats::PASSES as SPLATTED;
 use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
 use crate::passes::bin::{self, Order};
@@ -73,18 +74,25 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Lambert => "Lambert shading where there are normals",
         ShadingModel::Phong => "Phong shading where there are normals",
     };
-    plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
+    if frame.method.is_dealt() {
+        plan.dealt(device, frame, facts, why);
+    } else {
+        plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
+    }
     let direct = matches!(frame.method, Method::Points | Method::Auto(_));
-    let project = if direct {
-        "a point is one pixel: no splats".to_owned()
+    let project = if direct || frame.method.is_dealt() {
+        "a point is one pixel or a square: no splats".to_owned()
     } else {
         format!("{} points; {shading}", facts.points)
     };
-    plan.add("splat/project", facts.points > 0 && !direct, project);
+    plan.add("splat/project", facts.points > 0 && !direct && !frame.method.is_dealt(), project);
     if direct {
         plan.nearest(device, POINTS, facts.points > 0, wide_atomics, why);
     }
-    plan.add("splat/stats", true, format!("{} splats touch the image, {} of them large", facts.visible, facts.large));
+    if !frame.method.is_dealt() {
+        let met = format!("{} splats touch the image, {} of them large", facts.visible, facts.large);
+        plan.add("splat/stats", true, met);
+    }
     match frame.method {
         Method::ABuffer(discs) | Method::LinkedList(discs) => plan.lists(device, frame, &discs, facts, seen, why),
         Method::Sorted(_) => plan.tiled("sorted/blend", device, frame, facts, why),
@@ -107,6 +115,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
             plan.splats(device, frame, facts, wide_atomics, seen, why);
         }
     }
+    plan.rest(&["splat/clear", "splat/stats"], "ensembles have counters of their own");
+    plan.rest(&SPBR, &format!("no ensembles: {why}"));
     let without = |what: &str| match frame.method.discs() {
         Some(_) => format!("{what}: {why}"),
         None => format!("no transparency: {why}"),
@@ -137,6 +147,20 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     );
     plan.steps
 }
+
+/// The passes of stochastic point-based rendering.
+const SPBR: [&str; 10] = [
+    "spbr/clear",
+    "spbr/draw",
+    "spbr/nearest",
+    "spbr/nearest-depth",
+    "spbr/nearest-id",
+    "spbr/renew",
+    "spbr/large",
+    "spbr/sum",
+    "spbr/resolve",
+    "spbr/summary",
+];
 
 /// Why a pass over splats is off.
 const NOTHING: &str = "no splat touches the image";
@@ -491,6 +515,49 @@ impl Plan {
         self.rest(&TILED, &format!("samples are taken: {why}"));
         self.rest(&COUNT, "lengths of lists are not asked for, and the method needs none");
         self.rest(&list_passes(), &format!("samples, not lists: {why}"));
+    }
+
+    /// Ensembles of points.
+    fn dealt(&mut self, device: &Device, frame: &Frame, facts: &Facts, why: &str) {
+        let any = facts.slots > 0;
+        let dealt = format!("{} points dealt to {} ensembles", facts.slots, facts.ensembles);
+        let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
+        self.add("spbr/clear", true, "planes of ensembles and sums start empty");
+        for (name, forms, how) in [
+            (
+                "spbr/draw",
+                &[Form::Single][..],
+                "64-bit atomics, colors need no shading and are within reach".to_owned(),
+            ),
+            (
+                "spbr/nearest",
+                &[Form::Wide],
+                format!("{has} 64-bit atomics; colors are shaded, or too many to be in reach"),
+            ),
+            ("spbr/nearest-depth", &[Form::Narrow], format!("{has} 64-bit atomics")),
+            ("spbr/nearest-id", &[Form::Narrow], format!("{has} 64-bit atomics")),
+            (
+                "spbr/sum",
+                &[Form::Wide, Form::Narrow],
+                "colors of the points that are the nearest of an ensemble".to_owned(),
+            ),
+        ] {
+            let on = any && facts.form.is_some_and(|form| forms.contains(&form));
+            self.add(
+                name,
+                on,
+                if on { format!("{why}; {dealt}; {how}") } else { "the ensembles are drawn otherwise".to_owned() },
+            );
+        }
+        let wide = "points of more than 64 pixels are possible: whole workgroups fill them";
+        let narrow = "no point can be wider than 7 pixels";
+        self.add("spbr/large", any && facts.listed, if facts.listed { wide } else { narrow });
+        let epochs = "index and epoch of a point share 32 bits";
+        let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "epochs last" };
+        self.add("spbr/renew", any && facts.renewed, format!("{epochs}: {renewed}"));
+        self.add("spbr/resolve", true, format!("sums of {} ensembles to color and A", facts.ensembles));
+        self.add("spbr/summary", true, "how many points were drawn, to the host");
+        self.rest(&SPBR, &format!("{} needs none", frame.method.name()));
     }
 
     /// Splats in tiles, and what goes through them for each few strata of samples.

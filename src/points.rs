@@ -1,8 +1,10 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::cloud::Bounds;
+use crate::prepare::ensembles::{Dealt, Surface};
 
 /// All points of a scene in one list. The columns are equally long.
 ///
@@ -43,5 +45,72 @@ impl Points {
     /// The scene's box; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.positions.iter().copied())
+    }
+
+    /// The same points in another order: place i gets the point that stands at `from(i)`. Column by column, each freed as
+    /// soon as it is copied, since a hundred million points are too many to hold twice.
+    pub(crate) fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
+        fn pick<T: Copy + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+            (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
+        }
+        Self {
+            positions: pick(self.positions, &from),
+            colors: pick(self.colors, &from),
+            opacities: pick(self.opacities, &from),
+            radii: pick(self.radii, &from),
+            normals: self.normals.map(|normals| pick(normals, &from)),
+            file_order: pick(self.file_order, &from),
+            fields: pick(self.fields, &from),
+        }
+    }
+
+    /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
+    /// forgotten.
+    pub(crate) fn append(&mut self, more: Self) {
+        if self.is_empty() {
+            *self = Self { file_order: Vec::new(), ..more };
+            return;
+        }
+        let (before, added) = (self.len(), more.len());
+        self.normals = match (self.normals.take(), more.normals) {
+            (None, None) => None,
+            (own, other) => {
+                let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
+                normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
+                Some(normals)
+            }
+        };
+        self.positions.extend(more.positions);
+        self.colors.extend(more.colors);
+        self.opacities.extend(more.opacities);
+        self.radii.extend(more.radii);
+        self.fields.extend(more.fields);
+        self.file_order = Vec::new();
+    }
+}
+
+/// The points of a scene in the order that its method wants.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Arranged {
+    /// In canonical order.
+    Canonical(Points),
+    /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
+    Dealt(Dealt),
+}
+
+impl Arranged {
+    /// All points, in either order.
+    pub fn points(&self) -> &Points {
+        match self {
+            Self::Canonical(points) | Self::Dealt(Dealt { points, .. }) => points,
+        }
+    }
+
+    /// The clouds, if they are told apart.
+    pub fn surfaces(&self) -> &[Surface] {
+        match self {
+            Self::Canonical(_) => &[],
+            Self::Dealt(dealt) => &dealt.surfaces,
+        }
     }
 }

@@ -2,11 +2,14 @@
 
 mod cli {
     mod bad;
+    mod brightness;
     mod choice;
     #[cfg(unix)]
     mod ci;
     mod compare;
+    mod dealt;
     mod failures;
+    mod frames;
     mod measure;
     mod prepare;
     mod render;

@@ -126,6 +126,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let wanted = |of: bool| if of { [wide, !wide, !wide] } else { [false; 3] };
             assert_eq!(nearest("splat"), wanted(matches!(method, Method::Circles(_))));
             assert_eq!(nearest("points"), wanted(method == Method::Points));
+            assert_eq!(nearest("spbr"), [false; 3]);
             assert_eq!(nearest("peel"), wanted(matches!(method, Method::Peel(_))));
             let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
             names.sort_unstable();

@@ -5,6 +5,7 @@ use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior, Kind};
+use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
     abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
@@ -187,6 +188,20 @@ fn splats_variants(of: fn(splats::OneRun, Footprint) -> Variant) -> Vec<Variant>
     sized.flat_map(|run| [Footprint::Disc, Footprint::Oriented].map(|footprint| of(run, footprint))).collect()
 }
 
+/// The variants of a pass that goes through slots of ensembles.
+fn slots_variants(stage: Stage, of: impl Fn(Variant) -> Vec<Variant>) -> Vec<Variant> {
+    let kinds = (0..32).map(|i| spbr::Kind {
+        thinned: i & 16 != 0,
+        weighted: i & 1 != 0,
+        slanted: i & 2 != 0,
+        squares: i & 4 != 0,
+        planes: i & 8 != 0,
+        spread: i & 4 != 0,
+    });
+    let ways = [(None, false), (None, true), (Some(3), false)];
+    kinds.flat_map(|kind| ways.map(|(stripes, counted)| kind.variant(stage, stripes, counted))).flat_map(of).collect()
+}
+
 #[test]
 fn every_shader_matches_its_pass_in_every_variant() {
     let mut seen = Vec::new();
@@ -255,6 +270,18 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<hardware::DrawHeld>(&mut seen, draw_variants());
     check::<hardware::DrawSums>(&mut seen, draw_variants());
     check::<hardware::Fold>(&mut seen, stochastic().map(|(_, kind, _)| hardware::fold_variant(kind)));
+    let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
+    let ways = projectings(Footprint::Point);
+    let drawn = |v: Variant| cuts.map(|cut| spbr::draw_variant(v.clone(), cut, &ways[0])).to_vec();
+    check::<spbr::Draw>(&mut seen, slots_variants(Stage::Draw, drawn));
+    check::<spbr::Nearest>(&mut seen, slots_variants(Stage::Nearest, |v| vec![v]));
+    check::<spbr::NearestDepth>(&mut seen, slots_variants(Stage::NearestDepth, |v| vec![v]));
+    check::<spbr::NearestId>(&mut seen, slots_variants(Stage::NearestId, |v| vec![v]));
+    let summed = |v: Variant| ways.iter().step_by(4).map(|how| spbr::sum_variant(v.clone(), how, true)).collect();
+    check::<spbr::Sum>(&mut seen, slots_variants(Stage::Sum, summed));
+    check::<spbr::Renew>(&mut seen, [Variant::plain()]);
+    check::<spbr::Large>(&mut seen, [Variant::plain()]);
+    check::<spbr::Resolve>(&mut seen, [false, true].map(spbr::resolve_variant));
     check::<approximate::Weighted>(&mut seen, sum_variants());
     check::<approximate::Average>(&mut seen, sum_variants());
     check::<approximate::Unsorted>(&mut seen, sum_variants());
@@ -298,6 +325,8 @@ fn every_compute_shader_has_the_common_workgroup() {
             "splats/visibility" | "splats/attributes" => splats_variants(splats::OneRun::attributes).remove(0),
             "bin/tile_count" | "bin/tile_store" => bin::tile_variant().subgroup(SUBGROUPS[0]),
             "radix/scatter" => radix::scatter_variant(SUBGROUPS[0]),
+            "spbr/large" | "spbr/renew" | "spbr/resolve" => Variant::plain(),
+            other if other.starts_with("spbr/") => Variant::plain().walker("spbr_slots"),
             "abuffer/count_tiles" | "abuffer/store_tiles" => bin::gather_variant(SUBGROUPS[0]),
             other if other.starts_with("soft/resolve") => {
                 let kind = Kind { interior: Interior::Linear, exact: false, modulated: false };

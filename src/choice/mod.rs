@@ -1,7 +1,7 @@
 //! Choosing a method and its setting by error or by time, from measurements on the very image that is to be rendered.
 //!
 //! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on composed
-//! linear R, G, B against the exact method, `abuffer` or `soft-base`, its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
+//! linear R, G, B against the exact method, `abuffer` or `soft-base`, or against what ensembles tend to, in float64; its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
 //! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it, and the
 //! same wish nothing.
 //!
@@ -21,7 +21,7 @@ use crate::Result;
 use crate::gpu::Device;
 use crate::methods::{self, Frame};
 use crate::passes::project::DeviceCloud;
-use crate::points::Points;
+use crate::points::Arranged;
 use crate::report::tradeoff::settings::{Ladders, Setting, settings};
 use crate::scene::{self, Method};
 use trials::Trials;
@@ -49,7 +49,7 @@ impl Wish {
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The scene's points, which `cloud` holds.
-    pub points: &'a Points,
+    pub arranged: &'a Arranged,
     /// The frame; of its method only whose image formation counts.
     pub frame: Frame,
     /// Linear RGB.

@@ -13,6 +13,7 @@ use crate::passes::project::DeviceCloud;
 use crate::profile::median;
 use crate::report::tradeoff::renderers::Renderers;
 use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
+use crate::report::truth;
 use crate::scene::Method;
 use crate::{Result, gpu, identity, metrics};
 
@@ -90,10 +91,10 @@ impl<'a> Trials<'a> {
         recalibrate: bool,
         progress: &'a ProgressBar,
     ) -> Result<Self> {
-        let formation = formation(&subject.frame.method, subject.points)?;
+        let formation = formation(&subject.frame.method, subject.arranged.points())?;
         // Errors are those of every bit, and lists are not counted for the trials.
         let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
-        let key = identity::of(subject.points, &frame, subject.background, &format!("{formation:?}"), device.info());
+        let key = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
         let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
         let known: Option<Known> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;
@@ -140,7 +141,7 @@ impl<'a> Trials<'a> {
 
     /// What decides which settings apply.
     pub fn occasion(&self) -> Occasion {
-        Occasion::new(self.subject.points, self.formation, self.known.max_list)
+        Occasion::new(self.subject.arranged.points(), self.formation, self.known.max_list)
     }
 
     /// Settings of which something is known.
@@ -202,6 +203,10 @@ impl<'a> Trials<'a> {
 
     fn reference(&mut self) -> Result<()> {
         if self.reference.is_none() {
+            if let Some(image) = truth::ensembles(self.subject.arranged, &self.frame) {
+                self.reference = Some(linear(&image, self.subject.background, self.frame.color));
+                return Ok(());
+            }
             let rendered = self.render(self.frame.method)?;
             self.known.max_list = rendered.facts.max_list;
             self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));

@@ -14,7 +14,7 @@ use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Point clouds.
+    /// Point clouds, or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,

@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
-use pellucid::points::Points;
+use pellucid::points::{Arranged, Points};
 use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
 
 use super::talk::Talk;
@@ -18,11 +18,11 @@ const DEFAULT_SCENE: &str = "garden";
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// A scene file (.toml) or one or more point clouds; nothing: the built-in scene `garden`.
+    /// A scene file (.toml) or one or more point clouds, or pictures that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted. By default the scene file's, else auto: the cheapest one that is exact for the scene
+    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles. By default the scene file's, else auto: the cheapest one that is exact for the scene
     /// (`plan` says which, and why).
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
@@ -72,8 +72,8 @@ pub struct Resolved {
     pub name: String,
     /// All settings.
     pub scene: Scene,
-    /// All points, in canonical order.
-    pub points: Points,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
     /// The camera, given or automatic.
     pub camera: Camera,
     /// `--seed`.
@@ -81,6 +81,21 @@ pub struct Resolved {
 }
 
 impl Resolved {
+    /// All points.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+
+    /// What the clouds of [`Arranged::surfaces`] are called. Clouds without points are not among them.
+    pub fn cloud_names(&self) -> Vec<String> {
+        let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
+        if clouds.len() == count {
+            clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+        } else {
+            (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+        }
+    }
+
     /// The metadata of an image. `method` and `device` are what was taken in the end.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
@@ -103,9 +118,18 @@ impl InputArgs {
 
     /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
     pub fn default_output(&self) -> PathBuf {
+        self.named(".png")
+    }
+
+    /// As [`InputArgs::default_output`], for numbered pictures.
+    pub fn default_pattern(&self) -> PathBuf {
+        self.named("_%02d.png")
+    }
+
+    fn named(&self, end: &str) -> PathBuf {
         let stem = self.inputs.first().and_then(|input| input.file_stem());
         let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
-        name.push(".png");
+        name.push(end);
         name.into()
     }
 
@@ -145,22 +169,61 @@ impl InputArgs {
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
 pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    read(args, talk, progress)?.resolve(None, talk, progress)
+}
+
+/// A scene and its clouds as they were read.
+#[derive(Clone)]
+pub struct Loaded {
+    name: String,
+    scene: Scene,
+    /// Those of the scene, in its order.
+    clouds: Vec<Cloud>,
+    seed: u64,
+}
+
+impl Loaded {
+    /// How many clouds there are.
+    pub fn count(&self) -> usize {
+        self.clouds.len()
+    }
+
+    /// The scene with the first `count` of its clouds alone.
+    pub fn first(&self, count: usize) -> Self {
+        let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
+        scene.clouds.truncate(count);
+        clouds.truncate(count);
+        Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+    }
+
+    /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
+    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let Self { name, scene, clouds, seed } = self;
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        let up = scene::up_axis(&clouds);
+        let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        let (camera, warnings) = match given {
+            Some(camera) => (camera, Vec::new()),
+            None => scene::camera(&scene, arranged.points(), up)?,
+        };
+        for warning in scene.warnings.iter().chain(&warnings) {
+            talk.warn(warning);
+        }
+        Ok(Resolved { name, scene, arranged, camera, seed })
+    }
+}
+
+/// Reads the inputs and applies the options.
+pub fn read(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
     let overrides = args.overrides()?;
     let (mut scene, clouds) = load(args, &overrides, progress)?;
     scene.camera.view = args.view();
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, talk);
     }
-    scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
-    let up = scene::up_axis(&clouds);
-    let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), progress)?;
-    let (camera, warnings) = scene::camera(&scene, &points, up)?;
-    for warning in scene.warnings.iter().chain(&warnings) {
-        talk.warn(warning);
-    }
     let names: Vec<_> = args.inputs.iter().map(|input| input.display().to_string()).collect();
     let name = if names.is_empty() { DEFAULT_SCENE.to_owned() } else { names.join(" ") };
-    Ok(Resolved { name, scene, points, camera, seed: args.seed })
+    Ok(Loaded { name, scene, clouds, seed: args.seed })
 }
 
 fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Result<(Scene, Vec<Cloud>)> {

@@ -2,7 +2,9 @@
 
 mod compare;
 mod compare_profiles;
+mod dealt;
 mod devices;
+mod frames;
 mod info;
 mod input;
 mod limit;

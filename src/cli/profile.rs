@@ -48,6 +48,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     };
     let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
     session.describe(talk);
+    session.warn(&resolved, talk);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let mut profile = session.profile();

@@ -1,6 +1,6 @@
 //! `pellucid render`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -9,9 +9,11 @@ use pellucid::Result;
 use pellucid::choice::{self, Choice, Subject, Wish};
 use pellucid::methods::Stop;
 use pellucid::output::{self, WriteOptions};
+use pellucid::profile::Profile;
 use pellucid::report::tradeoff::settings::formation;
 
-use super::input::{InputArgs, Resolved, prepare};
+use super::frames::Pattern;
+use super::input::{InputArgs, Loaded, Resolved, read};
 use super::session::Session;
 use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
@@ -30,12 +32,17 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel the layers that
-    /// were blended, as `layers.Y`, and with stochastic the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
+    /// were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
     #[arg(long)]
     aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
     #[arg(long)]
     transparent: bool,
+    /// A time series: a picture of the first cloud of the scene, one of the first two and so on, all by the camera that
+    /// shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first input's name
+    /// with _%02d.png), which counts from 1.
+    #[arg(long)]
+    frames: bool,
     #[command(flatten)]
     choice: ChoiceArgs,
 }
@@ -44,7 +51,8 @@ pub struct RenderArgs {
 #[derive(Debug, Args)]
 struct ChoiceArgs {
     /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
-    /// over the background, against abuffer, or against soft-base for soft spheres. With --method only its settings. A scene file's method says only which discs.
+    /// over the background, against abuffer, against soft-base for soft spheres, or against what ever more ensembles of spbr
+    /// tend to. With --method only its settings. A scene file's method says only which discs.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     max_error: Option<f64>,
     /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the
@@ -69,7 +77,7 @@ impl ChoiceArgs {
             talk.warn("--recalibrate has no effect without --max-error or --budget");
         }
         let method = resolved.scene.method;
-        if wish.is_any() && formation(&method, &resolved.points).is_err() {
+        if wish.is_any() && formation(&method, resolved.points()).is_err() {
             talk.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
                 method.name()
@@ -90,8 +98,8 @@ fn choose(
     talk: Talk,
 ) -> Result<Choice> {
     stage(progress, "choosing the method");
-    let (points, background, only) = (&resolved.points, resolved.scene.image.background, args.input.asked_method());
-    let subject = Subject { points, frame: session.frame, background, only };
+    let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
+    let subject = Subject { arranged, frame: session.frame, background, only };
     let choice =
         choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
     stage(progress, "rendering");
@@ -110,39 +118,131 @@ fn choose(
     Ok(choice)
 }
 
+/// Where pictures go.
+enum Target {
+    One(PathBuf),
+    /// A picture for each step of a time series.
+    Steps(Pattern),
+}
+
+impl Target {
+    /// Checks that the first picture could be written in the end.
+    fn of(args: &RenderArgs) -> Result<Self> {
+        let given = args.output.clone();
+        let target = if args.frames {
+            Self::Steps(Pattern::parse(&given.unwrap_or_else(|| args.input.default_pattern()))?)
+        } else {
+            Self::One(given.unwrap_or_else(|| args.input.default_output()))
+        };
+        output::check_target(&target.file(1))?;
+        Ok(target)
+    }
+
+    fn file(&self, step: usize) -> PathBuf {
+        match self {
+            Self::One(path) => path.clone(),
+            Self::Steps(pattern) => pattern.file(step),
+        }
+    }
+
+    fn is_png(&self) -> bool {
+        self.file(1).extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    }
+}
+
 pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
-    let output = args.output.clone().unwrap_or_else(|| args.input.default_output());
-    output::check_target(&output)?;
+    let target = Target::of(&args)?;
     args.measure.check()?;
-    let png = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if args.aov && png {
+    if args.aov && target.is_png() {
         talk.warn("--aov has no effect on a PNG; write an .exr");
     }
-    if args.transparent && !png {
+    if args.transparent && !target.is_png() {
         talk.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
     }
     let progress = talk.progress();
-    let resolved = prepare(&args.input, talk, &progress)?;
+    let loaded = read(&args.input, talk, &progress)?;
+    let mut profile = None;
+    match &target {
+        Target::One(path) => {
+            let resolved = loaded.resolve(None, talk, &progress)?;
+            picture(&args, &resolved, path, None, &mut profile, &progress, talk)?;
+        }
+        Target::Steps(pattern) => steps(&args, loaded, pattern, &mut profile, &progress, talk)?,
+    }
+    if let Some(profile) = profile {
+        args.measure.write(&profile)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A picture of the first cloud, of the first two and so on, by the camera that shows all of them.
+fn steps(
+    args: &RenderArgs,
+    loaded: Loaded,
+    pattern: &Pattern,
+    profile: &mut Option<Profile>,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<()> {
+    let count = loaded.count();
+    (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
+    let whole = loaded.clone().resolve(None, talk, progress)?;
+    progress.finish_and_clear();
+    // What is to be said about the scene was said.
+    let silent = Talk::new(true, false);
+    for step in 1..count {
+        let progress = talk.progress();
+        stage(&progress, &format!("step {step} of {count}"));
+        let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
+        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
+    }
+    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)
+}
+
+/// Renders and writes a picture; `step` is its number and that of all, if there are several.
+fn picture(
+    args: &RenderArgs,
+    resolved: &Resolved,
+    output: &Path,
+    step: Option<(usize, usize)>,
+    profile: &mut Option<Profile>,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<()> {
+    let png = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     let stop = if png { Stop::EightBit { transparent: args.transparent } } else { Stop::Exact };
     let counted = args.aov || args.measure.profile.is_some();
-    let wish = args.choice.wish(&resolved, talk);
+    let wish = args.choice.wish(resolved, talk);
     // An error was measured of every bit.
     let stop = if wish.is_some() { Stop::Exact } else { stop };
     let (mut session, choice) = match wish {
-        None => (Session::open(&args.device, &resolved, counted, stop, &progress)?, None),
+        None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
         Some(wish) => {
-            let mut session = Session::upload(&args.device, &resolved, counted, stop, &progress)?;
-            let choice = choose(&args, wish, &mut session, &resolved, &progress, talk)?;
+            let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
+            let choice = choose(args, wish, &mut session, resolved, progress, talk)?;
             (session, Some(choice))
         }
     };
     session.renderer.progress = progress.clone();
     session.describe(talk);
+    // Of a time series once.
+    if step.is_none_or(|(step, count)| step == count) {
+        session.warn(resolved, talk);
+    }
     let mut rendered = session.render()?;
+    let brightness = session.brighten(&mut rendered.image)?;
     progress.finish_and_clear();
     Session::describe_frame(&rendered, talk);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
     metadata.extend(choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())));
+    if let Some(applied) = brightness {
+        if applied.found.is_some() {
+            talk.note(format_args!("brightness: colors times {}", applied.factor));
+        }
+        applied.warning().iter().for_each(|warning| talk.warn(warning));
+        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
+    }
+    metadata.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
     let options = WriteOptions {
         background: resolved.scene.image.background,
         color: resolved.scene.image.color,
@@ -153,11 +253,9 @@ pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.filter(|_| args.aov);
-    output::write_image(&output, &rendered.image, &options)?;
+    output::write_image(output, &rendered.image, &options)?;
     rendered.image.fragments = rendered.image.fragments.or(counted);
-    let mut profile = session.profile();
-    profile.add(&rendered);
-    args.measure.write(&profile)?;
+    profile.get_or_insert_with(|| session.profile()).add(&rendered);
     talk.detail(format_args!("{}: written", output.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

@@ -5,11 +5,15 @@ use std::path::Path;
 
 use indicatif::ProgressBar;
 use pellucid::gpu::{Device, DeviceOptions};
+use pellucid::image::Image;
+use pellucid::methods::brightness::{self, Applied};
+use pellucid::methods::spbr;
 use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
 
+use super::dealt;
 use super::input::Resolved;
 use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
@@ -36,7 +40,7 @@ impl Session {
         // On a device that was not met before, `auto` measures it first.
         stage(progress, "choosing the method");
         let Self { renderer, cloud, frame, .. } = &mut session;
-        (session.frame.method, session.why) = plan::choose(renderer, cloud, &resolved.points, frame)?;
+        (session.frame.method, session.why) = plan::choose(renderer, cloud, resolved.points(), frame)?;
         stage(progress, "rendering");
         Ok(session)
     }
@@ -66,7 +70,7 @@ impl Session {
             factors: Factors::default(),
         };
         let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload(&resolved.points)?;
+        let cloud = renderer.upload_arranged(&resolved.arranged)?;
         Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 
@@ -77,6 +81,15 @@ impl Session {
         talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
         talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+    }
+
+    /// Warns of clouds that don't come out as asked.
+    pub fn warn(&self, resolved: &Resolved, talk: Talk) {
+        // Of another method, or points that were not dealt: there is nothing to say.
+        let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
+        let surfaces = resolved.arranged.surfaces();
+        let warnings = dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
+        warnings.iter().for_each(|warning| talk.warn(warning));
     }
 
     /// Says what a frame met and took.
@@ -107,6 +120,13 @@ impl Session {
         let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
         self.device.check_validation()?;
         Ok(rendered)
+    }
+
+    /// Brightens a frame's image if its method is to do so; by how much.
+    pub fn brighten(&mut self, image: &mut Image) -> Result<Option<Applied>> {
+        let applied = brightness::apply(&mut self.renderer, &mut self.cloud, &self.frame, image)?;
+        self.device.check_validation()?;
+        Ok(applied)
     }
 
     /// A profile without frames.

@@ -11,7 +11,7 @@ use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Stop};
 use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion};
 use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
-use pellucid::scene::{Discs, Soft};
+use pellucid::scene::{Discs, Soft, Spbr};
 
 use super::DeviceArgs;
 use super::input::{InputArgs, prepare};
@@ -75,7 +75,7 @@ pub struct TradeoffArgs {
 fn method_names() -> PossibleValuesParser {
     let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
     let mut names = Vec::new();
-    for formation in [Formation::Discs(Discs::default()), soft] {
+    for formation in [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())] {
         let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX };
         let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
         names.extend(settings.iter().map(|setting| setting.method.name()));
@@ -98,7 +98,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = prepare(&args.input, talk, &progress)?;
-    settings::formation(&resolved.scene.method, &resolved.points)?;
+    settings::formation(&resolved.scene.method, resolved.points())?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -117,7 +117,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;
-    let subject = Subject { points: &resolved.points, frame, background, scene: &resolved.name };
+    let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name };
     counted(&progress, "tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(), &args.output, &progress)?;
     stage(&progress, "writing the report");

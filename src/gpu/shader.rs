@@ -265,7 +265,7 @@ fn parse(stem: &str, source: &str) -> Result<naga::Module, Error> {
 fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleInfo, Error> {
     let capabilities = Capabilities::IMMEDIATES
         | Capabilities::SHADER_INT64
-        | Capabilities::SHADER_INT64_ATOMIC_MIN_MAX
+        | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS
         | Capabilities::MULTISAMPLED_SHADING
         | Capabilities::SUBGROUP;
     Validator::new(ValidationFlags::all(), capabilities)

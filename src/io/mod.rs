@@ -1,7 +1,8 @@
-//! Point-cloud files.
+//! Point-cloud files, and pictures that stand for clouds.
 
 mod decoder;
 mod las;
+pub mod photo;
 pub mod ply;
 
 use std::fs::File;
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use crate::cloud::Cloud;
+use photo::Photo;
 
 /// Points between two steps of a progress bar.
 const PROGRESS_STEP: u64 = 1 << 16;
@@ -46,12 +48,18 @@ pub enum Error {
         path: PathBuf,
     },
     /// Neither the first bytes nor the extension belong to a known format.
-    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC); it starts with {start:?}", path.display())]
+    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
         /// Its first few bytes, as text.
         start: String,
+    },
+    /// A point cloud was given a place that only pictures have.
+    #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", path.display())]
+    NoPicture {
+        /// The file.
+        path: PathBuf,
     },
     /// The file is whole but no point is left to draw.
     #[error("{}: cloud without points{}", path.display(), non_finite_note(*.non_finite))]
@@ -103,7 +111,8 @@ fn non_finite_note(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" (all {count} have a coordinate that is not finite)") }
 }
 
-/// Reads a point cloud: PLY, LAS or LAZ (COPC files as LAZ), told apart by the first bytes, else by the extension.
+/// Reads a point cloud: PLY, LAS or LAZ (COPC files as LAZ), told apart by the first bytes, else by the extension; or a
+/// picture (PNG, JPEG, TIFF) as a plane of points at the origin, see [`load_placed`].
 ///
 /// The bar's length is set to the number of points and its position follows them.
 ///
@@ -111,10 +120,23 @@ fn non_finite_note(count: usize) -> String {
 /// If the file is missing, of no known format, damaged or without a finite point. Memory follows what the file holds,
 /// not what its header claims.
 pub fn load(path: &Path, progress: &ProgressBar) -> Result<Cloud, Error> {
+    load_placed(path, None, progress)
+}
+
+/// As [`load`]; a picture stands where `photo` says.
+///
+/// # Errors
+/// Those of [`load`], and if `photo` is given for a file that is no picture.
+pub fn load_placed(path: &Path, photo: Option<&Photo>, progress: &ProgressBar) -> Result<Cloud, Error> {
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let cloud = if start.starts_with(b"LASF") {
+    let path = source.path.clone();
+    let cloud = if photo::is_picture(&start) {
+        photo::read(source, photo.unwrap_or(&Photo::default()), progress)?
+    } else if photo.is_some() {
+        return Err(Error::NoPicture { path });
+    } else if start.starts_with(b"LASF") {
         las::read(&mut source, progress)?
     } else if start.starts_with(b"ply") {
         ply::read(&mut source, progress)?
@@ -123,12 +145,15 @@ pub fn load(path: &Path, progress: &ProgressBar) -> Result<Cloud, Error> {
         let expected = match extension.as_str() {
             "ply" => "ply",
             "las" | "laz" => "LASF",
-            _ => return Err(Error::UnknownFormat { path: source.path, start }),
+            "png" => "\\x89PNG",
+            "jpg" | "jpeg" => "\\xff\\xd8\\xff",
+            "tif" | "tiff" => "II*\\0",
+            _ => return Err(Error::UnknownFormat { path, start }),
         };
         return Err(source.malformed("byte 0", format!("expected `{expected}`, found {start:?}")));
     };
     if cloud.is_empty() {
-        return Err(Error::NoPoints { path: source.path, non_finite: cloud.non_finite });
+        return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
     }
     Ok(cloud)
 }

@@ -3,6 +3,7 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod bands;
+pub mod brightness;
 pub mod cost;
 pub mod linked_list;
 pub mod one_layer;
@@ -11,11 +12,12 @@ pub mod points;
 pub mod renderer;
 pub mod soft;
 pub mod sorted;
+pub mod spbr;
 pub mod splat;
 pub mod splats;
 pub mod stochastic;
 
-pub use renderer::{Factors, Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer};
+pub use renderer::{Factors, Facts, Frame, FrameProfile, PassProfile, Rendered, Renderer, Thin};
 pub use sorted::Stop;
 
 use bytesize::ByteSize;

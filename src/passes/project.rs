@@ -4,8 +4,10 @@ use glam::{DVec3, Vec3};
 
 use crate::camera::{Camera, Projection};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
+use crate::methods::spbr::share::Placed;
 use crate::points::Points;
 use crate::prepare::axes;
+use crate::prepare::ensembles::Dealt;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
 use crate::{gpu_struct, group, pass};
 
@@ -300,6 +302,8 @@ pub struct DeviceCloud {
     positions: Vec<DVec3>,
     orders: [Option<Buffer<u32>>; 3],
     orders_made: u32,
+    /// The clouds of a dealt list.
+    surfaces: Option<Vec<Placed>>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -341,27 +345,58 @@ fn padded(v: Vec3) -> [f32; 4] {
 impl DeviceCloud {
     /// Uploads a scene's points.
     pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
+        let mut cloud = Self::without_room(device, points)?;
+        cloud.make_room(device)?;
+        Ok(cloud)
+    }
+
+    /// Uploads points that were dealt. Room for splats is made when a method asks for it.
+    pub fn of_dealt(device: &Device, dealt: &Dealt) -> Result<Self, Error> {
+        let mut cloud = Self::without_room(device, &dealt.points)?;
+        cloud.surfaces = Some(Placed::all(&dealt.points, &dealt.surfaces));
+        Ok(cloud)
+    }
+
+    /// Makes room for splats, unless there is.
+    pub fn make_room(&mut self, device: &Device) -> Result<(), Error> {
+        let len = self.len;
+        if self.splats.len() < len {
+            self.splats = device.buffer("splats", len, Memory::Device)?;
+            self.tilts = device.buffer("tilts", if self.has_normals { len } else { 1 }, Memory::Device)?;
+            self.bounds = device.buffer("splat bounds", len, Memory::Device)?;
+            self.colors = device.buffer("splat colors", len, Memory::Device)?;
+            self.large = device.buffer("large splats", len, Memory::Device)?;
+            self.tile_counts = device.buffer("tile counts", len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    fn without_room(device: &Device, points: &Points) -> Result<Self, Error> {
         let origin = points.bounds().map_or(DVec3::ZERO, |b| b.center());
         let len = points.len() as u64;
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         let places = || points.positions.iter().map(|p| split(*p - origin));
-        let points_hi: Vec<[f32; 4]> = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
-        let points_lo: Vec<[f32; 4]> = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
+        // One after the other: of each, the host's copy is gone before the next is made.
+        let columns = |name, column: Vec<[f32; 4]>| device.upload(name, &column);
+        let points_hi = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
+        let points_hi = columns("points, hi", points_hi)?;
+        let points_lo = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
+        let points_lo = columns("points, lo", points_lo)?;
         let place = |i: usize| points.file_order.get(i).copied().unwrap_or(i as u32);
         let colored = |(i, c): (usize, &Vec3)| with(*c, f32::from_bits(place(i)));
-        let point_colors: Vec<[f32; 4]> = points.colors.iter().enumerate().map(colored).collect();
-        let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
+        let point_colors = columns("point colors", points.colors.iter().enumerate().map(colored).collect())?;
+        let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
+        let normals = columns("normals", points.normals.iter().flatten().map(|n| padded(*n)).collect())?;
         // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
-        let room = |name| device.buffer::<u32>(name, len, Memory::Device);
-        let tilted = if normals.is_empty() { 1 } else { len };
+        let room = |name| device.buffer::<u32>(name, 0, Memory::Device);
         Ok(Self {
             origin,
             corners: points.bounds().map_or([origin; 8], |b| b.corners()),
             len,
             chunk_len,
-            has_normals: !normals.is_empty(),
+            has_normals,
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
             depth_origin: 0.0,
@@ -373,15 +408,16 @@ impl DeviceCloud {
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
             orders: [None, None, None],
             orders_made: 0,
-            points_hi: device.upload("points, hi", &points_hi)?,
-            points_lo: device.upload("points, lo", &points_lo)?,
-            point_colors: device.upload("point colors", &point_colors)?,
-            normals: device.upload("normals", &normals)?,
+            surfaces: None,
+            points_hi,
+            points_lo,
+            point_colors,
+            normals,
             fields: device.upload("fields", &points.fields)?,
-            splats: device.buffer("splats", len, Memory::Device)?,
-            tilts: device.buffer("tilts", tilted, Memory::Device)?,
-            bounds: device.buffer("splat bounds", len, Memory::Device)?,
-            colors: device.buffer("splat colors", len, Memory::Device)?,
+            splats: device.buffer("splats", 0, Memory::Device)?,
+            tilts: device.buffer("tilts", 0, Memory::Device)?,
+            bounds: device.buffer("splat bounds", 0, Memory::Device)?,
+            colors: device.buffer("splat colors", 0, Memory::Device)?,
             large: room("large splats")?,
             tile_counts: room("tile counts")?,
             stats: device.buffer("splat stats", chunks, Memory::Device)?,
@@ -487,6 +523,16 @@ impl DeviceCloud {
         };
         // Rounding up: shading and encoding round by themselves.
         1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }
+    }
+
+    /// The clouds of a dealt list; `None` if the points were not dealt.
+    pub fn surfaces(&self) -> Option<&[Placed]> {
+        self.surfaces.as_deref()
+    }
+
+    /// Points that can be bound at a time.
+    pub fn longest(&self) -> u64 {
+        self.chunk_len
     }
 
     /// First point and number of points of each chunk.

@@ -2,6 +2,7 @@
 //! axes.
 
 pub mod axes;
+mod density;
 pub mod ensembles;
 pub mod field;
 mod morton;

@@ -10,21 +10,16 @@ use crate::points::Points;
 
 /// Sorts the points along the Morton curve of their bounds, equal cells by the bits of position, color, opacity,
 /// radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list.
-pub fn canonical(points: Points) -> Points {
+pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
     let mut order: Vec<(u64, usize)> = codes.into_par_iter().zip(0..points.len()).collect();
     order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)));
-    Points {
-        positions: gather(&points.positions, &order),
-        colors: gather(&points.colors, &order),
-        opacities: gather(&points.opacities, &order),
-        radii: gather(&points.radii, &order),
-        normals: points.normals.as_deref().map(|normals| gather(normals, &order)),
-        // Points are counted in 32 bits from here on: more of them don't fit any device.
-        file_order: order.par_iter().map(|&(_, i)| points.file_order.get(i).copied().unwrap_or(i as u32)).collect(),
-        fields: if points.fields.is_empty() { Vec::new() } else { gather(&points.fields, &order) },
-    }
+    let before = std::mem::take(&mut points.file_order);
+    let mut points = points.in_order(|place| order[place].1);
+    // Points are counted in 32 bits from here on: more of them don't fit any device.
+    points.file_order = order.par_iter().map(|&(_, i)| before.get(i).copied().unwrap_or(i as u32)).collect();
+    points
 }
 
 /// Any fixed total order of the bits; only identical points are equal.
@@ -41,8 +36,4 @@ fn by_content(points: &Points, a: usize, b: usize) -> Ordering {
             Some(normals) => single(normals[a]).cmp(&single(normals[b])),
             None => Ordering::Equal,
         })
-}
-
-fn gather<T: Copy + Send + Sync>(column: &[T], order: &[(u64, usize)]) -> Vec<T> {
-    order.par_iter().map(|&(_, index)| column[index]).collect()
 }

@@ -13,6 +13,7 @@ pub mod scan;
 pub mod shading;
 pub mod soft;
 pub mod sorted;
+pub mod spbr;
 pub mod splat;
 pub mod splats;
 pub mod stochastic;

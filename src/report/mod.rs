@@ -8,4 +8,4 @@ pub mod page;
 pub mod plot;
 pub mod stress;
 pub mod tradeoff;
-mod truth;
+pub(crate) mod truth;

@@ -1,4 +1,4 @@
-//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres.
+//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres and of what ensembles tend to.
 
 use rand::{SeedableRng, seq};
 use rand_pcg::Pcg64;
@@ -7,10 +7,11 @@ use super::stress::Deviation;
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{Error, Frame, Renderer};
-use crate::points::Points;
+use crate::points::{Arranged, Points};
 use crate::reference::abuffer::{Composite, composite, lists_at};
 use crate::reference::shading::shade;
 use crate::reference::soft::{Behind, Model, Scene};
+use crate::reference::{Picture, spbr};
 use crate::scene::{Density, Method, Soft};
 
 /// Pixels that are compared with the reference; of a smaller image all.
@@ -59,7 +60,18 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
     let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
     let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
-    Ok(Some(Image {
+    Ok(Some(rounded(&picture)))
+}
+
+/// What the mean over ensembles tends to as their number grows, in float64; `None` for another method.
+pub(crate) fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
+    let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
+    let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
+    Some(rounded(&spbr::limit(&frame.camera, frame.size, dealt, &colors, &settings.into())))
+}
+
+fn rounded(picture: &Picture) -> Image {
+    Image {
         width: picture.width,
         height: picture.height,
         rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
@@ -67,7 +79,7 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
         fragments: None,
         layers: None,
         stderr: None,
-    }))
+    }
 }
 
 /// The picture of the solid points alone, as the device has it behind soft ones of no density; `None` if there are none.

@@ -7,7 +7,8 @@ use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::{Cloud, UpAxis};
-use crate::points::Points;
+use crate::points::{Arranged, Points};
+use crate::prepare::ensembles;
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
@@ -18,7 +19,7 @@ pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, 
     let load = |cloud: &CloudSettings| {
         progress.reset();
         progress.set_message(format!("reading {}", cloud.path.display()));
-        io::load(&cloud.path, progress)
+        io::load_placed(&cloud.path, cloud.photo.as_ref(), progress)
     };
     scene.clouds.iter().map(load).collect()
 }
@@ -78,13 +79,35 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
     let mut points = Points::default();
     for (settings, cloud) in scene.clouds.iter().zip(clouds) {
         let request = request(settings, needs_radii, scene.method.needs_field());
-        append(&mut points, transformed(settings, cloud, &request, progress)?);
+        points.append(transformed(settings, cloud, &request, progress)?);
     }
     if points.is_empty() {
-        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+        return Err(no_points(scene));
     }
     Ok(prepare::order::canonical(points))
+}
+
+/// All points of the scene as its method wants them: as [`assemble`] has them, or dealt to ensembles by `seed`, with neither
+/// radii nor F. Clouds of which no point is left are left out of the latter. `progress` shows how far it is.
+///
+/// # Errors
+/// As of [`assemble`].
+pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &ProgressBar) -> Result<Arranged, Error> {
+    if !scene.method.is_dealt() {
+        return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
+    }
+    let each = scene.clouds.iter().zip(clouds);
+    let placed = each.map(|(settings, cloud)| transformed(settings, cloud, &request(settings, false, false), progress));
+    let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
+    progress.reset();
+    progress.set_message("dealing points to ensembles");
+    let dealt = ensembles::deal(placed, seed, progress);
+    if dealt.points.is_empty() { Err(no_points(scene)) } else { Ok(Arranged::Dealt(dealt)) }
+}
+
+fn no_points(scene: &Scene) -> Error {
+    let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+    Error::NoPoints { clouds: clouds.join(", ") }
 }
 
 /// One cloud with its settings applied.
@@ -155,26 +178,4 @@ fn drop_non_finite(points: &mut Points) {
 fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     column.retain(|_| keep.next().copied().unwrap_or(false));
-}
-
-/// Puts `more` behind `points`; whoever has no normals gets zeros if the other has some.
-fn append(points: &mut Points, more: Points) {
-    if points.is_empty() {
-        *points = more;
-        return;
-    }
-    let (before, added) = (points.len(), more.len());
-    points.normals = match (points.normals.take(), more.normals) {
-        (None, None) => None,
-        (own, other) => {
-            let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
-            normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
-            Some(normals)
-        }
-    };
-    points.positions.extend(more.positions);
-    points.colors.extend(more.colors);
-    points.opacities.extend(more.opacities);
-    points.radii.extend(more.radii);
-    points.fields.extend(more.fields);
 }

@@ -10,13 +10,14 @@ mod keys;
 mod method;
 mod overrides;
 mod parse;
+mod photo;
 pub mod procedural;
 mod settings;
 mod table;
 mod tree;
 mod view;
 
-pub use assemble::{assemble, load_clouds, notes, take_generated, up_axis};
+pub use assemble::{arrange, assemble, load_clouds, notes, take_generated, up_axis};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
 pub use framing::camera;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::error::{Error, Place};
 use super::method;
 use super::overrides::Overrides;
+use super::photo;
 use super::settings::*;
 use super::table::{Range, Table};
 use super::tree::{self, Node, Value};
@@ -203,7 +204,7 @@ fn light(table: &Table<'_>) -> Result<Option<Light>, Error> {
 const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
 
 fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -> Result<CloudSettings, Error> {
-    let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale"];
+    let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale", "photo"];
     table.refuse_unknown(&[&own[..], &FIELD_KEYS].concat())?;
     Ok(CloudSettings {
         path: path(table, folder)?,
@@ -214,6 +215,7 @@ fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -
         field: field(table, warnings)?,
         translate: table.vector("translate")?.unwrap_or(DVec3::ZERO),
         scale: table.number("scale", Range::POSITIVE)?.unwrap_or(1.0),
+        photo: photo::read(table, folder, warnings)?,
     })
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use super::view::View;
+use crate::io::photo::Photo;
 use crate::passes::bin::Order;
 use crate::prepare::field::Field;
 
@@ -72,6 +73,8 @@ pub struct CloudSettings {
     pub translate: DVec3,
     /// Factor on positions and on the file's own radii, above 0.
     pub scale: f64,
+    /// Where a picture stands, before `scale` and `translate`; at the origin if it isn't said.
+    pub photo: Option<Photo>,
 }
 
 /// A scene: everything a frame is made of but the points themselves.

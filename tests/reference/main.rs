@@ -73,6 +73,7 @@ mod soft_approximations;
 mod soft_density;
 mod soft_spheres;
 mod sorted_splats;
+mod spbr_images;
 mod stochastic_samples;
 
 #[test]

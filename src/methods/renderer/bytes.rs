@@ -6,7 +6,7 @@ use super::parts::splatting_bytes;
 use super::{Facts, Frame, PassProfile};
 use crate::gpu::PassTime;
 use crate::methods::stochastic::hardware;
-use crate::methods::{abuffer, approximate, linked_list, peel, splats, stochastic};
+use crate::methods::{abuffer, approximate, linked_list, peel, spbr, splats, stochastic};
 use crate::passes::bin;
 use crate::passes::project::DeviceCloud;
 use crate::scene::{DiscShape, Method, Stochastic};
@@ -79,6 +79,7 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
         _ => match frame.method {
+            method if method.is_dealt() => spbr::least_bytes(name, facts, frame.spread(), pixels),
             Method::Stochastic(Stochastic { samples, alpha_correction: exact, .. })
                 if name.starts_with("stochastic/") =>
             {

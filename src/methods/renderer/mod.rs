@@ -1,5 +1,6 @@
 //! The renderer: from points, camera and method to an image and a profile, window by window.
 
+mod arranged;
 mod bytes;
 mod parts;
 
@@ -19,6 +20,7 @@ use super::peel::Peeler;
 use super::soft::express::SoftDiscs;
 use super::soft::{self, Interior, Layer};
 use super::sorted::{self, Stop};
+use super::spbr::{self, Ensembles, Form};
 use super::splat::Opaque;
 use super::splats::{Pixels, Splatter};
 use super::stochastic::Sampler;
@@ -34,6 +36,7 @@ use crate::passes::raster::{self, Walker};
 use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
+use crate::prepare::ensembles::Dealt;
 use crate::scene::{
     ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats,
     Shading, SplatShape, Stochastic,
@@ -85,7 +88,15 @@ impl Default for Factors {
 impl Frame {
     /// Whether stochastic methods find their standard error.
     fn spread(&self) -> bool {
-        matches!(self.method, Method::Stochastic(_)) && (self.fragments || self.max_error.is_some())
+        self.samples().is_some() && (self.fragments || self.max_error.is_some())
+    }
+
+    /// Samples or ensembles of stochastic methods.
+    fn samples(&self) -> Option<u32> {
+        match self.method {
+            Method::Stochastic(settings) => Some(settings.samples),
+            method => method.ensembles(),
+        }
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -125,6 +136,18 @@ pub struct Facts {
     pub layers: u32,
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
+    /// Ensembles that were drawn.
+    pub ensembles: u32,
+    /// Slots dealt to them: points of all clouds, each as often as it is in one.
+    pub slots: u64,
+    /// How the nearest points of ensembles are found.
+    pub form: Option<Form>,
+    /// Whether a pixel's nearest point has to be cleared between ensembles.
+    pub renewed: bool,
+    /// Whether points of ensembles may cover more pixels than one invocation walks.
+    pub listed: bool,
+    /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
+    pub thin: Vec<Thin>,
     /// Points that are not soft, of methods that tell; the others are.
     pub solid_points: u64,
     /// Splats of soft points among the visible ones.
@@ -146,6 +169,15 @@ pub struct Facts {
     pub peak_device_bytes: u64,
     /// Who visited the pixels: `compute` or `hardware`.
     pub raster: &'static str,
+}
+
+/// A cloud that has fewer points on a pixel than its opacity asks for, whatever the number of ensembles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Thin {
+    /// Its place among the clouds.
+    pub cloud: u32,
+    /// Opacity of its surface in the image, in thousandths.
+    pub reached: u32,
 }
 
 /// One pass of a frame, all its dispatches together.
@@ -290,6 +322,9 @@ pub struct Renderer {
     splatter: Splatter,
     peeler: Peeler,
     sampler: Sampler,
+    ensembles: Ensembles,
+    /// Ensembles of a round of frames that stop at an error, if fewer than the method's.
+    drawn: Option<u32>,
     tiles: Tiles,
     target: Target,
     /// The solid points of a window that has soft ones.
@@ -303,6 +338,10 @@ pub struct Renderer {
     pub progress: ProgressBar,
     /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
+    /// Whether ensembles are drawn in one go where that can be; a test may switch it off.
+    pub single_pass: bool,
+    /// Most bits of a key for epochs of ensembles; 31 unless a test sets fewer.
+    pub epoch_bits: u32,
     /// Layers after which `peel` gives up; [`MAX_LAYERS`] unless a test sets fewer.
     pub max_layers: u32,
 }
@@ -319,6 +358,8 @@ impl Renderer {
             splatter: Splatter::default(),
             peeler: Peeler::new(device)?,
             sampler: Sampler::new(),
+            ensembles: Ensembles::default(),
+            drawn: None,
             tiles: Tiles::new(device)?,
             target: Target::new(),
             layer: Layer::default(),
@@ -327,6 +368,8 @@ impl Renderer {
             spare: None,
             progress: ProgressBar::hidden(),
             wide_atomics: device.info().int64_atomics,
+            single_pass: true,
+            epoch_bits: 31,
             max_layers: MAX_LAYERS,
         })
     }
@@ -340,6 +383,16 @@ impl Renderer {
     pub fn upload(&self, points: &Points) -> Result<DeviceCloud, Error> {
         Cut::new(&self.device, points.len() as u64)?;
         Ok(DeviceCloud::new(&self.device, points)?)
+    }
+
+    /// Uploads points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them.
+    pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
+        // Places of points are 32-bit numbers, and all ones is none of them.
+        let (points, limit) = (dealt.points.len() as u64, u64::from(u32::MAX));
+        if points > limit {
+            return Err(Error::TooManyPoints { points, limit });
+        }
+        Ok(DeviceCloud::of_dealt(&self.device, dealt)?)
     }
 
     /// Takes an image back, for the next frame of its size to be put there: memory fresh from the system costs more time
@@ -357,6 +410,7 @@ impl Renderer {
         {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
+        self.make_room(cloud, frame)?;
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
@@ -364,21 +418,23 @@ impl Renderer {
 
         let mut image = blank(self.spare.take(), frame);
         let mut timeline = Timeline::default();
-        let mut facts = match (frame.method, frame.max_error) {
-            (Method::Stochastic(settings), Some(most)) => {
-                let mut samples = settings.samples.min(stochastic::FIRST_SAMPLES);
+        let mut facts = match (frame.samples(), frame.max_error) {
+            (Some(limit), Some(most)) => {
+                let mut samples = limit.min(stochastic::FIRST_SAMPLES);
                 loop {
-                    let method = Method::Stochastic(Stochastic { samples, ..settings });
-                    let round = Frame { method, ..*frame };
+                    let round = self.round(frame, samples);
                     let facts = self.draw(cloud, &round, windows.clone(), budget, &mut image, &mut timeline)?;
                     let errors = image.stderr.as_deref().unwrap_or_default();
-                    match stochastic::more_samples(samples, settings.samples, errors, most) {
+                    match stochastic::more_samples(samples, limit, errors, most) {
                         Some(more) => samples = more,
                         None => break facts,
                     }
                 }
             }
-            _ => self.draw(cloud, frame, windows, budget, &mut image, &mut timeline)?,
+            _ => {
+                self.drawn = None;
+                self.draw(cloud, frame, windows, budget, &mut image, &mut timeline)?
+            }
         };
         image.stderr = image.stderr.filter(|_| frame.fragments);
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
@@ -389,6 +445,28 @@ impl Renderer {
         let passes = aggregate(&timeline.passes, &facts, frame, cloud, lengths);
         let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
         Ok(Rendered { image, profile, facts })
+    }
+
+    /// A frame that takes so many samples. Ensembles stay those that L makes of the points: fewer of them are drawn.
+    fn round(&mut self, frame: &Frame, samples: u32) -> Frame {
+        match frame.method {
+            Method::Stochastic(settings) => {
+                Frame { method: Method::Stochastic(Stochastic { samples, ..settings }), ..*frame }
+            }
+            _ => {
+                self.drawn = Some(samples);
+                *frame
+            }
+        }
+    }
+
+    /// Room for splats, which dealt points have not if no other method than those of ensembles was asked for.
+    fn make_room(&self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+        if !frame.method.is_dealt() {
+            Cut::new(&self.device, cloud.len())?;
+            cloud.make_room(&self.device)?;
+        }
+        Ok(())
     }
 
     /// Renders windows, of which the last one comes first, into an image.
@@ -435,6 +513,8 @@ impl Renderer {
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
         frame.check()?;
+        self.make_room(cloud, frame)?;
+        self.drawn = None;
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget);
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
@@ -470,7 +550,7 @@ impl Renderer {
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
-            Method::Spbr(_) | Method::SpbrSimplified(_) => return Err(Error::NotDealt),
+            Method::Spbr(_) | Method::SpbrSimplified(_) => return self.dealt(cloud, frame, work),
             _ => {}
         }
         if let Some(soft) = frame.method.soft() {
@@ -720,7 +800,8 @@ impl Renderer {
 
     fn deliver_counts(&self, frame: &Frame, window: Window, image: &mut Image) -> Result<(), Error> {
         if let Some(stderr) = &mut image.stderr {
-            let errors = self.sampler.read_stderr(window)?;
+            let dealt = frame.method.is_dealt();
+            let errors = if dealt { self.ensembles.read_stderr(window)? } else { self.sampler.read_stderr(window)? };
             place_counts(frame, window, &errors, stderr);
         }
         if let (Some(fragments), Some(layers)) = (&mut image.fragments, &mut image.layers) {
@@ -780,6 +861,11 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
             let bytes = listed + bin::PIXEL_BYTES + stochastic::pixel_bytes(frame.spread());
             let most = stochastic::window_pixels(budget, bytes, frame.spread());
             let mut windows = bands::windows(frame.size, most);
+            windows.reverse();
+            return windows;
+        }
+        method if method.is_dealt() => {
+            let mut windows = bands::windows(frame.size, spbr::window_pixels(budget, frame.spread()));
             windows.reverse();
             return windows;
         }

@@ -1,10 +1,12 @@
 //! Windows of methods that draw three-pass splats, and of those that tell solid points from soft ones.
 
 use super::{Facts, Frame, Renderer, Work, depth_range, projecting, projecting_of};
+use crate::camera::Projection;
 use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
 use crate::methods::soft::{self, Interior, Kind, SoftModel, Spheres};
+use crate::methods::spbr::{self, Form};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -131,6 +133,54 @@ impl Renderer {
         };
         let job = splats::WindowJob { bin, blend_depth, layer };
         self.splatter.render(&mut self.bins, &self.device, &job, into, work.timeline, facts)
+    }
+
+    /// A window of ensembles.
+    pub(super) fn dealt(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (shares, how) = (spbr::shares(cloud, frame)?, projecting(frame, cloud));
+        let ensembles = frame.method.ensembles().unwrap_or(1);
+        let drawn = self.drawn.unwrap_or(ensembles).min(ensembles);
+        let (device, window, spread) = (&self.device, work.window, frame.spread());
+        let form = match Form::of(device, cloud, &how, self.wide_atomics) {
+            Form::Single if !self.single_pass => Form::Wide,
+            form => form,
+        };
+        let facts = &mut *work.facts;
+        (facts.ensembles, facts.form) = (drawn, Some(form));
+        facts.slots = shares.iter().map(|s| spbr::slots_of(s, ensembles, drawn)).sum();
+        facts.thin = spbr::thin(&shares);
+        facts.listed = spbr::is_listed(&shares);
+        if !work.survey {
+            cloud.set_view(&frame.camera, frame.size, window, &how);
+        }
+        let job = spbr::WindowJob {
+            cloud,
+            window,
+            how: &how,
+            shares: &shares,
+            method: frame.method,
+            drawn,
+            seed: frame.seed,
+            spread,
+            perspective: matches!(frame.camera.projection, Projection::Perspective { .. }),
+            form,
+            most_epoch_bits: self.epoch_bits,
+            concurrent: device.info().concurrent_runs,
+            budget: work.budget,
+            progress: &self.progress,
+        };
+        facts.renewed |= job.is_renewed();
+        if !work.survey {
+            facts.visible += self.ensembles.render(device, &job, &self.target, work.timeline)?;
+            self.progress.inc(bands::pixels(window));
+        }
+        facts.note(&[], Walker::Compute);
+        Ok(Outcome::Done)
     }
 
     /// Copies a finished window to the host.

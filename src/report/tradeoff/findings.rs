@@ -1,4 +1,4 @@
-//! What Seemann et al. (2018) say of their three models, and what was measured of it.
+//! What Seemann et al. (2018) say of their three models and Uchida et al. (2020) of ensembles, and what was measured of it.
 
 use super::{Finding, Row};
 
@@ -21,7 +21,28 @@ pub(super) fn of(rows: &[Row]) -> Vec<Finding> {
         express.map(|row| alike(row, "soft-express")),
         base.zip(paper).map(|(base, paper)| packed(base, paper)),
     ];
-    pairs.into_iter().flatten().collect()
+    pairs.into_iter().flatten().chain(ensembles(rows)).collect()
+}
+
+/// How much the error of the most ensembles may be off what that of the fewest promises.
+const OFF: f64 = 0.25;
+
+/// Of the fewest and the most ensembles.
+fn ensembles(rows: &[Row]) -> Option<Finding> {
+    let step =
+        |row: &Row| row.step.as_ref().filter(|_| row.method == "spbr").map(|(_, count)| (*count, row.errors.rmse));
+    let mut found: Vec<(f64, f64)> = rows.iter().filter_map(step).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [(few, before), .., (many, after)] = found[..] else { return None };
+    let scaled = [before * few.sqrt(), after * many.sqrt()];
+    Some(Finding {
+        claim: "the error falls as 1/√L (Fig. 6), as long as no point is dealt twice: copies add little".to_owned(),
+        measured: format!(
+            "RMSE · √L is {:.4} with {few} and {:.4} with {many} ensembles; `render` warns where each point is copied often",
+            scaled[0], scaled[1]
+        ),
+        holds: Some((scaled[1] / scaled[0] - 1.0).abs() < OFF),
+    })
 }
 
 /// A setting without the softness that all rows share.
@@ -110,5 +131,20 @@ mod tests {
         assert!(found[0].measured.ends_with(": 12.5") && found[1].measured.ends_with(": 6.2"), "{found:#?}");
         assert!(found[2].measured.starts_with("RMSE 0.0200") && found[4].measured.contains("2.00 times the bytes"));
         assert_eq!(of(&rows[..1]), []);
+    }
+
+    #[test]
+    fn errors_of_ensembles_fall_or_don_t() {
+        let of = |errors: [(f64, f64); 3]| {
+            let step = |(count, rmse): (f64, f64)| Row {
+                step: Some(("ensembles".into(), count)),
+                ..row("spbr", "", 1.0, rmse, 0)
+            };
+            of(&errors.map(step))
+        };
+        let found = of([(1.0, 0.4), (100.0, 0.04), (10.0, 0.2)]);
+        assert_eq!((found.len(), found[0].holds), (1, Some(true)), "{found:?}");
+        assert!(found[0].measured.contains("0.4000 with 1 and 0.4000 with 100"), "{found:?}");
+        assert_eq!(of([(1.0, 0.4), (10.0, 0.2), (100.0, 0.1)])[0].holds, Some(false));
     }
 }

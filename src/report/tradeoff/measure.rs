@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::Instant;
 
 use glam::Vec3;
 use indicatif::ProgressBar;
@@ -9,7 +10,7 @@ use indicatif::ProgressBar;
 use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
-use super::settings::{Ladders, Occasion, Setting, formation, settings};
+use super::settings::{Formation, Ladders, Occasion, Setting, formation, settings};
 use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
 use crate::gpu::Device;
 use crate::image::Image;
@@ -17,8 +18,9 @@ use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop}
 use crate::metrics::{self, difference_picture};
 use crate::output::{self, LinearImage, linear, write_rgb_png};
 use crate::passes::project::DeviceCloud;
-use crate::points::Points;
-use crate::report::truth::{Truth, soft_spheres};
+use crate::points::Arranged;
+use crate::report::truth::{self, Truth, soft_spheres};
+use crate::scene::Method;
 use crate::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
@@ -35,7 +37,7 @@ fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The scene's points.
-    pub points: &'a Points,
+    pub arranged: &'a Arranged,
     /// The frame. Its method says whose image formation is compared; blending never stops early.
     pub frame: Frame,
     /// Linear RGB.
@@ -87,23 +89,26 @@ pub fn run(
     folder: &Path,
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
-    let formation = formation(&subject.frame.method, subject.points)?;
+    let formation = formation(&subject.frame.method, subject.arranged.points())?;
     std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
     let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
-    let identity = identity::of(subject.points, &frame, subject.background, &format!("{formation:?}"), device.info());
+    let identity = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
     let partial = Partial::open(folder, identity);
 
     let mut renderer = Renderer::new(device)?;
-    let mut cloud = renderer.upload(subject.points)?;
+    let mut cloud = renderer.upload_arranged(subject.arranged)?;
     let Rendered { image, facts, .. } = renderer.render(&mut cloud, &frame)?;
     drop(renderer);
-    if frame.method.soft().is_some() {
+    if !matches!(formation, Formation::Discs(_)) {
         progress.set_message("the reference, in float64");
     }
-    let in_float64 = soft_spheres(device, subject.points, &frame)?;
+    let in_float64 = match truth::ensembles(subject.arranged, &frame) {
+        Some(image) => Some(image),
+        None => soft_spheres(device, subject.arranged.points(), &frame)?,
+    };
     let exact = in_float64.as_ref().unwrap_or(&image);
     let reference = linear(exact, subject.background, frame.color);
-    let occasion = Occasion::new(subject.points, formation, facts.max_list);
+    let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
     let mut run =
         Run { device, subject, options, folder, progress, frame, partial, cloud, reference, skipped: Vec::new() };
     run.keep_reference(in_float64.is_none().then_some(&image))?;
@@ -154,12 +159,16 @@ impl Run<'_> {
             let reference = match image {
                 Some(image) => {
                     self.progress.set_message("checking the reference in float64");
-                    let deviation = Truth::new(self.subject.points, &self.frame, self.frame.seed).deviation(image);
+                    let deviation =
+                        Truth::new(self.subject.arranged.points(), &self.frame, self.frame.seed).deviation(image);
                     let (checked_pixels, largest_error) = (deviation.pixels, deviation.max);
                     Reference { method: name.to_owned(), picture, checked_pixels, largest_error }
                 }
                 None => {
-                    let method = format!("{name} in float64, before the solid points as the device splats them");
+                    let method = match self.frame.method {
+                        Method::Spbr(_) => format!("{name} with ever more ensembles, in float64"),
+                        _ => format!("{name} in float64, before the solid points as the device splats them"),
+                    };
                     Reference { method, picture, checked_pixels: 0, largest_error: 0.0 }
                 }
             };
@@ -235,7 +244,9 @@ impl Run<'_> {
         let [picture, difference] = self.pictures(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
-        let second = self.render(&mut renderer, setting, 1)?;
+        let start = Instant::now();
+        let second = self.render_anew(&mut renderer, setting, 1)?;
+        let with_upload = start.elapsed().as_secs_f64();
         let seconds = second.profile.wall.as_secs_f64();
         let alone = seconds > self.options.seconds / ALONE_SHARE;
         let frames = alone.then(|| Timed::new(&second.profile, self.partial.content.sittings)).into_iter().collect();
@@ -245,9 +256,9 @@ impl Run<'_> {
             seeds.add(&image.pixels, &self.reference.pixels, errors);
             self.add(&mut seeds, &second.image);
             renderer.recycle(second.image);
-            let allowed = (self.options.seconds / SEEDS_SHARE / seconds) as u32;
+            let allowed = (self.options.seconds / SEEDS_SHARE / with_upload) as u32;
             for number in 2..allowed.min(self.options.seeds) {
-                let rendered = self.render(&mut renderer, setting, number)?;
+                let rendered = self.render_anew(&mut renderer, setting, number)?;
                 self.add(&mut seeds, &rendered.image);
                 renderer.recycle(rendered.image);
             }
@@ -263,6 +274,23 @@ impl Run<'_> {
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
         let frame = self.frame_of(setting, image);
         renderer.render(&mut self.cloud, &frame)
+    }
+
+    /// As [`Run::render`]; points that are dealt, in other ensembles: which ones they are is as random as what is drawn.
+    fn render_anew(
+        &mut self,
+        renderer: &mut Renderer,
+        setting: &Setting,
+        image: u32,
+    ) -> Result<Rendered, methods::Error> {
+        let frame = self.frame_of(setting, image);
+        match self.subject.arranged {
+            Arranged::Dealt(dealt) => {
+                let mut cloud = renderer.upload_dealt(&dealt.again(frame.seed))?;
+                renderer.render(&mut cloud, &frame)
+            }
+            Arranged::Canonical(_) => renderer.render(&mut self.cloud, &frame),
+        }
     }
 
     fn add(&self, seeds: &mut Seeds, image: &Image) {
@@ -362,7 +390,7 @@ impl Run<'_> {
             device: info.name.clone(),
             driver: info.driver.clone(),
             size: subject.frame.size,
-            points: subject.points.len() as u64,
+            points: subject.arranged.points().len() as u64,
             fragments: facts.fragments,
             max_list: facts.max_list,
             sittings: content.sittings,

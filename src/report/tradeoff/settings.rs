@@ -7,7 +7,7 @@ use crate::passes::project::Parts;
 use crate::points::Points;
 use crate::scene::{
     self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, Method, OneLayer, Peel,
-    Raster, ScreenSplats, Shells, Soft, SoftLayout, Stochastic,
+    Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, Stochastic,
 };
 
 /// What several methods draw alike, each in its way.
@@ -22,14 +22,18 @@ pub enum Formation {
         /// Whether the scene gives a factor instead, from which the softness follows.
         from_lambda: bool,
     },
+    /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and nothing is
+    /// brightened.
+    Ensembles(Spbr),
 }
 
 impl Formation {
-    /// The method that draws it exactly, but for rounding.
+    /// The method that draws it exactly, but for rounding. No number of ensembles does: the method itself.
     pub fn exact(&self) -> Method {
         match *self {
             Self::Discs(discs) => Method::ABuffer(discs),
             Self::Soft { soft, .. } => Method::SoftBase(soft),
+            Self::Ensembles(spbr) => Method::Spbr(spbr),
         }
     }
 }
@@ -45,6 +49,8 @@ pub struct Ladders {
     pub layers: &'static [u32],
     /// `shells` of `soft-concentric`; adaptive ones come on top.
     pub shells: &'static [u32],
+    /// `ensembles` of `spbr`.
+    pub ensembles: &'static [u32],
 }
 
 impl Ladders {
@@ -54,11 +60,17 @@ impl Ladders {
         k: &[1, 2, 4, 8, 16, 32],
         layers: &[1, 2, 4, 8, 16, 32, 64],
         shells: &[1, 2, 4, 8],
+        ensembles: &[1, 3, 10, 30, 100, 300, 1000],
     };
     /// For a first look and for CI.
-    pub const QUICK: Self = Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8], shells: &[1, 4] };
+    pub const QUICK: Self =
+        Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8], shells: &[1, 4], ensembles: &[1, 10, 100] };
     /// What is chosen from.
-    pub const FINE: Self = Self { samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096], ..Self::FULL };
+    pub const FINE: Self = Self {
+        samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
+        ensembles: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
+        ..Self::FULL
+    };
 }
 
 /// What decides which settings make sense.
@@ -82,7 +94,7 @@ impl Occasion {
                 falloff == Falloff::Flat && points.opacities.iter().all(|opacity| *opacity >= 1.0),
                 shape == DiscShape::Oriented && points.normals.is_some(),
             ),
-            Formation::Soft { .. } => (false, false),
+            Formation::Soft { .. } | Formation::Ensembles(_) => (false, false),
         };
         Self { formation, opaque, oriented, max_list }
     }
@@ -127,7 +139,7 @@ impl Setting {
 
     /// Whether the image depends on the seed.
     pub fn is_stochastic(&self) -> bool {
-        matches!(self.method, Method::Stochastic(_))
+        matches!(self.method, Method::Stochastic(_) | Method::Spbr(_))
     }
 
     /// Whether the image is exact but for rounding.
@@ -165,11 +177,15 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
     }
     let discs = match method {
         Method::Auto(discs) => *discs,
+        Method::Spbr(spbr) => {
+            return Ok(Formation::Ensembles(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));
+        }
         method => *method.discs().ok_or_else(|| {
             let name = method.name();
             scene::Error::Usage(format!(
                 "method {name} draws points in a way of its own, so that there is nothing to compare it with; \
-                 --method auto compares the methods of transparent discs, --method soft-base those of soft spheres"
+                 --method auto compares the methods of transparent discs, --method soft-base those of soft spheres, \
+                 --method spbr numbers of ensembles"
             ))
         })?,
     };
@@ -188,6 +204,19 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
             let other = [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)];
             let reason = "draws soft spheres, another image formation";
             skipped.extend(other.map(|method| Setting::single(method, "").skipped(reason)));
+        }
+        Formation::Ensembles(spbr) => {
+            let step = |ensembles: &u32| {
+                let method = Method::Spbr(Spbr { ensembles: *ensembles, ..spbr });
+                Setting::step(method, ("ensembles", *ensembles), "")
+            };
+            settings.extend(ladders.ensembles.iter().map(step));
+            let reason = "its opacity depends on the number of ensembles: there is no one image to compare them with";
+            skipped.push(Setting::single(Method::SpbrSimplified(Default::default()), "").skipped(reason));
+            let reason = "draws discs that cover each other, each with the opacity that spbr gives to their surface";
+            skipped.push(Setting::single(Method::ABuffer(Discs::default()), "").skipped(reason));
+            let reason = "draws soft spheres, another image formation";
+            skipped.push(Setting::single(Method::SoftBase(Soft::default()), "").skipped(reason));
         }
         Formation::Soft { soft, from_lambda } => {
             let mut all = self::soft(soft, from_lambda, ladders);
@@ -390,6 +419,22 @@ mod tests {
         for method in [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)] {
             assert_eq!(of(method).unwrap(), Formation::Soft { soft: same, from_lambda: false });
         }
+    }
+
+    #[test]
+    fn ensembles_are_a_ladder_of_their_own() {
+        let scene = Spbr { ensembles: 7, cos_theta: false, brighten: true };
+        let formation = formation(&Method::Spbr(scene), &Points::default()).unwrap();
+        assert_eq!(formation, Formation::Ensembles(Spbr { ensembles: 100, cos_theta: false, brighten: false }));
+        let occasion = Occasion { formation, ..occasion(9) };
+        let (settings, skipped) = settings(&occasion, &Ladders::QUICK);
+        let keys: Vec<String> = settings.iter().map(Setting::key).collect();
+        assert_eq!(keys, ["spbr method.ensembles=1", "spbr method.ensembles=10", "spbr method.ensembles=100"]);
+        assert!(settings.iter().all(|setting| setting.is_stochastic() && !setting.is_exact(&occasion)));
+        assert!(settings.iter().all(|s| matches!(s.method, Method::Spbr(Spbr { cos_theta: false, .. }))));
+        let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
+        assert_eq!(names[..3], ["spbr-simplified", "abuffer", "soft-base"]);
+        assert!(super::formation(&Method::SpbrSimplified(Default::default()), &Points::default()).is_err());
     }
 
     #[test]

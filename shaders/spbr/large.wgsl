@@ -1,0 +1,27 @@
+// spbr/large: number of large squares to the arguments of an indirect dispatch. A single invocation.
+struct Push {
+    // Workgroups of a square, and most workgroups in x.
+    stripes: u32,
+    most: u32,
+}
+var<immediate> push: Push;
+
+struct Counters {
+    visible_low: u32,
+    visible_high: u32,
+    large: u32,
+    spare: u32,
+}
+@group(0) @binding(0) var<storage, read> counters: array<Counters>;
+@group(0) @binding(1) var<storage, read_write> arguments: array<u32>;
+
+@compute @workgroup_size(WG_SIZE)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x == 0u {
+        let groups = counters[0].large * push.stripes;
+        let columns = min(groups, push.most);
+        arguments[0] = columns;
+        arguments[1] = select((groups + columns - 1u) / max(columns, 1u), 0u, columns == 0u);
+        arguments[2] = 1u;
+    }
+}

@@ -1,0 +1,741 @@
+//! `spbr`, `spbr-simplified`: stochastic point-based rendering (Tanaka et al. 2016; Uchida et al. 2020).
+//!
+//! The points of each cloud are dealt to L ensembles ([`crate::prepare::ensembles`]). Each ensemble is an image of opaque
+//! points with a depth test of its own; their mean is the image: no order of points is needed. The nearest point of a pixel
+//! in an ensemble is found by atomic minima of depth and index, and colors are summed as whole numbers, so that neither
+//! the order in which points come nor how many ensembles are drawn at once shows.
+//!
+//! A point asks for the area q² p t in pixels: q the width of a pixel at the depth of its cloud's middle over that at its own
+//! (1 in orthographic views), p = ln(1 − α) / ln(1 − α of its cloud), t = |cos θ| between normal and view unless `cos_theta`.
+//! Below 1 it is one pixel with that probability, above it a square.
+
+pub mod rounds;
+pub mod share;
+
+use std::ops::Range;
+
+use indicatif::ProgressBar;
+
+use self::rounds::{Epochs, Piece, epoch_bits, pieces};
+use self::share::{Placed, Share, Wanted};
+use super::Error;
+use super::bands::{self, Budget, Window};
+use super::renderer::{Facts, Frame, Target, Thin, Timeline};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Projecting, View};
+use crate::prepare::ensembles::slots;
+use crate::random;
+use crate::scene::{ColorSpace, Method, ShadingModel, Spbr};
+use crate::{gpu_struct, group, pass};
+
+gpu_struct! {
+    /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl says what the members are.
+    pub struct SlotsPush {
+        count: u32,
+        first: u32,
+        point: u32,
+        repeat: u32,
+        base: u32,
+        list: u32,
+        whole: u32,
+        rest: u32,
+        carry: u32,
+        ensembles: u32,
+        planes: u32,
+        ensemble: u32,
+        pixels: u32,
+        epoch_bits: u32,
+        epoch: u32,
+        key_x: u32,
+        key_y: u32,
+        depth: f32,
+        unit: f32,
+        scale: f32,
+        most: f32,
+    }
+}
+
+gpu_struct! {
+    /// What the passes count.
+    pub struct Counters {
+        visible_low: u32,
+        visible_high: u32,
+        large: u32,
+        spare: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `spbr/large`.
+    pub struct LargePush {
+        stripes: u32,
+        most: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `spbr/resolve`: pixels of the window, ensembles, and what a color of 1 is in the sums.
+    pub struct ResolvePush {
+        pixels: u32,
+        ensembles: u32,
+        scale: f32,
+    }
+}
+
+group! {
+    /// What a pass that goes through slots binds of the points.
+    pub Slots as SlotsGroup {
+        /// The camera.
+        camera: Uniform<View>,
+        /// Positions, rounded.
+        points_hi: Read<[f32; 4]>,
+        /// The rest of the positions.
+        points_lo: Read<[f32; 4]>,
+        /// Normals; a single one if there are none.
+        normals: Read<[f32; 4]>,
+        /// What the passes count.
+        counters: ReadWrite<Counters>,
+        /// Large squares of a dispatch.
+        large: ReadWrite<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Nearest point and sum of colors in one go.
+    pub Draw(SlotsPush) = "spbr/draw" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<u64>,
+        point_colors: Parts<[f32; 4]>,
+        pixels: ReadWrite<u64>,
+        squares: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Depth and index by one 64-bit minimum.
+    pub Nearest(SlotsPush) = "spbr/nearest" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Depth by a 32-bit minimum.
+    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest_depth" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<super::splat::NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index among those at the smallest depth.
+    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest_id" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<super::splat::NearestSplat>,
+    }
+}
+
+pass! {
+    /// Colors of the nearest points.
+    pub Sum(SlotsPush) = "spbr/sum" {
+        slots: Shared<SlotsGroup>,
+        nearest: Read<[u32; 2]>,
+        point_colors: Read<[f32; 4]>,
+        pixels: ReadWrite<u32>,
+        squares: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Number of large squares to the arguments of a dispatch.
+    pub Large(LargePush) = "spbr/large" {
+        counters: Read<Counters>,
+        arguments: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Nothing as the nearest point of each pixel.
+    pub Renew(super::abuffer::CountPush) = "spbr/renew" {
+        pixels: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Sums to color, A, depth and standard error.
+    pub Resolve(ResolvePush) = "spbr/resolve" {
+        pixels: Read<[u32; 4]>,
+        squares: Read<[u32; 4]>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+        spread: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// Slots of one invocation, at most 32.
+const RUN: u64 = 16;
+/// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
+const SMALL: f64 = 64.0;
+/// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
+const ROUND_SLOTS: u64 = 1 << 10;
+/// Most slots of a dispatch, and of one whose large squares may all be on the list.
+const DISPATCH_SLOTS: u64 = 1 << 24;
+/// See [`DISPATCH_SLOTS`].
+const LISTED_SLOTS: u64 = 1 << 17;
+/// Slots after which is submitted, so that no submission takes seconds.
+const SUBMITTED_SLOTS: u64 = 1 << 23;
+/// Passes after which is submitted.
+const SUBMITTED_PASSES: u32 = 100;
+/// Most ensembles of a round.
+const MOST_PLANES: u64 = 4096;
+/// Steps of an invocation of a large square at most.
+const LARGE_STEPS: u64 = 8192;
+/// What tells the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the key.
+const STREAM: u32 = 0x5350_4252;
+
+/// Threefry's key for the words that decide which points smaller than a pixel are drawn. A word's counter is the point's
+/// place in the dealt list, and the ensemble.
+pub fn key(seed: u64) -> [u32; 2] {
+    let [low, high] = random::key(seed);
+    [low, high ^ STREAM]
+}
+
+/// Device bytes per pixel of a window, with one plane.
+pub fn pixel_bytes(spread: bool) -> u64 {
+    8 + 32 + if spread { 48 } else { 0 }
+}
+
+/// Pixels of a window whose buffers fit a binding, and a quarter of the budget.
+pub fn window_pixels(budget: Budget, spread: bool) -> u64 {
+    budget.window_pixels(pixel_bytes(spread)).min(budget.binding / 32).max(1)
+}
+
+/// How the nearest points are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// `spbr/draw`: nearest point and sum of colors in one go, by 64-bit atomics; colors of all points within reach.
+    Single,
+    /// `spbr/nearest` by 64-bit atomics, then `spbr/sum`.
+    Wide,
+    /// `spbr/nearest-depth`, `spbr/nearest-id`, then `spbr/sum`.
+    Narrow,
+}
+
+impl Form {
+    /// The form for a cloud, `wide` if there are 64-bit atomics.
+    pub fn of(device: &Device, cloud: &DeviceCloud, how: &Projecting, wide: bool) -> Self {
+        let shaded = how.shading.model != ShadingModel::None && cloud.has_normals();
+        match Cut::new(device, cloud.len()) {
+            Ok(_) if wide && !shaded => Self::Single,
+            _ if wide => Self::Wide,
+            _ => Self::Narrow,
+        }
+    }
+
+    /// Its passes over slots.
+    pub fn stages(self) -> &'static [Stage] {
+        match self {
+            Self::Single => &[Stage::Draw],
+            Self::Wide => &[Stage::Nearest, Stage::Sum],
+            Self::Narrow => &[Stage::NearestDepth, Stage::NearestId, Stage::Sum],
+        }
+    }
+}
+
+/// A pass over slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// [`Draw`]
+    Draw,
+    /// [`Nearest`]
+    Nearest,
+    /// [`NearestDepth`]
+    NearestDepth,
+    /// [`NearestId`]
+    NearestId,
+    /// [`Sum`]
+    Sum,
+}
+
+/// What the passes over slots must know about frame and cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    /// Whether opacities differ from point to point.
+    pub weighted: bool,
+    /// Whether points may ask for less than a pixel.
+    pub thinned: bool,
+    /// Whether slanted normals make points smaller.
+    pub slanted: bool,
+    /// Whether points may be wider than a pixel.
+    pub squares: bool,
+    /// Whether rounds have more than one ensemble.
+    pub planes: bool,
+    /// Whether the standard error is asked for.
+    pub spread: bool,
+}
+
+impl Kind {
+    /// The variant of a stage that goes through slots (`None`), or through the list of large squares with so many workgroups
+    /// for each.
+    pub fn variant(self, stage: Stage, stripes: Option<u32>, counted: bool) -> Variant {
+        let variant = Variant::plain()
+            .with("WEIGHTED", u32::from(self.weighted))
+            .with("THINNED", u32::from(self.thinned))
+            .with("SLANTED", u32::from(self.slanted))
+            .with("SQUARES", u32::from(self.squares))
+            .with("PLANES", u32::from(self.planes));
+        let variant = match stripes {
+            None => variant.walker("spbr_slots").with("RUN", RUN as u32).with("COUNTED", u32::from(counted)),
+            Some(stripes) => variant.walker("spbr_large").with("STRIPES", stripes),
+        };
+        match stage {
+            Stage::Draw | Stage::Sum => variant.with("SPREAD", u32::from(self.spread)),
+            _ => variant,
+        }
+    }
+}
+
+/// The variant of `spbr/draw`: cut and color space besides.
+pub fn draw_variant(variant: Variant, cut: Cut, how: &Projecting) -> Variant {
+    let encoded = u32::from(how.color == ColorSpace::Encoded);
+    variant.with("PARTS", cut.parts).with("PART_LENGTH", cut.len).with("ENCODED", encoded)
+}
+
+/// The variant of `spbr/sum`: shading besides.
+pub fn sum_variant(variant: Variant, how: &Projecting, normals: bool) -> Variant {
+    let mut variant = variant;
+    variant.overrides.extend(how.shaded(normals).overrides);
+    variant
+}
+
+/// The variant of `spbr/resolve`.
+pub fn resolve_variant(spread: bool) -> Variant {
+    Variant::plain().with("SPREAD", u32::from(spread))
+}
+
+/// How colors become whole numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// What a color of 1 is.
+    pub one: f32,
+    /// The most that a color may be: with `ensembles` times that a sum still has 32 bits.
+    pub most: f32,
+}
+
+impl Scale {
+    /// For so many ensembles and colors of up to `most_color`: a power of two, at most 2^22.
+    pub fn new(ensembles: u32, most_color: f32) -> Self {
+        let most = f64::from(u32::MAX / ensembles.max(1));
+        let bits = (most / f64::from(most_color.max(1.0))).log2().floor().clamp(0.0, 22.0);
+        // Rounded down.
+        let float = most as f32;
+        Self { one: bits.exp2() as f32, most: if f64::from(float) > most { float.next_down() } else { float } }
+    }
+}
+
+/// Everything that stays the same while a window is rendered.
+pub struct WindowJob<'a> {
+    /// The cloud, its view set.
+    pub cloud: &'a DeviceCloud,
+    /// The window.
+    pub window: Window,
+    /// Shading and color space.
+    pub how: &'a Projecting,
+    /// What is taken of each cloud.
+    pub shares: &'a [Share],
+    /// The method.
+    pub method: Method,
+    /// Ensembles that are drawn, at most those of the method.
+    pub drawn: u32,
+    /// Seed.
+    pub seed: u64,
+    /// Whether the standard error is asked for.
+    pub spread: bool,
+    /// Whether the width of points depends on depth.
+    pub perspective: bool,
+    /// How the nearest points are found.
+    pub form: Form,
+    /// Most bits of a key for epochs.
+    pub most_epoch_bits: u32,
+    /// Pieces of work that keep the device busy.
+    pub concurrent: u64,
+    /// The budget.
+    pub budget: Budget,
+    /// Says how far the ensembles are.
+    pub progress: &'a ProgressBar,
+}
+
+impl WindowJob<'_> {
+    fn pixels(&self) -> u64 {
+        bands::pixels(self.window)
+    }
+
+    /// L.
+    fn ensembles(&self) -> u32 {
+        self.method.ensembles().unwrap_or(1)
+    }
+
+    fn kind(&self) -> Kind {
+        let weighted = matches!(self.method, Method::Spbr(_)) && self.shares.iter().any(|s| !s.uniform);
+        let slanted = matches!(self.method, Method::Spbr(Spbr { cos_theta: false, .. })) && self.cloud.has_normals();
+        Kind {
+            weighted,
+            slanted,
+            thinned: weighted || slanted || self.perspective,
+            squares: largest(self.shares) > 1.0,
+            planes: self.planes() > 1,
+            spread: self.spread,
+        }
+    }
+
+    fn listed(&self) -> bool {
+        is_listed(self.shares)
+    }
+
+    /// Most slots of a dispatch.
+    fn dispatch_slots(&self) -> u64 {
+        if !self.listed() {
+            return DISPATCH_SLOTS;
+        }
+        LISTED_SLOTS.min(self.budget.bytes / 8 / 32).max(64)
+    }
+
+    /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth while.
+    fn planes(&self) -> u64 {
+        let slots: u64 = self.shares.iter().map(|s| s.slots).sum();
+        let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);
+        let bytes = 8 * self.pixels();
+        let fit = (self.budget.binding / bytes).min(self.budget.bytes / 2 / bytes);
+        worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)
+    }
+
+    /// Whether a pixel's nearest point stands beside its sums.
+    fn is_inline(&self) -> bool {
+        self.form == Form::Single && self.planes() == 1
+    }
+
+    /// Whether there are more rounds than epochs of planes that no fill can clear.
+    pub fn is_renewed(&self) -> bool {
+        self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
+    }
+
+    /// Bits of keys for epochs.
+    fn epoch_bits(&self) -> u32 {
+        if self.form == Form::Narrow { 0 } else { epoch_bits(self.cloud.len()).min(self.most_epoch_bits) }
+    }
+
+    fn scale(&self) -> Scale {
+        Scale::new(self.ensembles(), self.cloud.most_color(self.how))
+    }
+
+    /// Workgroups of a large square.
+    fn stripes(&self) -> u64 {
+        self.pixels().div_ceil(LARGE_STEPS * u64::from(crate::gpu::shader::WORKGROUP))
+    }
+}
+
+/// A round: its ensembles, and the epoch of their keys.
+struct Round {
+    ensembles: Range<u32>,
+    epoch: u32,
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Ensembles {
+    nearest: Kept<u64>,
+    pixels: Kept<[u32; 4]>,
+    squares: Kept<[u32; 4]>,
+    spread: Kept<[f32; 4]>,
+    large: Kept<[u32; 4]>,
+    arguments: Kept<u32>,
+    counters: Kept<Counters>,
+    counters_host: Kept<Counters>,
+}
+
+impl Default for Ensembles {
+    fn default() -> Self {
+        Self {
+            nearest: Kept::new("nearest of ensembles", Memory::Device),
+            pixels: Kept::new("sums of ensembles", Memory::Device),
+            squares: Kept::new("squares of ensembles", Memory::Device),
+            spread: Kept::new("spread of ensembles", Memory::Device),
+            large: Kept::new("large points", Memory::Device),
+            arguments: Kept::new("large points, groups", Memory::Device),
+            counters: Kept::new("counters of ensembles", Memory::Device),
+            counters_host: Kept::new("counters of ensembles, host", Memory::Readback),
+        }
+    }
+}
+
+impl Ensembles {
+    /// Renders a window into the target; how many points were drawn, each in each ensemble.
+    pub fn render(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: &Target,
+        timeline: &mut Timeline,
+    ) -> Result<u64, Error> {
+        self.reserve(device, job)?;
+        let planes = job.planes() as u32;
+        let bits = job.epoch_bits();
+        let mut recorder = device.recorder()?;
+        self.record_clear(&mut recorder)?;
+        let (mut epochs, mut slots, mut passes) = (Epochs::new(bits), 0, 0);
+        let mut next = 0;
+        while next < job.drawn {
+            let end = job.drawn.min(next + planes);
+            let epoch = match epochs.take() {
+                Some(epoch) => epoch,
+                None => {
+                    self.record_renew(&mut recorder, job)?;
+                    epochs = Epochs::new(bits);
+                    epochs.take().unwrap_or_default()
+                }
+            };
+            let round = Round { ensembles: next..end, epoch };
+            for stage in job.form.stages() {
+                for share in job.shares {
+                    for piece in pieces(share, job.ensembles(), next..end, job.cloud.longest(), job.dispatch_slots()) {
+                        if slots >= SUBMITTED_SLOTS || passes >= SUBMITTED_PASSES {
+                            timeline.add(recorder.submit("spbr/draw")?);
+                            recorder = device.recorder()?;
+                            (slots, passes) = (0, 0);
+                        }
+                        passes += self.record_piece(device, &mut recorder, job, *stage, &round, share, &piece)?;
+                        slots += piece.slots.end - piece.slots.start;
+                    }
+                }
+            }
+            next = end;
+            job.progress.set_message(format!("rendering, {next} ensembles"));
+        }
+        self.record_resolve(&mut recorder, job, target)?;
+        recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
+        target.record_read_back(&mut recorder, job.pixels())?;
+        timeline.add(recorder.submit("spbr/resolve")?);
+        let counters = self.counters_host.get().mapped_slice()[0];
+        Ok(u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low))
+    }
+
+    /// The standard error of every pixel of the window, in its order; what the last one rendered with it left.
+    pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
+        let errors = self.spread.get().read(0, bands::pixels(window))?;
+        Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    }
+
+    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        let pixels = job.pixels();
+        let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
+        // No larger than asked for, since all of it is cleared.
+        self.nearest.reserve_within(device, planes, planes)?;
+        self.pixels.reserve_within(device, 2 * pixels, 2 * pixels)?;
+        let squares = if job.spread { 2 * pixels } else { 1 };
+        self.squares.reserve_within(device, squares, squares)?;
+        self.spread.reserve(device, if job.spread { pixels } else { 1 })?;
+        self.large.reserve(device, if job.listed() { 2 * job.dispatch_slots() } else { 1 })?;
+        self.arguments.reserve(device, 4)?;
+        self.counters.reserve(device, 1)?;
+        self.counters_host.reserve(device, 1)?;
+        Ok(())
+    }
+
+    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
+        Ok(())
+    }
+
+    /// Records that planes are empty again.
+    fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        if !job.is_inline() {
+            recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+            return Ok(());
+        }
+        let pass = Renew { pixels: self.pixels.get().all().cast() };
+        let push = super::abuffer::CountPush { count: job.pixels() as u32 };
+        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push))?;
+        Ok(())
+    }
+
+    /// Records a stage of a piece, and its large squares; the number of passes.
+    #[allow(clippy::too_many_arguments, reason = "all of them are loop variables of the caller")]
+    fn record_piece<'a>(
+        &'a self,
+        device: &Device,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stage: Stage,
+        round: &Round,
+        share: &Share,
+        piece: &Piece,
+    ) -> Result<u32, Error> {
+        let push = push(job, round, share, piece);
+        let count = piece.slots.end - piece.slots.start;
+        let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
+        let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push);
+        if !job.listed() {
+            self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, None, counted)))?;
+            return Ok(1);
+        }
+        let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
+        recorder.fill("spbr/clear", listed, 0)?;
+        self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, None, counted)))?;
+        let stripes = job.stripes() as u32;
+        let large = Large { counters: self.counters.get().all(), arguments: self.arguments.get().all() };
+        let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
+        recorder.run(&large, &Run::new(Dispatch::Invocations(1)).push(&most))?;
+        let run = Run::new(Dispatch::Indirect(self.arguments.get().all())).push(&push);
+        self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, Some(stripes), false)))?;
+        Ok(4)
+    }
+
+    fn record_stage<'a>(
+        &'a self,
+        device: &Device,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        stage: Stage,
+        piece: &Piece,
+        run: (Run<'a>, Variant),
+    ) -> Result<(), Error> {
+        let slots = self.slots(job, piece);
+        let cloud = job.cloud;
+        let nearest = self.nearest.get().all();
+        let (run, variant) = run;
+        match stage {
+            Stage::Nearest => recorder.run(&Nearest { slots, nearest }, &run.variant(variant))?,
+            Stage::NearestDepth => {
+                recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, &run.variant(variant))?;
+            }
+            Stage::NearestId => recorder.run(&NearestId { slots, nearest: nearest.cast() }, &run.variant(variant))?,
+            Stage::Draw => {
+                let cut = Cut::new(device, cloud.len())?;
+                let point_colors = cut.of(&cloud.point_colors);
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Draw { slots, nearest, point_colors, pixels, squares };
+                recorder.run(&pass, &run.variant(draw_variant(variant, cut, job.how)))?;
+            }
+            Stage::Sum => {
+                let bound = piece.bound.end - piece.bound.start;
+                let point_colors = cloud.point_colors.slice(piece.bound.start, bound);
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
+                recorder.run(&pass, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn slots<'a>(&'a self, job: &WindowJob<'a>, piece: &Piece) -> Slots<'a> {
+        let (cloud, first) = (job.cloud, piece.bound.start);
+        let count = piece.bound.end - first;
+        Slots {
+            camera: cloud.view(),
+            points_hi: cloud.points_hi.slice(first, count),
+            points_lo: cloud.points_lo.slice(first, count),
+            normals: if cloud.has_normals() { cloud.normals.slice(first, count) } else { cloud.normals.all() },
+            counters: self.counters.get().all(),
+            large: self.large.get().all(),
+        }
+    }
+
+    fn record_resolve<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let pass = Resolve {
+            pixels: self.pixels.get().all(),
+            squares: self.squares.get().all(),
+            image: target.image(),
+            depths: target.depths(),
+            spread: self.spread.get().all(),
+        };
+        let push = ResolvePush { pixels: job.pixels() as u32, ensembles: job.drawn, scale: job.scale().one };
+        let run = Run::new(Dispatch::Invocations(job.pixels())).push(&push);
+        recorder.run(&pass, &run.variant(resolve_variant(job.spread)))?;
+        Ok(())
+    }
+}
+
+fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> SlotsPush {
+    let ensembles = job.ensembles();
+    let [key_x, key_y] = key(job.seed);
+    let scale = job.scale();
+    let before = u128::from(share.slots) * u128::from(round.ensembles.start);
+    let bits = job.epoch_bits();
+    SlotsPush {
+        count: (piece.slots.end - piece.slots.start) as u32,
+        first: piece.slots.start as u32,
+        point: piece.point as u32,
+        repeat: piece.repeat as u32,
+        base: piece.base as u32,
+        list: piece.bound.start as u32,
+        whole: (share.slots / u64::from(ensembles)) as u32,
+        rest: (share.slots % u64::from(ensembles)) as u32,
+        carry: (before % u128::from(ensembles)) as u32,
+        ensembles,
+        planes: round.ensembles.end - round.ensembles.start,
+        ensemble: round.ensembles.start,
+        pixels: job.pixels() as u32,
+        epoch_bits: bits,
+        epoch: round.epoch,
+        key_x,
+        key_y,
+        depth: share.depth as f32,
+        unit: share.unit as f32,
+        scale: scale.one,
+        most: scale.most,
+    }
+}
+
+/// The shares of a frame, if its points were dealt.
+pub fn shares(cloud: &DeviceCloud, frame: &Frame) -> Result<Vec<Share>, Error> {
+    let placed: &[Placed] = cloud.surfaces().ok_or(Error::NotDealt)?;
+    let wanted = Wanted {
+        camera: &frame.camera,
+        height: frame.size[1],
+        method: frame.method,
+        opacity_factor: f64::from(frame.factors.opacity),
+    };
+    Ok(placed.iter().map(|p| wanted.share(p)).collect())
+}
+
+/// Most pixels that a point may cover.
+fn largest(shares: &[Share]) -> f64 {
+    shares.iter().map(|s| s.largest).fold(0.0, f64::max)
+}
+
+/// Whether squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
+pub fn is_listed(shares: &[Share]) -> bool {
+    (largest(shares).sqrt() + 1.0).powi(2) > SMALL
+}
+
+/// Bytes that a pass must at least read and write; `pixels` of the image.
+pub fn least_bytes(name: &str, facts: &Facts, spread: bool, pixels: u64) -> Option<u64> {
+    let (walk, squares) = (facts.slots * 32 * facts.windows.max(1), if spread { 32 } else { 0 });
+    match name {
+        "spbr/nearest" | "spbr/nearest-depth" | "spbr/nearest-id" => Some(walk + facts.visible * 8),
+        "spbr/draw" => Some(walk + facts.visible * (16 + 16) + pixels * 32),
+        "spbr/sum" => Some(walk + facts.visible * 8 + pixels * 32),
+        "spbr/resolve" => Some(pixels * (32 + squares + 20 + squares / 2)),
+        _ => None,
+    }
+}
+
+/// Slots of the first `drawn` of `ensembles`.
+pub fn slots_of(share: &Share, ensembles: u32, drawn: u32) -> u64 {
+    drawn.checked_sub(1).map_or(0, |last| slots(share.slots, ensembles, last).end)
+}
+
+/// The clouds that lose opacity.
+pub fn thin(shares: &[Share]) -> Vec<Thin> {
+    let thousandths = |share: &Share| (1000.0 * share.opacity).round() as u32;
+    let all = shares.iter().zip(0..);
+    all.filter(|(s, _)| s.capped).map(|(s, cloud)| Thin { cloud, reached: thousandths(s) }).collect()
+}

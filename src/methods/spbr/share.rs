@@ -1,0 +1,122 @@
+//! How many points of each cloud are dealt, and how large a point is.
+//!
+//! Tanaka et al. 2016, Eq. 1, without its bias where a cross-section has few pixels: an ensemble needs −ln(1 − α) points on
+//! the area of a pixel for opacity α, if they lie at random.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::camera::{Camera, Projection};
+use crate::points::Points;
+use crate::prepare::ensembles::Surface;
+use crate::scene::Method;
+
+/// A cloud of a dealt list, with the corners of its box.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// What is known of it.
+    pub surface: Surface,
+    /// Of its points' box, in world coordinates.
+    pub corners: [DVec3; 8],
+    /// Whether all of its points have the same opacity.
+    pub uniform: bool,
+}
+
+impl Placed {
+    /// The clouds of a list.
+    pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
+        let placed = |surface: &Surface| {
+            let range = surface.points.start as usize..surface.points.end as usize;
+            let own = points.positions[range.clone()].iter().copied();
+            let corners = crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners());
+            let uniform = points.opacities[range].iter().all(|opacity| *opacity == surface.opacity);
+            Self { surface: surface.clone(), corners, uniform }
+        };
+        surfaces.iter().map(placed).collect()
+    }
+
+    /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the box, of
+    /// the middle of the part before it. Any depth gives the same opacity while there are points enough, but none behind the
+    /// camera has a pixel of positive width, and one close before it asks for more points than there are.
+    fn depth(&self, camera: &Camera) -> f64 {
+        let deepest = self.depths(camera).fold(f64::NEG_INFINITY, f64::max);
+        camera.to_view(self.surface.center).z.max(0.5 * deepest).max(camera.near)
+    }
+
+    fn depths(&self, camera: &Camera) -> impl Iterator<Item = f64> {
+        self.corners.iter().map(|corner| camera.to_view(*corner).z)
+    }
+}
+
+/// What a frame takes of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Share {
+    /// Its points in the list.
+    pub points: Range<u64>,
+    /// Slots dealt to all ensembles together: M.
+    pub slots: u64,
+    /// Depth at which a point of its own opacity is one pixel wide.
+    pub depth: f64,
+    /// −ln(1 − α) of the opacity α for which a point takes the whole of such a pixel; 0 where there is no area.
+    pub unit: f64,
+    /// Whether all of its points have the opacity of their surface.
+    pub uniform: bool,
+    /// Whether more points were wanted than L for each there is, so that opacity is lost.
+    pub capped: bool,
+    /// Opacity of its surface in the image, of that which was asked for.
+    pub opacity: f64,
+    /// Most pixels that one of its points may cover.
+    pub largest: f64,
+}
+
+/// What a frame asks of all clouds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Rows of the image.
+    pub height: u32,
+    /// `spbr` or `spbr-simplified`, with L.
+    pub method: Method,
+    /// Factor on opacities; the product is at most 1.
+    pub opacity_factor: f64,
+}
+
+impl Wanted<'_> {
+    /// The share of a cloud.
+    pub fn share(&self, placed: &Placed) -> Share {
+        let surface = &placed.surface;
+        let ensembles = f64::from(self.method.ensembles().unwrap_or(1));
+        let count = surface.points.end - surface.points.start;
+        let depth = placed.depth(self.camera);
+        let pixel = self.camera.pixels_per_unit(depth, self.height).recip();
+        // Points on a pixel's area, all of them.
+        let there = surface.density * pixel * pixel;
+        let alpha = (f64::from(surface.opacity) * self.opacity_factor).min(1.0);
+        let needed = -(-alpha).ln_1p();
+        let simplified = matches!(self.method, Method::SpbrSimplified(_));
+        let ratio = match needed {
+            _ if simplified => 1.0,
+            0.0 => 0.0,
+            _ => (ensembles * needed / there).min(ensembles),
+        };
+        let capped = !simplified && needed > there;
+        let unit = if capped { there } else { needed };
+        let nearest = placed.depths(self.camera).fold(f64::INFINITY, f64::min).max(self.camera.near);
+        let largest = match self.camera.projection {
+            Projection::Perspective { .. } => (depth / nearest).powi(2),
+            Projection::Orthographic { .. } => 1.0,
+        };
+        Share {
+            points: surface.points.clone(),
+            slots: (ratio * count as f64).round() as u64,
+            depth,
+            unit,
+            uniform: placed.uniform,
+            capped,
+            opacity: if capped { -(-there).exp_m1() } else { alpha },
+            largest,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Tanaka et al. 2016, Fig. 5: a white plane shows its opacity, whatever the number of its points.
+
+use std::path::Path;
+
+use pellucid::Result;
+use pellucid::scene::{Method, Spbr};
+
+use super::chart::{self, Row};
+use super::stage::{Stage, plane};
+
+/// Of the paper: sides of its image, ensembles, numbers of points.
+const SIDE: f64 = 512.0;
+const ENSEMBLES: u32 = 1000;
+const POINTS: [f64; 2] = [1e7, 4e7];
+
+/// Writes `opacity.svg` and `opacity.csv`.
+pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
+    let side = (SIDE * scale).round() as u32;
+    let mut table = Vec::new();
+    let mut panels = Vec::new();
+    for points in POINTS {
+        // As many in each pixel as in the paper.
+        let per_pixel = points / SIDE.powi(2);
+        let count = (per_pixel * f64::from(side).powi(2)).round() as usize;
+        let mut cloud = stage.upload(plane(count, stage.seed))?;
+        let mut rows = Vec::new();
+        for alpha in [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+            let method = Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() });
+            let image = stage.thinned(&mut cloud, side, alpha as f32, method)?;
+            let greys: Vec<_> = image.rgba.iter().map(|pixel| 255.0 * f64::from(pixel[0])).collect();
+            let mean = greys.iter().sum::<f64>() / greys.len() as f64;
+            let spread = (greys.iter().map(|grey| (grey - mean).powi(2)).sum::<f64>() / greys.len() as f64).sqrt();
+            // The share of the ensembles that a point is in.
+            let q = -(1.0f64 - alpha).ln() / per_pixel;
+            let independent = 255.0 * independent_spread(alpha, per_pixel, q);
+            let expected_spread = 255.0 * expected_spread(alpha, per_pixel, q);
+            let k = q * f64::from(ENSEMBLES);
+            println!(
+                "{points:.0e} points ({count}), α {alpha}, k {k:.2}: mean {mean:.2} of {:.2}, spread {spread:.2} of {expected_spread:.2}, by independent copies {independent:.2}",
+                255.0 * alpha
+            );
+            table.push(vec![points, count as f64, alpha, k, mean, 255.0 * alpha, spread, expected_spread, independent]);
+            rows.push(Row { x: alpha, found: mean, spread, expected: 255.0 * alpha });
+        }
+        panels.push((format!("{per_pixel:.1} points per pixel (n = {points:.0e} on 512²)"), rows));
+    }
+    chart::figure(folder, "opacity", chart::even("opacity α"), chart::even("mean grey, bars: spread"), &panels)?;
+    let header =
+        "points of the paper,points,alpha,k,mean,expected mean,spread,expected spread,spread of independent copies";
+    super::write(folder, "opacity.csv", &chart::csv(header, &table))
+}
+
+/// Standard deviation of a pixel over the number of its points (Poisson) and the ensembles they are in, as they are dealt here:
+/// ensembles are stretches of the share q of the cloud's random order, one behind the other, round after round.
+fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
+    let vacant = (1.0 - alpha).powi(2);
+    let covariance = |other: u32| {
+        let start = (f64::from(other) * q).fract();
+        let overlap = (q - start.min(1.0 - start)).max(0.0);
+        // Below one round no stretch meets the first one again.
+        let overlap = if other > 0 && q * f64::from(ENSEMBLES) <= 1.0 { 0.0 } else { overlap };
+        (-per_pixel * (2.0 * q - overlap)).exp() - vacant
+    };
+    ((0..ENSEMBLES).map(covariance).sum::<f64>() / f64::from(ENSEMBLES)).sqrt()
+}
+
+/// The same if each point were in that share of the ensembles at random, as in the paper.
+fn independent_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
+    let between = (1.0 - alpha).powi(2) * (per_pixel * q * q).exp_m1();
+    (between + alpha * (1.0 - alpha) / f64::from(ENSEMBLES)).sqrt()
+}
