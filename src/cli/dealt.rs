@@ -73,7 +73,8 @@ mod tests {
     fn said(density: f64, opacity: f32, slots: u64, capped: bool) -> String {
         let surface = Surface { points: 10..110, center: DVec3::ZERO, density, opacity };
         let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
-        let share = Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0 };
+        let share =
+            Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0, uniform: true };
         let spbr = Method::Spbr(Default::default());
         warnings(&["a.ply".to_owned()], from_ref(&surface), from_ref(&share), &spbr).join("\n")
     }
