@@ -362,12 +362,17 @@ impl DeviceCloud {
         let len = points.len() as u64;
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         let places = || points.positions.iter().map(|p| split(*p - origin));
-        let points_hi: Vec<[f32; 4]> = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
-        let points_lo: Vec<[f32; 4]> = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
+        // One after the other: of each, the host's copy is gone before the next is made.
+        let columns = |name, column: Vec<[f32; 4]>| device.upload(name, &column);
+        let points_hi = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
+        let points_hi = columns("points, hi", points_hi)?;
+        let points_lo = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
+        let points_lo = columns("points, lo", points_lo)?;
         let place = |i: usize| points.file_order.get(i).copied().unwrap_or(i as u32);
         let colored = |(i, c): (usize, &Vec3)| with(*c, f32::from_bits(place(i)));
-        let point_colors: Vec<[f32; 4]> = points.colors.iter().enumerate().map(colored).collect();
-        let normals: Vec<[f32; 4]> = points.normals.iter().flatten().map(|n| padded(*n)).collect();
+        let point_colors = columns("point colors", points.colors.iter().enumerate().map(colored).collect())?;
+        let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
+        let normals = columns("normals", points.normals.iter().flatten().map(|n| padded(*n)).collect())?;
         // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
@@ -377,7 +382,7 @@ impl DeviceCloud {
             corners: points.bounds().map_or([origin; 8], |b| b.corners()),
             len,
             chunk_len,
-            has_normals: !normals.is_empty(),
+            has_normals,
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
             most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
@@ -389,10 +394,10 @@ impl DeviceCloud {
             orders: [None, None, None],
             orders_made: 0,
             surfaces: None,
-            points_hi: device.upload("points, hi", &points_hi)?,
-            points_lo: device.upload("points, lo", &points_lo)?,
-            point_colors: device.upload("point colors", &point_colors)?,
-            normals: device.upload("normals", &normals)?,
+            points_hi,
+            points_lo,
+            point_colors,
+            normals,
             fields: device.upload("fields", &points.fields)?,
             splats: device.buffer("splats", 0, Memory::Device)?,
             tilts: device.buffer("tilts", 0, Memory::Device)?,
