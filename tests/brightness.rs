@@ -16,7 +16,7 @@ use rand::RngExt;
 
 const SIZE: [u32; 2] = [48, 32];
 
-/// Grey and colored points all over the view, a few for each pixel.
+/// Gray and colored points all over the view, a few for each pixel.
 fn cloud() -> Dealt {
     let mut random = random(3);
     let count = 6000;

@@ -31,7 +31,7 @@ fn assert_refused(path: &Path, photo: Option<&Photo>, says: &[&str]) {
     }
 }
 
-/// Two by two pixels: red, half-transparent mid grey; nothing, white.
+/// Two by two pixels: red, half-transparent mid gray; nothing, white.
 fn four() -> DynamicImage {
     let bytes = [[255, 0, 0, 255], [128, 128, 128, 51], [9, 9, 9, 0], [255; 4]].concat();
     DynamicImage::ImageRgba8(ImageBuffer::<Rgba<u8>, _>::from_raw(2, 2, bytes).unwrap())
@@ -44,8 +44,8 @@ fn pixels_are_points() {
         let cloud = read(&write(&folder, name, &four()), None).unwrap();
         let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
         assert_eq!(cloud.positions, [at(-0.25, 0.25), at(0.25, 0.25), at(0.25, -0.25)]);
-        let grey = decode_srgb(128.0 / 255.0);
-        assert_eq!(cloud.colors, Some(vec![Vec3::X, Vec3::splat(grey), Vec3::ONE]));
+        let gray = decode_srgb(128.0 / 255.0);
+        assert_eq!(cloud.colors, Some(vec![Vec3::X, Vec3::splat(gray), Vec3::ONE]));
         assert_eq!((cloud.alphas, cloud.up), (Some(vec![1.0, 0.2, 1.0]), UpAxis::Y));
         assert_eq!(cloud.normals, Some(vec![Vec3::Z; 3]));
     }

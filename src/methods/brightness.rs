@@ -1,11 +1,11 @@
 //! The factor p that makes a thinned-out image as bright as the opaque one (Uchida et al. 2020, Section 3.4).
 //!
-//! The paper raises p from 1 in steps of 0.01 until more than 1% of the pixels of the brightened grey image lie between
-//! B_th and B_max of the opaque one: B_max is its largest grey, B_th the largest grey that more than 1% of its pixels reach.
+//! The paper raises p from 1 in steps of 0.01 until more than 1% of the pixels of the brightened gray image lie between
+//! B_th and B_max of the opaque one: B_max is its largest gray, B_th the largest gray that more than 1% of its pixels reach.
 //! Here the first and the last step at which a pixel lies there are found by bisection, since no pixel gets darker as p
 //! grows, and steps are counted in a histogram: the same p, for the price of some 30 trials instead of hundreds.
 //!
-//! Grey is that of 8-bit pictures: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601, which makes pure red 76, as in the paper) of
+//! Gray is that of 8-bit pictures: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601, which makes pure red 76, as in the paper) of
 //! the values that a PNG would hold over a black background, premultiplied colors cut at 1 and sRGB-encoded (with
 //! `color = "encoded"` as they are), times 255, rounded to the nearest. Pixels without a point count as black ones, as in
 //! the paper.
@@ -131,14 +131,14 @@ fn search_with(
 /// opaque image `reference` of the same camera. Values are linear light or encoded ones, as `color` says; those that are not
 /// numbers count as 0. Neither image needs to be as large as the other, since shares of their pixels are compared.
 pub fn factor(pixels: &[[f32; 4]], reference: &[[f32; 4]], color: ColorSpace) -> Brightening {
-    let scale = GreyScale::new(color);
+    let scale = GrayScale::new(color);
     let window = window(&scale, reference);
     let [low, high] = window;
     let visits: Vec<_> = pixels
         .par_iter()
         .filter_map(|pixel| {
-            let enters = first(|step| scale.grey(*pixel, of_step(step)) >= low)?;
-            Some((enters, first(|step| scale.grey(*pixel, of_step(step)) > high)))
+            let enters = first(|step| scale.gray(*pixel, of_step(step)) >= low)?;
+            Some((enters, first(|step| scale.gray(*pixel, of_step(step)) > high)))
         })
         .collect();
     let (met, reached) = search(&visits, pixels.len());
@@ -211,28 +211,28 @@ fn is_over_one_percent(pixels: u64, count: usize) -> bool {
 }
 
 /// B_th and B_max.
-fn window(scale: &GreyScale, reference: &[[f32; 4]]) -> [u8; 2] {
+fn window(scale: &GrayScale, reference: &[[f32; 4]]) -> [u8; 2] {
     let mut histogram = [0u64; 256];
     for pixel in reference {
-        histogram[usize::from(scale.grey(*pixel, 1.0))] += 1;
+        histogram[usize::from(scale.gray(*pixel, 1.0))] += 1;
     }
     let brightest = histogram.iter().rposition(|pixels| *pixels > 0).unwrap_or(0);
     let mut reached = 0;
-    let threshold = (0..=brightest).rev().find(|grey| {
-        reached += histogram[*grey];
+    let threshold = (0..=brightest).rev().find(|gray| {
+        reached += histogram[*gray];
         is_over_one_percent(reached, reference.len())
     });
     // Both come from indices of 256 numbers.
     [threshold.unwrap_or(0) as u8, brightest as u8]
 }
 
-/// From values of an image to the grey of an 8-bit picture.
-struct GreyScale {
+/// From values of an image to the gray of an 8-bit picture.
+struct GrayScale {
     /// sRGB-encoded values of 0 to 1 in equal steps; none for values that are encoded.
     encoded: Option<Vec<f32>>,
 }
 
-impl GreyScale {
+impl GrayScale {
     /// Steps of linear light: the steepest one is 1/20 of an 8-bit step.
     const RESOLUTION: u16 = u16::MAX;
 
@@ -241,8 +241,8 @@ impl GreyScale {
         Self { encoded: (color == ColorSpace::Linear).then(|| (0..=Self::RESOLUTION).map(encode).collect()) }
     }
 
-    /// The grey of a pixel whose color is multiplied by `factor`; never less for a larger factor.
-    fn grey(&self, [r, g, b, _]: [f32; 4], factor: f32) -> u8 {
+    /// The gray of a pixel whose color is multiplied by `factor`; never less for a larger factor.
+    fn gray(&self, [r, g, b, _]: [f32; 4], factor: f32) -> u8 {
         let value = |color: f32| {
             // NaN stays and becomes 0 as an index.
             let cut = (color * factor).clamp(0.0, 1.0);
@@ -265,17 +265,17 @@ mod tests {
 
     /// The paper's loop, trial by trial; `None` if it does not end.
     fn paper(pixels: &[[f32; 4]], reference: &[[f32; 4]], color: ColorSpace, limit: f32) -> Option<f32> {
-        let scale = GreyScale::new(color);
-        let greys = |pixels: &[[f32; 4]], p: f32| pixels.iter().map(|x| scale.grey(*x, p)).collect::<Vec<_>>();
-        let share = |greys: &[u8], from: u8, to: u8| {
-            let within = greys.iter().filter(|grey| (from..=to).contains(*grey)).count();
-            within as f64 / greys.len() as f64
+        let scale = GrayScale::new(color);
+        let grays = |pixels: &[[f32; 4]], p: f32| pixels.iter().map(|x| scale.gray(*x, p)).collect::<Vec<_>>();
+        let share = |grays: &[u8], from: u8, to: u8| {
+            let within = grays.iter().filter(|gray| (from..=to).contains(*gray)).count();
+            within as f64 / grays.len() as f64
         };
-        let opaque = greys(reference, 1.0);
+        let opaque = grays(reference, 1.0);
         let largest = opaque.iter().copied().max()?;
         let threshold = (0..=largest).rev().find(|th| share(&opaque, *th, largest) > 0.01)?;
         let trials = (0..).map(|i| (100 + i) as f32 / 100.0).take_while(|p| *p <= limit);
-        trials.into_iter().find(|p| share(&greys(pixels, *p), threshold, largest) > 0.01)
+        trials.into_iter().find(|p| share(&grays(pixels, *p), threshold, largest) > 0.01)
     }
 
     fn noise(n: u32, seed: u32, scale: f32) -> Vec<[f32; 4]> {
@@ -317,20 +317,20 @@ mod tests {
 
     #[test]
     fn black_empty_and_small() {
-        let (black, grey) = (vec![[0.0, 0.0, 0.0, 1.0]; 1000], vec![[0.2, 0.2, 0.2, 1.0]; 1000]);
+        let (black, gray) = (vec![[0.0, 0.0, 0.0, 1.0]; 1000], vec![[0.2, 0.2, 0.2, 1.0]; 1000]);
         let of = |image: &[[f32; 4]], reference: &[[f32; 4]]| factor(image, reference, ColorSpace::Encoded);
         assert_eq!(of(&black, &black), Brightening { factor: 1.0, window: [0, 0], end: End::Met });
-        assert_eq!(of(&black, &grey), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
-        assert_eq!(of(&[], &grey).end, End::TooDark);
-        assert_eq!(of(&grey, &[]).factor, 1.0);
+        assert_eq!(of(&black, &gray), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
+        assert_eq!(of(&[], &gray).end, End::TooDark);
+        assert_eq!(of(&gray, &[]).factor, 1.0);
         // What covers at most 1% of the picture says nothing.
         let mut small = vec![[0.0; 4]; 1000];
         small[..10].fill([1.0; 4]);
-        assert_eq!(of(&grey, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
+        assert_eq!(of(&gray, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
         small[10] = [1.0; 4];
-        assert_eq!(of(&grey, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
+        assert_eq!(of(&gray, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
         // Numbers that are none, and colors beyond 1 that stay.
-        assert_eq!(of(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &grey).factor, 1.0);
+        assert_eq!(of(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &gray).factor, 1.0);
         let mut bright = [[2.0, 0.4, -0.5, 0.5], [0.7, 0.1, 0.0, 1.0]];
         brighten(&mut bright, 2.0);
         assert_eq!(bright, [[2.0, 0.8, -1.0, 0.5], [1.0, 0.2, 0.0, 1.0]]);
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_of_one_grey_may_be_jumped_over() {
+    fn a_window_of_one_gray_may_be_jumped_over() {
         // 153.0 at p = 1 and 154.5 at 1.01: 154 is jumped over.
         let (image, reference) = (vec![[0.6, 0.6, 0.6, 1.0]; 100], vec![[154.0 / 255.0; 4]; 100]);
         let found = factor(&image, &reference, ColorSpace::Encoded);

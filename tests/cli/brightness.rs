@@ -13,8 +13,23 @@ fn the_factor_is_printed_and_kept() {
     let folder = folder();
     let tori = builtin(&folder, "tori", &["points=20000"]);
     let render = |name: &str, more: &[&str]| {
-        let args =
-            [&["render", &tori, "-q", "--size", "64x48", "--method", "spbr-simplified", "-o", name], more].concat();
+        let args = [
+            &[
+                "render",
+                &tori,
+                "-q",
+                "--size",
+                "64x48",
+                "--method",
+                "spbr-simplified",
+                "--background",
+                "0,0,0",
+                "-o",
+                name,
+            ],
+            more,
+        ]
+        .concat();
         done(&folder, &args);
         exr(&inside(&folder, name))
     };

@@ -24,7 +24,6 @@ fn each_step_is_the_scene_of_its_clouds() {
     let folder = folder();
     builtin(&folder, "garden", &["points=3000"]);
     let clouds = ["furniture", "structure", "ground"];
-    // Quiet, since so few points are too few for the opacity.
     for method in ["spbr", "abuffer", "points"] {
         let write =
             |name: &str, clouds: &[&str]| fs::write(inside(&folder, name), scene(clouds, CAMERA, method)).unwrap();

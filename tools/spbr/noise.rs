@@ -67,12 +67,12 @@ fn moved(clean: &Points, deviation: f64, seed: u64) -> Points {
     points
 }
 
-/// Grey of red: 76 of 255.
+/// Gray of red: 76 of 255.
 const RED: f64 = 0.299;
 
 fn nmse(standard: &Image, target: &Image) -> f64 {
-    let grey = |[r, g, b, _]: &[f32; 4]| 0.299 * f64::from(*r) + 0.587 * f64::from(*g) + 0.114 * f64::from(*b);
-    let pairs = standard.rgba.iter().zip(&target.rgba).map(|(i, k)| (grey(i), grey(k)));
+    let gray = |[r, g, b, _]: &[f32; 4]| 0.299 * f64::from(*r) + 0.587 * f64::from(*g) + 0.114 * f64::from(*b);
+    let pairs = standard.rgba.iter().zip(&target.rgba).map(|(i, k)| (gray(i), gray(k)));
     let (error, whole) = pairs.fold((0.0, 0.0), |(error, whole), (i, k)| (error + (i - k) * (i - k), whole + i * i));
     error / whole
 }

@@ -27,9 +27,9 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
         for alpha in [0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
             let method = Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() });
             let image = stage.thinned(&mut cloud, side, alpha as f32, method)?;
-            let greys: Vec<_> = image.rgba.iter().map(|pixel| 255.0 * f64::from(pixel[0])).collect();
-            let mean = greys.iter().sum::<f64>() / greys.len() as f64;
-            let spread = (greys.iter().map(|grey| (grey - mean).powi(2)).sum::<f64>() / greys.len() as f64).sqrt();
+            let grays: Vec<_> = image.rgba.iter().map(|pixel| 255.0 * f64::from(pixel[0])).collect();
+            let mean = grays.iter().sum::<f64>() / grays.len() as f64;
+            let spread = (grays.iter().map(|gray| (gray - mean).powi(2)).sum::<f64>() / grays.len() as f64).sqrt();
             // The share of the ensembles that a point is in.
             let q = -(1.0f64 - alpha).ln() / per_pixel;
             let independent = 255.0 * independent_spread(alpha, per_pixel, q);
@@ -44,7 +44,7 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
         }
         panels.push((format!("{per_pixel:.1} points per pixel (n = {points:.0e} on 512²)"), rows));
     }
-    chart::figure(folder, "opacity", chart::even("opacity α"), chart::even("mean grey, bars: spread"), &panels)?;
+    chart::figure(folder, "opacity", chart::even("opacity α"), chart::even("mean gray, bars: spread"), &panels)?;
     let header =
         "points of the paper,points,alpha,k,mean,expected mean,spread,expected spread,spread of independent copies";
     super::write(folder, "opacity.csv", &chart::csv(header, &table))

@@ -32,10 +32,10 @@ pub struct Photo {
     pub heights: Option<Heights>,
 }
 
-/// A grey picture of heights over a [`Photo`]. One that isn't as large as the photo is interpolated bilinearly.
+/// A gray picture of heights over a [`Photo`]. One that isn't as large as the photo is interpolated bilinearly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heights {
-    /// The file. Values are taken as numbers, whatever its color space; of colored pictures the grey.
+    /// The file. Values are taken as numbers, whatever its color space; of colored pictures the gray.
     pub path: PathBuf,
     /// Height of white over black, world units, along `right` × `up`; below 0: white is deepest.
     pub scale: f64,
@@ -56,7 +56,7 @@ pub(super) fn read(source: Source, photo: &Photo, progress: &ProgressBar) -> Res
         None => Surface::flat(size, photo),
         Some(heights) => {
             let map = Picture::read(Source::open(&heights.path)?)?;
-            Surface::new(size, photo, &map.grey(), [map.width, map.height], heights.scale)
+            Surface::new(size, photo, &map.gray(), [map.width, map.height], heights.scale)
         }
     };
     let copies = surface.expected_points();

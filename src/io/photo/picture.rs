@@ -84,7 +84,7 @@ impl Picture {
     }
 
     /// The stored values as numbers in [0, 1], row by row from the top; of colored pictures the mean of R, G and B.
-    pub fn grey(&self) -> Vec<f32> {
+    pub fn gray(&self) -> Vec<f32> {
         fn mean(r: f64, g: f64, b: f64) -> f32 {
             ((r + g + b) / 3.0) as f32
         }
