@@ -739,3 +739,22 @@ pub fn thin(shares: &[Share]) -> Vec<Thin> {
     let all = shares.iter().zip(0..);
     all.filter(|(s, _)| s.capped).map(|(s, cloud)| Thin { cloud, reached: thousandths(s) }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_whole_colors_fit_32_bits() {
+        for ensembles in [1, 2, 3, 100, 1000, 1023, 1024, 65_535, 65_536] {
+            for most_color in [0.0f32, 0.3, 1.0, 1.001, 2.5, 1e3] {
+                let Scale { one, most } = Scale::new(ensembles, most_color);
+                assert!(one.log2().fract() == 0.0 && (1.0..=4_194_304.0).contains(&one), "{one}");
+                assert!(f64::from(most) * f64::from(ensembles) <= f64::from(u32::MAX), "{ensembles}, {most}");
+                assert!(one * most_color <= most, "{ensembles}, {most_color}");
+            }
+        }
+        // With 100 ensembles a color of 1 has all of the bits.
+        assert_eq!(Scale::new(100, 1.0).one, 4_194_304.0);
+    }
+}

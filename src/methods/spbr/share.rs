@@ -120,3 +120,48 @@ impl Wanted<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Spbr;
+
+    /// A cloud of 1000 points in a cube of side 2, 10 on each unit of area, before a camera at `z`.
+    fn share(z: f64, opacity: f32, height: u32) -> Share {
+        let corners = std::array::from_fn(|i| {
+            DVec3::from_array([0, 1, 2].map(|axis| f64::from(i as u32 >> axis & 1) * 2.0 - 1.0))
+        });
+        let surface = Surface { points: 0..1000, center: DVec3::ZERO, density: 10.0, opacity };
+        let projection = Projection::Perspective { fov_y: 1.0 };
+        let camera = Camera::look_at(DVec3::Z * z, DVec3::Z * (z - 1.0), DVec3::Y, projection, 0.1, 100.0);
+        let camera = &camera.expect("a valid camera");
+        let method = Method::Spbr(Spbr { ensembles: 8, ..Spbr::default() });
+        let placed = Placed { surface, corners, uniform: true };
+        Wanted { camera, height, method, opacity_factor: 1.0 }.share(&placed)
+    }
+
+    #[test]
+    fn a_point_is_one_pixel_wide_in_the_middle_of_what_lies_before_the_camera() {
+        for (z, depth) in [(5.0, 5.0), (1.0, 1.0), (0.5, 0.75), (0.0, 0.5), (-0.5, 0.25), (-3.0, 0.1)] {
+            assert!((share(z, 0.5, 10).depth - depth).abs() < 1e-12, "{z}");
+        }
+        assert!((share(5.0, 0.5, 10).largest - (5.0f64 / 4.0).powi(2)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn as_many_slots_as_the_opacity_asks_for_and_no_more_than_there_are() {
+        // Points on a pixel: 10 (depth / focal)^2.
+        let there = 10.0 * (5.0 * 2.0 * 0.5f64.tan() / 10.0).powi(2);
+        let half = share(5.0, 0.5, 10);
+        assert_eq!(half.slots, (8.0 * std::f64::consts::LN_2 / there * 1000.0).round() as u64);
+        assert!(!half.capped && half.opacity == 0.5);
+        // Smaller pixels: not enough of them.
+        let thin = share(5.0, 0.9, 40);
+        assert!(thin.capped && thin.slots == 8000);
+        assert!(
+            (thin.opacity - (1.0 - (-there / 16.0).exp())).abs() < 1e-12 && (thin.unit - there / 16.0).abs() < 1e-12
+        );
+        assert_eq!(share(5.0, 1.0, 10).slots, 8000);
+        assert_eq!(share(5.0, 0.0, 10).slots, 0);
+    }
+}
