@@ -10,12 +10,16 @@ struct Push {
     // Slots of this dispatch, and the number of the first among the cloud's slots of the round.
     count: u32,
     first: u32,
-    // Of the first slot the point, counted from the cloud's first one that is bound; after so many points they repeat.
-    point: u32,
-    repeat: u32,
-    // Place of that cloud's first one among what is bound, and index among all points of the first that is bound.
+    // Among what is bound the point of the first slot, or, of a later pass, the first one of the first row (modulo 2^32: that
+    // row may lie before it); and index among all points of the first that is bound.
     base: u32,
     list: u32,
+    // Of a later pass: blocks of a row, binary logarithm of the points of a block, which of the pass's ensembles the round's
+    // first one is (modulo 2^32), and what tells the pass from others.
+    columns: u32,
+    block_bits: u32,
+    hand: u32,
+    pass_word: u32,
     // Slots of an ensemble: whole + rest / ensembles, and the sum of the rests before the round, below `ensembles`.
     whole: u32,
     rest: u32,
@@ -66,6 +70,8 @@ override WEIGHTED: u32 = 0u;
 override THINNED: u32 = 1u;
 // 1: less of it where the normal is slanted.
 override SLANTED: u32 = 0u;
+// 1: a later pass, whose ensembles take blocks of points from rows (src/prepare/ensembles.rs).
+override AGAIN: u32 = 0u;
 // 0: a round has a single ensemble.
 override PLANES: u32 = 1u;
 // 0: no point is wider than a pixel.
@@ -99,12 +105,34 @@ fn first_slot(plane: u32) -> u32 {
 }
 
 fn slot_of(n: u32) -> Slot {
-    let along = push.point + n;
-    let point = push.base + along - quotient(along, push.repeat) * push.repeat;
-    if PLANES == 0u {
-        return Slot(point, 0u);
+    let plane = plane_of(push.first + n);
+    if AGAIN == 0u {
+        return Slot(push.base + n, plane);
     }
-    let slot = push.first + n;
+    return Slot(point_again(push.first + n - first_slot(plane), push.hand + plane), plane);
+}
+
+// The n-th point of the h-th ensemble of a later pass.
+fn point_again(n: u32, hand: u32) -> u32 {
+    let row = n >> push.block_bits;
+    let word = scrambled(push.pass_word + row * 0x9E3779B9u) >> 10u;
+    var column = hand + word - quotient(word, push.columns) * push.columns;
+    column -= select(0u, push.columns, column >= push.columns);
+    return push.base + ((row * push.columns + column) << push.block_bits) + (n & ((1u << push.block_bits) - 1u));
+}
+
+// lowbias32 of C. Wellons.
+fn scrambled(word: u32) -> u32 {
+    var x = (word ^ (word >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
+}
+
+// The ensemble of a slot, among those of the round.
+fn plane_of(slot: u32) -> u32 {
+    if PLANES == 0u {
+        return 0u;
+    }
     // The last ensemble that begins at or before the slot: right but for rounding, which two comparisons mend.
     let size = f32(push.whole) + f32(push.rest) / f32(push.ensembles);
     let about = (f32(slot) + 1.0 - f32(push.carry + 1u) / f32(push.ensembles)) / size;
@@ -115,7 +143,7 @@ fn slot_of(n: u32) -> Slot {
     if plane + 1u < push.planes && first_slot(plane + 1u) <= slot {
         plane += 1u;
     }
-    return Slot(point, plane);
+    return plane;
 }
 
 struct Hit {

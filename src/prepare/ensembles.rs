@@ -1,15 +1,12 @@
 //! Points in the order that ensembles are dealt from (Tanaka et al. 2016; Uchida et al. 2020).
 //!
-//! Each cloud's points stand in random order, one cloud behind the other. The copies of a cloud's points are the slots
-//! 0, 1, 2, … of an endless list that repeats its points in this order: slot m is point m mod N. Of these the first
-//! M = round(kN) are dealt: ensemble e of L takes slots ⌊eM/L⌋ to ⌊(e+1)M/L⌋. So no copy is stored, the sizes of ensembles
-//! differ by at most one, for k < 1 the points left out are random, and while k ≤ L no ensemble holds a point twice, since
-//! its copies are N slots apart and an ensemble has M/L ≤ N of them.
+//! Each cloud's points stand in random order, one cloud behind the other. M = round(kN) copies of a cloud's N points are dealt
+//! to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
 //!
-//! For k > 1 the list is gone through again in the same order, so that ensembles N slots apart have much the same points, and
-//! noise stays about that of L/k ensembles. Ensembles of other parts of the points would have little less of it: how many
-//! points lie on a pixel is left to chance anyway. (The variance is α(1 − α)k/L against about α(1 − α)/L + (1 − α)²mk/L with
-//! m = −ln(1 − α): for k = 10 no more at α = 0.2, a quarter more at 0.5, 2.8 times as much at 0.9.)
+//! Ensembles of the first pass take the points one after the other; for k ≤ 1 there is no other pass, and the points left out
+//! are random. Each later pass deals some of the points once more, in other hands ([`Rows`]): were they dealt in the same
+//! order again, its ensembles would be those of the first pass, and noise would stay that of L/k ensembles. No ensemble holds
+//! a point twice, since M/L ≤ N.
 
 use std::ops::Range;
 
@@ -47,10 +44,136 @@ pub struct Dealt {
     pub surfaces: Vec<Surface>,
 }
 
-/// The slots of ensemble `ensemble` of `ensembles`, if `slots` are dealt in all.
+/// The copies of ensemble `ensemble` of `ensembles`, if `slots` copies are dealt in all, one ensemble behind the other.
 pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     let bound = |e: u64| (u128::from(slots) * u128::from(e) / u128::from(ensembles)) as u64;
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
+}
+
+/// How a cloud's points are dealt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Deal {
+    /// N, at least 1.
+    pub points: u64,
+    /// M, at most NL.
+    pub slots: u64,
+    /// L, at least 1.
+    pub ensembles: u32,
+    /// The cloud's place among the others.
+    pub place: u32,
+    /// What later passes follow.
+    pub seed: u64,
+}
+
+/// Ensembles to which points are dealt but once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pass {
+    /// Which.
+    pub ensembles: Range<u32>,
+    /// Where their points are; `None` for the first pass, whose n-th copy is the n-th point.
+    pub rows: Option<Rows>,
+}
+
+/// Points of a later pass: rows of blocks, of each of which every ensemble takes one block, the h-th ensemble of the pass of
+/// row i the one h places after a random one, in turn. Blocks are consecutive points, which memory likes; they are few enough
+/// to a hand that it is a random part of the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    /// The first point of the first row.
+    pub first: u64,
+    /// Rows.
+    pub count: u64,
+    /// Blocks of a row.
+    pub columns: u32,
+    /// Binary logarithm of the points of a block.
+    pub block_bits: u32,
+    /// What tells the pass from others.
+    pub word: u32,
+}
+
+/// Told apart from others, the words of later passes.
+const AGAIN: u32 = 0x6167_6169;
+/// Least blocks of a hand, where it has as many points, and most points of a block.
+const LEAST_BLOCKS: u64 = 64;
+const MOST_BLOCK_BITS: u32 = 10;
+/// Most points of a row, and of the rows of hands that are no larger: what any device can bind.
+const MOST_OF_ROW: u64 = 1 << 15;
+const MOST_OF_ROWS: u64 = 1 << 22;
+
+impl Deal {
+    /// The copies of an ensemble.
+    pub fn slots(&self, ensemble: u32) -> Range<u64> {
+        slots(self.slots, self.ensembles, ensemble)
+    }
+
+    /// The pass of an ensemble.
+    pub fn pass(&self, ensemble: u32) -> Pass {
+        // ⌊eM/L⌋ ≤ N.
+        let within = ((u128::from(self.points) + 1) * u128::from(self.ensembles) - 1) / u128::from(self.slots.max(1));
+        let first = within.min(u128::from(self.ensembles)) as u32;
+        if ensemble < first {
+            return Pass { ensembles: 0..first, rows: None };
+        }
+        let mut rows = self.rows();
+        let pass = (ensemble - first) / rows.columns;
+        let [low, high] = key(self.seed);
+        let [word, place] = threefry2x32([pass, self.place], [low, high ^ AGAIN]);
+        let choices = self.points - rows.len() + 1;
+        rows.first = (u128::from(place) * u128::from(choices) >> 32) as u64;
+        rows.word = word;
+        let start = first + pass * rows.columns;
+        Pass { ensembles: start..start.saturating_add(rows.columns).min(self.ensembles), rows: Some(rows) }
+    }
+
+    /// The rows of a pass, wherever they begin.
+    fn rows(&self) -> Rows {
+        let hand = self.slots.div_ceil(u64::from(self.ensembles)).max(1);
+        let bits = (hand / LEAST_BLOCKS).max(1).ilog2().min(MOST_BLOCK_BITS);
+        // Whole blocks may be more points than there are.
+        let block_bits = if hand.div_ceil(1 << bits) << bits <= self.points { bits } else { 0 };
+        let count = hand.div_ceil(1 << block_bits);
+        let columns = (self.points.min(MOST_OF_ROWS) / (count << block_bits)).clamp(1, MOST_OF_ROW >> block_bits);
+        Rows { first: 0, count, columns: columns as u32, block_bits, word: 0 }
+    }
+
+    /// The points of an ensemble, counted from the cloud's first.
+    pub fn hand(&self, ensemble: u32) -> Vec<u64> {
+        let (slots, pass) = (self.slots(ensemble), self.pass(ensemble));
+        match pass.rows {
+            None => slots.collect(),
+            Some(rows) => {
+                (0..slots.end - slots.start).map(|n| rows.point(ensemble - pass.ensembles.start, n)).collect()
+            }
+        }
+    }
+}
+
+impl Rows {
+    /// Points of all rows.
+    pub fn len(&self) -> u64 {
+        self.count * u64::from(self.columns) << self.block_bits
+    }
+
+    /// True without rows: never.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The n-th point of the pass's h-th ensemble.
+    pub fn point(&self, hand: u32, n: u64) -> u64 {
+        let row = n >> self.block_bits;
+        let turn = (scrambled(self.word.wrapping_add((row as u32).wrapping_mul(0x9E37_79B9))) >> 10) % self.columns;
+        let column = (u64::from(hand) + u64::from(turn)) % u64::from(self.columns);
+        let block = row * u64::from(self.columns) + column;
+        self.first + (block << self.block_bits) + (n & ((1 << self.block_bits) - 1))
+    }
+}
+
+/// A bijection whose bits all depend on all others (C. Wellons, "Prospecting for Hash Functions", 2018: lowbias32).
+fn scrambled(mut x: u32) -> u32 {
+    x = (x ^ x >> 16).wrapping_mul(0x7FEB_352D);
+    x = (x ^ x >> 15).wrapping_mul(0x846C_A68B);
+    x ^ x >> 16
 }
 
 /// Puts each cloud into canonical order, shuffles it by the seed, finds its density, and puts one behind the other. Clouds

@@ -13,7 +13,7 @@ use super::Picture;
 use super::abuffer::{Composite, Fragment, composite};
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
-use crate::prepare::ensembles::{Dealt, Surface, slots};
+use crate::prepare::ensembles::{Deal, Dealt, Surface};
 use crate::random::{key, threefry2x32};
 use crate::scene::{Spbr, SpbrSimplified};
 
@@ -195,10 +195,10 @@ pub fn render(
     rule: &Rule,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    render_with(camera, size, dealt, colors, rule, seed, slots)
+    render_with(camera, size, dealt, colors, rule, seed, Deal::hand)
 }
 
-/// As [`render`], with the slots of an ensemble, of how many in how many ensembles, from elsewhere.
+/// As [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],
@@ -206,7 +206,7 @@ pub fn render_with(
     colors: &[DVec3],
     rule: &Rule,
     seed: u64,
-    slots: impl Fn(u64, u32, u32) -> std::ops::Range<u64>,
+    hand: impl Fn(&Deal, u32) -> Vec<u64>,
 ) -> (Picture, Vec<DVec3>) {
     let view = View { camera, size, dealt, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
@@ -214,7 +214,7 @@ pub fn render_with(
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
     for ensemble in 0..rule.ensembles {
-        let image = draw(&view, ensemble, &slots, &mut counts);
+        let image = draw(&view, ensemble, &hand, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
             if let Some(index) = index {
                 let (sum, squares, drawn) = &mut sums[pixel];
@@ -243,15 +243,16 @@ pub fn render_with(
 fn draw(
     view: &View<'_>,
     ensemble: u32,
-    slots: impl Fn(u64, u32, u32) -> std::ops::Range<u64>,
+    hand: impl Fn(&Deal, u32) -> Vec<u64>,
     counts: &mut [u32],
 ) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
-    for surface in &view.dealt.surfaces {
+    for (surface, place) in view.dealt.surfaces.iter().zip(0..) {
         let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
         let points = surface.points.end - surface.points.start;
-        for slot in slots(share.slots, view.rule.ensembles, ensemble) {
-            let index = (surface.points.start + slot % points) as usize;
+        let deal = Deal { points, slots: share.slots, ensembles: view.rule.ensembles, place, seed: view.seed };
+        for point in hand(&deal, ensemble) {
+            let index = (surface.points.start + point) as usize;
             let Some(point) = drawn(view, &share, index) else { continue };
             if point.area < 1.0 && !is_drawn(point.area, index, ensemble, view.seed) {
                 continue;

@@ -1,8 +1,6 @@
 //! Stochastic point-based rendering: footprints by hand, then the opacities that the papers promise.
 
-use std::ops::Range;
-
-use pellucid::prepare::ensembles::{Dealt, Surface, slots};
+use pellucid::prepare::ensembles::{Deal, Dealt, Surface};
 use pellucid::reference::spbr::{
     Rule, limit, opacity, opacity_of_segment, over, points_per_pixel, render, render_with, share, slanted,
 };
@@ -293,25 +291,47 @@ fn noise(per_pixel: f64, alpha: f32, ensembles: u32) -> f64 {
 }
 
 #[test]
-fn copies_add_no_more_than_k_times_the_noise() {
+fn copies_add_no_noise_but_that_of_the_points() {
     for (alpha, per_pixel, ensembles) in [(0.2f32, 5.0, 100), (0.5, 7.0, 100), (0.9, 23.0, 100), (0.5, 3.5, 100)] {
         let wanted = points_per_pixel(f64::from(alpha));
         let k = wanted * f64::from(ensembles) / per_pixel;
         let alpha64 = f64::from(alpha);
         let (single, found) = (alpha64 * (1.0 - alpha64), noise(per_pixel, alpha, ensembles));
-        // That of the points themselves: their number on a pixel is left to chance.
+        // How many points lie on a pixel is left to chance.
         let least = single + (1.0 - alpha64).powi(2) * wanted * k;
-        println!("alpha {alpha}, k {k:.1}: {:.2} times that of k < 1, at least {:.2}", found / single, least / single);
-        assert!(found < 1.3 * k * single, "alpha {alpha}, k {k}: {found}");
+        println!("alpha {alpha}, k {k:.1}: {:.2} times that of k < 1, expected {:.2}", found / single, least / single);
+        // The mean square of 1024 pixels, to a linear order in the number of points.
+        assert!((found / least - 1.0).abs() < 4.0 * 0.044 + 0.1, "alpha {alpha}, k {k}: {found} and not {least}");
     }
 }
 
-/// Whether images of ensembles with these slots are right: their mean is α, and the mean square of what they are off it
+#[test]
+fn ensembles_of_copies_tend_to_the_limit_too() {
+    let dealt = dealt(&[(plane(4.0, 4.0, 15), 4.0, 0.5)]);
+    let exact = limit(&wide(), WIDE, &dealt, &white(&dealt), &rule(1));
+    let mut errors = Vec::new();
+    // k = 4.3, 17, 69.
+    for ensembles in [25, 100, 400] {
+        let (picture, stderr) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 5);
+        let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
+        let said = stderr.iter().map(|e| e.x * e.x).sum::<f64>() / AREA;
+        assert!((squares / said - 1.0).abs() < 4.0 * 0.044 + 0.1, "{ensembles}: {squares}, {said}");
+        errors.push(squares);
+    }
+    assert!(errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");
+    // Dealt in the same order again and again, they are no better than the first pass.
+    let same = |deal: &Deal, e: u32| deal.slots(e).map(|slot| slot % deal.points).collect();
+    let (picture, _) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(400), 5, same);
+    let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
+    assert!(squares > 3.0 * errors[2], "{squares}, {errors:?}");
+}
+
+/// Whether images of ensembles dealt like this are right: their mean is α, and the mean square of what they are off it
 /// α(1 − α)/L, which the standard error says too.
-fn judge(slots: impl Fn(u64, u32, u32) -> Range<u64>) -> Result<(), String> {
+fn judge(hand: impl Fn(&Deal, u32) -> Vec<u64>) -> Result<(), String> {
     let (ensembles, alpha) = (10u32, 0.5f32);
     let dealt = dealt(&[(plane(200.0, 5.0, 11), 200.0, alpha)]);
-    let (picture, stderr) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0, slots);
+    let (picture, stderr) = render_with(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 0, hand);
     let alpha = f64::from(alpha);
     let variance = alpha * (1.0 - alpha) / f64::from(ensembles);
     let off = picture.rgba.iter().map(|c| (c[3] - alpha).powi(2)).sum::<f64>() / AREA;
@@ -329,33 +349,53 @@ fn judge(slots: impl Fn(u64, u32, u32) -> Range<u64>) -> Result<(), String> {
 
 #[test]
 fn the_variance_is_that_of_independent_ensembles() {
-    judge(slots).unwrap();
+    judge(Deal::hand).unwrap();
     // The same points in every ensemble: the mean is right, the noise that of a single one.
-    let wrong = judge(|all, ensembles, _| slots(all, ensembles, 0)).unwrap_err();
+    let wrong = judge(|deal, _| deal.hand(0)).unwrap_err();
     assert!(wrong.starts_with("mean square"), "{wrong}");
     // Two by two.
-    let wrong = judge(|all, ensembles, e| slots(all, ensembles, e / 2)).unwrap_err();
+    let wrong = judge(|deal, e| deal.hand(e / 2)).unwrap_err();
     assert!(wrong.starts_with("mean square"), "{wrong}");
-    // A tenth of the slots lost.
-    judge(|all, ensembles, e| slots(all * 9 / 10, ensembles, e)).unwrap_err();
+    // A tenth of the copies lost.
+    judge(|deal, e| Deal { slots: deal.slots * 9 / 10, ..*deal }.hand(e)).unwrap_err();
 }
 
 #[test]
 fn copies_are_dealt_to_different_ensembles() {
-    // N points, M = kN slots in L parts: while k ≤ L a part is no longer than the list.
-    for (points, ratio, ensembles) in [(7u64, 3.4, 5u32), (100, 20.0, 20), (100, 0.3, 7), (13, 9.9, 10)] {
+    // N points, M = kN copies in L parts: while k ≤ L a part is no longer than the list.
+    for (points, ratio, ensembles) in
+        [(7u64, 3.4, 5u32), (100, 20.0, 20), (100, 0.3, 7), (13, 9.9, 10), (5000, 90.0, 100), (100_000, 7.5, 10)]
+    {
         let all = (points as f64 * ratio).round() as u64;
+        let deal = Deal { points, slots: all, ensembles, place: 1, seed: 9 };
         let mut dealt = vec![0u64; points as usize];
         let mut sizes = Vec::new();
         for e in 0..ensembles {
-            let mut here: Vec<u64> = slots(all, ensembles, e).map(|slot| slot % points).collect();
+            let mut here = deal.hand(e);
             sizes.push(here.len());
             here.iter().for_each(|&point| dealt[point as usize] += 1);
             here.sort_unstable();
             assert!(here.windows(2).all(|w| w[0] != w[1]), "twice in ensemble {e}");
         }
         assert!(sizes.iter().max().unwrap() - sizes.iter().min().unwrap() <= 1, "{sizes:?}");
-        assert!(dealt.iter().max().unwrap() - dealt.iter().min().unwrap() <= 1, "{dealt:?}");
         assert_eq!(dealt.iter().sum::<u64>(), all);
+        // Those of the first pass one by one, in order.
+        let first = deal.pass(0).ensembles;
+        assert!((0..).zip(first.clone().flat_map(|e| deal.hand(e))).all(|(n, point)| n == point));
+        // Hands of a pass have nothing in common.
+        let Some(start) = Some(first.end).filter(|end| *end < ensembles) else { continue };
+        let mut of_pass: Vec<u64> = deal.pass(start).ensembles.flat_map(|e| deal.hand(e)).collect();
+        let len = of_pass.len();
+        of_pass.sort_unstable();
+        of_pass.dedup();
+        assert_eq!(of_pass.len(), len);
+    }
+    // Two hands of different passes have as much in common as two at random: 500 · 500 / 5000, and a spread of 6.4.
+    let deal = Deal { points: 5000, slots: 100_000, ensembles: 200, place: 0, seed: 1 };
+    for (a, b) in [(0, 10), (3, 25), (12, 40), (15, 195)] {
+        let (a, b) = (deal.hand(a), deal.hand(b));
+        let common = a.iter().filter(|point| b.contains(point)).count();
+        // Blocks of 4 points go together.
+        assert!((common as f64 - 50.0).abs() < 4.0 * 2.0 * 6.4, "{common}");
     }
 }

@@ -34,10 +34,12 @@ gpu_struct! {
     pub struct SlotsPush {
         count: u32,
         first: u32,
-        point: u32,
-        repeat: u32,
         base: u32,
         list: u32,
+        columns: u32,
+        block_bits: u32,
+        hand: u32,
+        pass_word: u32,
         whole: u32,
         rest: u32,
         carry: u32,
@@ -496,8 +498,10 @@ impl Ensembles {
             };
             let round = Round { ensembles: next..end, epoch };
             for stage in job.form.stages() {
-                for share in job.shares {
-                    for piece in pieces(share, job.ensembles(), next..end, job.cloud.longest(), job.dispatch_slots()) {
+                for (share, place) in job.shares.iter().zip(0..) {
+                    let deal = share.deal(job.ensembles(), place, job.seed);
+                    let most = job.dispatch_slots();
+                    for piece in pieces(share.points.start, &deal, next..end, job.cloud.longest(), most) {
                         if slots >= SUBMITTED_SLOTS || passes >= SUBMITTED_PASSES {
                             timeline.add(recorder.submit("spbr/draw")?);
                             recorder = device.recorder()?;
@@ -576,14 +580,29 @@ impl Ensembles {
         let push = push(job, round, share, piece);
         let count = piece.slots.end - piece.slots.start;
         let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
+        let again = u32::from(piece.rows.is_some());
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push);
         if !job.listed() {
-            self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, None, counted)))?;
+            self.record_stage(
+                device,
+                recorder,
+                job,
+                stage,
+                piece,
+                (run, kind.variant(stage, None, counted).with("AGAIN", again)),
+            )?;
             return Ok(1);
         }
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         recorder.fill("spbr/clear", listed, 0)?;
-        self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, None, counted)))?;
+        self.record_stage(
+            device,
+            recorder,
+            job,
+            stage,
+            piece,
+            (run, kind.variant(stage, None, counted).with("AGAIN", again)),
+        )?;
         let stripes = job.stripes() as u32;
         let large = Large { counters: self.counters.get().all(), arguments: self.arguments.get().all() };
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
@@ -669,13 +688,16 @@ fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> Slo
     let scale = job.scale();
     let before = u128::from(share.slots) * u128::from(round.ensembles.start);
     let bits = job.epoch_bits();
+    let rows = piece.rows.map(|(rows, _)| rows);
     SlotsPush {
         count: (piece.slots.end - piece.slots.start) as u32,
         first: piece.slots.start as u32,
-        point: piece.point as u32,
-        repeat: piece.repeat as u32,
-        base: piece.base as u32,
+        base: piece.base,
         list: piece.bound.start as u32,
+        columns: rows.map_or(1, |rows| rows.columns),
+        block_bits: rows.map_or(0, |rows| rows.block_bits),
+        hand: round.ensembles.start.wrapping_sub(piece.rows.map_or(0, |(_, first)| first)),
+        pass_word: rows.map_or(0, |rows| rows.word),
         whole: (share.slots / u64::from(ensembles)) as u32,
         rest: (share.slots % u64::from(ensembles)) as u32,
         carry: (before % u128::from(ensembles)) as u32,

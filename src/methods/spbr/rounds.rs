@@ -2,14 +2,10 @@
 
 use std::ops::Range;
 
-use super::share::Share;
-use crate::prepare::ensembles::slots;
+use crate::prepare::ensembles::{Deal, Rows};
 
 /// A first element that any device's offset alignment allows to bind from.
 const ALIGNED: u64 = 64;
-
-/// How often a dispatch may go round its points, so that the shader's division by floats is right but for one.
-const MOST_TURNS: u64 = 1 << 20;
 
 /// A dispatch: some consecutive slots of one cloud in one round, whose points lie in one binding.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,40 +14,72 @@ pub struct Piece {
     pub slots: Range<u64>,
     /// What is bound of the list.
     pub bound: Range<u64>,
-    /// Place in there of the point that the others are counted from, and of the first slot's counted from it.
-    pub base: u64,
-    /// See `base`.
-    pub point: u64,
-    /// Points after which they repeat.
-    pub repeat: u64,
+    /// Place in there of the first slot's point, or of the first point of the rows, modulo 2³².
+    pub base: u32,
+    /// Rows of a later pass, and its first ensemble.
+    pub rows: Option<(Rows, u32)>,
 }
 
 /// The dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and `most` slots in
 /// each.
-pub fn pieces(share: &Share, ensembles: u32, round: Range<u32>, longest: u64, most: u64) -> Vec<Piece> {
-    let first = slots(share.slots, ensembles, round.start).start;
-    let end = if round.is_empty() { first } else { slots(share.slots, ensembles, round.end - 1).end };
-    let count = share.points.end - share.points.start;
-    let (mut next, mut found) = (first, Vec::new());
-    while next < end && count > 0 {
-        let point = next % count;
-        let whole = count + ALIGNED <= longest;
-        // What a binding cannot hold as a whole is gone through without going round.
-        let from = if whole { share.points.start } else { share.points.start + point };
-        let room = if whole { u64::MAX } else { (longest - ALIGNED).min(count - point) };
-        let taken = (end - next).min(room).min(most).min(count.saturating_mul(MOST_TURNS));
-        let start = from / ALIGNED * ALIGNED;
-        let bound_end = if whole { share.points.end } else { from + taken };
-        found.push(Piece {
-            slots: next - first..next - first + taken,
-            bound: start..bound_end,
-            base: from - start,
-            point: if whole { point } else { 0 },
-            repeat: if whole { count } else { taken },
-        });
-        next += taken;
+pub fn pieces(first_point: u64, deal: &Deal, round: Range<u32>, longest: u64, most: u64) -> Vec<Piece> {
+    let (mut next, mut found) = (round.start, Vec::new());
+    if deal.points == 0 {
+        return found;
+    }
+    let first = deal.slots(round.start).start;
+    while next < round.end {
+        let pass = deal.pass(next);
+        let end = pass.ensembles.end.min(round.end);
+        let slots = deal.slots(next).start..deal.slots(end - 1).end;
+        let Some(rows) = pass.rows else {
+            for slots in parts(slots, most.min(longest - ALIGNED)) {
+                let bound = bound_of(first_point + slots.start..first_point + slots.end);
+                let base = (first_point + slots.start - bound.start) as u32;
+                found.push(Piece { slots: slots.start - first..slots.end - first, bound, base, rows: None });
+            }
+            next = end;
+            continue;
+        };
+        let start = first_point + rows.first;
+        let mut add = |slots: Range<u64>, points: Range<u64>| {
+            let bound = bound_of(points);
+            let rows = Some((rows, pass.ensembles.start));
+            let base = start.wrapping_sub(bound.start) as u32;
+            found.extend(parts(slots, most).map(|slots| {
+                let slots = slots.start - first..slots.end - first;
+                Piece { slots, bound: bound.clone(), base, rows }
+            }));
+        };
+        if rows.len() + ALIGNED <= longest {
+            add(slots, start..start + rows.len());
+        } else {
+            // What a binding cannot hold as a whole: of each ensemble as many rows as fit.
+            let row = u64::from(rows.columns) << rows.block_bits;
+            let fit = ((longest - ALIGNED) / row).max(1);
+            for ensemble in next..end {
+                let slots = deal.slots(ensemble);
+                for k in (0..rows.count).step_by(fit as usize) {
+                    let within = |row: u64| (slots.start + (row << rows.block_bits)).min(slots.end);
+                    let last = (k + fit).min(rows.count);
+                    add(within(k)..within(last), start + k * row..start + last * row);
+                }
+            }
+        }
+        next = end;
     }
     found
+}
+
+/// A range whose start may be bound.
+fn bound_of(points: Range<u64>) -> Range<u64> {
+    points.start / ALIGNED * ALIGNED..points.end
+}
+
+/// A range in parts of at most `most`.
+fn parts(all: Range<u64>, most: u64) -> impl Iterator<Item = Range<u64>> {
+    let end = all.end;
+    all.step_by(most.max(1) as usize).map(move |start| start..start.saturating_add(most.max(1)).min(end))
 }
 
 /// Bits of a key that are left for epochs beside the index of one of `points`, at most 31.
@@ -89,45 +117,53 @@ impl Epochs {
 mod tests {
     use super::*;
 
-    fn share(points: Range<u64>, slots: u64) -> Share {
-        Share { points, slots, depth: 1.0, unit: 1.0, uniform: true, capped: false, opacity: 0.5, largest: 1.0 }
-    }
-
-    /// The points of all pieces in order, as the shader finds them.
-    fn points(pieces: &[Piece], longest: u64) -> Vec<u64> {
+    /// The points of all pieces in order, with the ensemble of each, as the shader finds them.
+    fn points(pieces: &[Piece], deal: &Deal, round: Range<u32>, longest: u64) -> Vec<(u32, u64)> {
         let mut found = Vec::new();
+        let first = deal.slots(round.start).start;
+        let ensemble_of = |slot: u64| round.clone().find(|e| deal.slots(*e).contains(&slot)).unwrap();
         for piece in pieces {
             assert!(piece.bound.start % ALIGNED == 0 && piece.bound.end - piece.bound.start <= longest, "{piece:?}");
-            for n in 0..piece.slots.end - piece.slots.start {
-                let place = piece.bound.start + piece.base + (piece.point + n) % piece.repeat;
-                assert!(piece.bound.contains(&place), "{piece:?}");
-                found.push(place);
+            for n in piece.slots.clone() {
+                let ensemble = ensemble_of(first + n);
+                let point = match piece.rows {
+                    None => piece.base.wrapping_add((n - piece.slots.start) as u32),
+                    Some((rows, start)) => {
+                        let n = first + n - deal.slots(ensemble).start;
+                        piece.base.wrapping_add((rows.point(ensemble - start, n) - rows.first) as u32)
+                    }
+                };
+                let point = piece.bound.start + u64::from(point);
+                assert!(piece.bound.contains(&point), "{piece:?}");
+                found.push((ensemble, point));
             }
         }
         found
     }
 
     #[test]
-    fn pieces_hold_each_slot_once_in_order() {
-        for (range, m, l, longest, most) in [
-            (0..100, 1000, 7, 1000, 50),
-            (70..170, 1000, 7, 1000, u64::MAX),
-            (70..1070, 2500, 3, 200, u64::MAX),
-            (0..1000, 2500, 100, 200, 30),
-            (5..6, 9, 9, 100, 100),
-            (5..6, 0, 9, 100, 100),
+    fn pieces_hold_the_points_of_each_ensemble_in_order() {
+        for (first, count, m, l, longest, most) in [
+            (0, 100, 1000, 17, 1000, 50),
+            (70, 100, 1000, 17, 1000, u64::MAX),
+            (70, 1000, 2500, 3, 1100, u64::MAX),
+            (70, 300_000, 700_000, 3, 40_000, u64::MAX),
+            (5, 300_000, 900_000, 30, 40_000, 7_000),
+            (0, 1000, 2500, 100, 1200, 30),
+            (5, 1, 9, 9, 100, 100),
+            (5, 1, 0, 9, 100, 100),
         ] {
-            let (n, share) = (range.end - range.start, share(range.clone(), m));
-            let mut next = 0;
-            for (a, b) in [(0, l / 2), (l / 2, l)] {
-                let pieces = pieces(&share, l, a..b, longest, most);
-                for point in points(&pieces, longest) {
-                    assert_eq!(point, range.start + next % n);
-                    next += 1;
+            let deal = Deal { points: count, slots: m, ensembles: l, place: 3, seed: 7 };
+            for round in [0..l / 2, l / 2..l] {
+                if round.is_empty() {
+                    continue;
                 }
-                assert!(pieces.windows(2).all(|p| p[0].slots.end == p[1].slots.start));
+                let pieces = pieces(first, &deal, round.clone(), longest, most);
+                assert!(pieces.iter().all(|p| p.slots.end - p.slots.start <= most));
+                let found = points(&pieces, &deal, round.clone(), longest);
+                let wanted = round.flat_map(|e| deal.hand(e).into_iter().map(move |p| (e, first + p)));
+                assert!(found.into_iter().eq(wanted), "{deal:?}");
             }
-            assert_eq!(next, m);
         }
     }
 

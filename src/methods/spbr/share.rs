@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::camera::{Camera, Projection};
 use crate::points::Points;
-use crate::prepare::ensembles::Surface;
+use crate::prepare::ensembles::{Deal, Surface};
 use crate::scene::Method;
 
 /// A cloud of a dealt list, with the corners of its box.
@@ -81,6 +81,13 @@ pub struct Wanted<'a> {
     pub method: Method,
     /// Factor on opacities; the product is at most 1.
     pub opacity_factor: f64,
+}
+
+impl Share {
+    /// How its points are dealt to so many ensembles; `place` is the cloud's among the others.
+    pub fn deal(&self, ensembles: u32, place: u32, seed: u64) -> Deal {
+        Deal { points: self.points.end - self.points.start, slots: self.slots, ensembles, place, seed }
+    }
 }
 
 impl Wanted<'_> {

@@ -478,7 +478,10 @@ mod tests {
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
         assert_eq!(exact, [true, false, false, false, false, false]);
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(names, ["circles", "points", "squares", "hqs", "splats", "one-layer"]);
+        assert_eq!(
+            names,
+            ["circles", "points", "squares", "paraboloid", "cone", "sphere", "hqs", "splats", "one-layer"]
+        );
         // What the rows were rendered with, where the scene says something else.
         let (converted, _) = of(Density::Softness(0.25), true);
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
