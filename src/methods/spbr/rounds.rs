@@ -26,8 +26,8 @@ pub struct Piece {
     pub repeat: u64,
 }
 
-/// The dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and `most` slots in
-/// each.
+/// The dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and `most`
+/// slots in each.
 pub fn pieces(share: &Share, ensembles: u32, round: Range<u32>, longest: u64, most: u64) -> Vec<Piece> {
     let first = slots(share.slots, ensembles, round.start).start;
     let end = if round.is_empty() { first } else { slots(share.slots, ensembles, round.end - 1).end };
