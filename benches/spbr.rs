@@ -6,11 +6,12 @@
 //! PELLUCID_BENCH_FRAMES=20 cargo bench --bench spbr # frames behind every median, 5 without it
 //! ```
 //!
-//! How to read it. The first line is the rasteriser's: each point a quad of one pixel (two triangles, since WGSL knows no
-//! size of points), its nearest found by the atomic minimum that `squares` takes too. Then the ensembles of the same points,
-//! each once in an ensemble (k = 1): `draw` is the time of the passes over points, `Mpoints/s` slots over that, `/ hardware`
-//! the ratio of both rates; `rest` is the share of everything else in the frame: clearing, resolving, reading back. All times
-//! are the device's. Where the camera is perspective, half of the points are wider than a pixel.
+//! How to read it. The first line is the rasteriser's: each point a quad of one pixel (two triangles, since WGSL knows
+//! no size of points), its nearest found by the atomic minimum that `squares` takes too. Then the ensembles of the
+//! same points, each once in an ensemble (k = 1): `draw` is the time of the passes over points, `Mpoints/s` slots over
+//! that, `/ hardware` the ratio of both rates; `rest` is the share of everything else in the frame: clearing,
+//! resolving, reading back. All times are the device's. Where the camera is perspective, half of the points are wider
+//! than a pixel.
 
 use std::process::ExitCode;
 

@@ -1,5 +1,5 @@
-//! `spbr`, `spbr-simplified`: opacities of surfaces against what was asked for, images against the float64 reference, and the
-//! same bytes however ensembles are cut and whichever atomics find the nearest.
+//! `spbr`, `spbr-simplified`: opacities of surfaces against what was asked for, images against the float64 reference,
+//! and the same bytes however ensembles are cut and whichever atomics find the nearest.
 
 mod common;
 
@@ -166,8 +166,8 @@ fn two_planes_compose_and_hide_by_depth() {
 #[test]
 fn distance_does_not_change_opacity() {
     with_device(|device| {
-        // The camera stays behind one plane's middle; another plane lies nearer or farther in the same cloud, such that its
-        // points are 2, 1 or 1/2 pixels wide.
+        // The camera stays behind one plane's middle; another plane lies nearer or farther in the same cloud, such
+        // that its points are 2, 1 or 1/2 pixels wide.
         let mut clouds = Vec::new();
         for (depth, side) in [(2.0, 2.2), (4.0, 4.4), (8.0, 8.8)] {
             let count = (10_000.0 * side * side) as usize;

@@ -1,6 +1,6 @@
-// What the passes of stochastic point-based rendering share: bindings, where a slot's point shows and how large, and the
-// key by which the nearest of an ensemble is found. A pass defines visit(place of a point, its plane, depth key, pixel of
-// the window); a walker (spbr_slots, spbr_large) calls it for each pixel that a drawn point covers.
+// What the passes of stochastic point-based rendering share: bindings, where a slot's point shows and how large, and
+// the key by which the nearest of an ensemble is found. A pass defines visit(place of a point, its plane, depth key,
+// pixel of the window); a walker (spbr_slots, spbr_large) calls it for each pixel that a drawn point covers.
 #import locate
 #import splat
 #import dispatch
@@ -258,8 +258,9 @@ fn clear_of_borders(fraction: vec2<f32>, error: f32) -> bool {
     return all(fraction > vec2<f32>(error)) && all(fraction < vec2<f32>(1.0 - error));
 }
 
-// Low and high word of what the nearest point of an ensemble has most of: epoch, and the complements of depth key and index.
-// The newer an epoch, the more it is, so that a plane needs no clearing while there are epochs left; 0 stands for nothing.
+// Low and high word of what the nearest point of an ensemble has most of: epoch, and the complements of depth key and
+// index. The newer an epoch, the more it is, so that a plane needs no clearing while there are epochs left; 0 stands
+// for nothing.
 fn key_words(point: u32, depth: u32) -> vec2<u32> {
     let near = ~depth;
     let index = ~(push.list + point) & (0xffffffffu >> push.epoch_bits);

@@ -1,5 +1,5 @@
-// spbr/draw: nearest point and sum of colors in one go. An atomic maximum returns what it replaces: a point that comes in
-// gives its color and takes back that of the point before it, so that in the end the nearest one's alone is left, in
+// spbr/draw: nearest point and sum of colors in one go. An atomic maximum returns what it replaces: a point that comes
+// in gives its color and takes back that of the point before it, so that in the end the nearest one's alone is left, in
 // whatever order they came.
 #import spbr
 #import shade
@@ -12,8 +12,8 @@
 @group(0) @binding(8) var<storage, read> point_colors_1: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read> point_colors_2: array<vec4<f32>>;
 @group(0) @binding(10) var<storage, read> point_colors_3: array<vec4<f32>>;
-// Of each pixel the nearest point of a round's single ensemble, sums of green and red, of number and blue in the halves of
-// two more, and the complement of the nearest depth's key: all in one line of the cache.
+// Of each pixel the nearest point of a round's single ensemble, sums of green and red, of number and blue in the
+// halves of two more, and the complement of the nearest depth's key: all in one line of the cache.
 @group(0) @binding(11) var<storage, read_write> pixels: array<atomic<u64>>;
 // Of each pixel the sums of squares of red, green, blue, and a spare one.
 @group(0) @binding(12) var<storage, read_write> squares: array<atomic<u64>>;

@@ -315,7 +315,8 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
         let (picture, stderr) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(ensembles), 5);
         let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
         let said = stderr.iter().map(|e| e.x * e.x).sum::<f64>() / AREA;
-        assert!((squares / said - 1.0).abs() < 4.0 * 0.044 + 0.1, "{ensembles}: {squares}, {said}");
+        // Hands of a pass have nothing in common, so that the error is less than is said.
+        assert!(squares < said && squares > 0.4 * said, "{ensembles}: {squares}, {said}");
         errors.push(squares);
     }
     assert!(errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");

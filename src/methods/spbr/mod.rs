@@ -1,13 +1,13 @@
 //! `spbr`, `spbr-simplified`: stochastic point-based rendering (Tanaka et al. 2016; Uchida et al. 2020).
 //!
-//! The points of each cloud are dealt to L ensembles ([`crate::prepare::ensembles`]). Each ensemble is an image of opaque
-//! points with a depth test of its own; their mean is the image: no order of points is needed. The nearest point of a pixel
-//! in an ensemble is found by atomic minima of depth and index, and colors are summed as whole numbers, so that neither
-//! the order in which points come nor how many ensembles are drawn at once shows.
+//! The points of each cloud are dealt to L ensembles ([`crate::prepare::ensembles`]). Each ensemble is an image of
+//! opaque points with a depth test of its own; their mean is the image: no order of points is needed. The nearest
+//! point of a pixel in an ensemble is found by atomic minima of depth and index, and colors are summed as whole
+//! numbers, so that neither the order in which points come nor how many ensembles are drawn at once shows.
 //!
-//! A point asks for the area q² p t in pixels: q the width of a pixel at the depth of its cloud's middle over that at its own
-//! (1 in orthographic views), p = ln(1 − α) / ln(1 − α of its cloud), t = |cos θ| between normal and view unless `cos_theta`.
-//! Below 1 it is one pixel with that probability, above it a square.
+//! A point asks for the area q² p t in pixels: q the width of a pixel at the depth of its cloud's middle over that at
+//! its own (1 in orthographic views), p = ln(1 − α) / ln(1 − α of its cloud), t = |cos θ| between normal and view
+//! unless `cos_theta`. Below 1 it is one pixel with that probability, above it a square.
 
 pub mod rounds;
 pub mod share;
@@ -193,11 +193,12 @@ const SUBMITTED_PASSES: u32 = 100;
 const MOST_PLANES: u64 = 4096;
 /// Steps of an invocation of a large square at most.
 const LARGE_STEPS: u64 = 8192;
-/// What tells the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the key.
+/// What tells the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the
+/// key.
 const STREAM: u32 = 0x5350_4252;
 
-/// Threefry's key for the words that decide which points smaller than a pixel are drawn. A word's counter is the point's
-/// place in the dealt list, and the ensemble.
+/// Threefry's key for the words that decide which points smaller than a pixel are drawn. A word's counter is the
+/// point's place in the dealt list, and the ensemble.
 pub fn key(seed: u64) -> [u32; 2] {
     let [low, high] = random::key(seed);
     [low, high ^ STREAM]
@@ -278,8 +279,8 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// The variant of a stage that goes through slots (`None`), or through the list of large squares with so many workgroups
-    /// for each.
+    /// The variant of a stage that goes through slots (`None`), or through the list of large squares with so many
+    /// workgroups for each.
     pub fn variant(self, stage: Stage, stripes: Option<u32>, counted: bool) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
@@ -403,7 +404,8 @@ impl WindowJob<'_> {
         LISTED_SLOTS.min(self.budget.bytes / 8 / 32).max(64)
     }
 
-    /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth while.
+    /// Ensembles of a round: as many as planes fit a binding and half of the budget, but no more than make it worth
+    /// while.
     fn planes(&self) -> u64 {
         let slots: u64 = self.shares.iter().map(|s| s.slots).sum();
         let worth = ROUND_SLOTS * self.concurrent * u64::from(self.ensembles()) / slots.max(1);

@@ -1,7 +1,7 @@
 //! How many points of each cloud are dealt, and how large a point is.
 //!
-//! Tanaka et al. 2016, Eq. 1, without its bias where a cross-section has few pixels: an ensemble needs −ln(1 − α) points on
-//! the area of a pixel for opacity α, if they lie at random.
+//! Tanaka et al. 2016, Eq. 1, without its bias where a cross-section has few pixels: an ensemble needs −ln(1 − α)
+//! points on the area of a pixel for opacity α, if they lie at random.
 
 use std::ops::Range;
 
@@ -36,9 +36,10 @@ impl Placed {
         surfaces.iter().map(placed).collect()
     }
 
-    /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the box, of
-    /// the middle of the part before it. Any depth gives the same opacity while there are points enough, but none behind the
-    /// camera has a pixel of positive width, and one close before it asks for more points than there are.
+    /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the
+    /// box, of the middle of the part before it. Any depth gives the same opacity while there are points enough, but
+    /// none behind the camera has a pixel of positive width, and one close before it asks for more points than there
+    /// are.
     fn depth(&self, camera: &Camera) -> f64 {
         let deepest = self.depths(camera).fold(f64::NEG_INFINITY, f64::max);
         camera.to_view(self.surface.center).z.max(0.5 * deepest).max(camera.near)
