@@ -10,12 +10,15 @@ struct Push {
     // Slots of this dispatch, and the number of the first among the cloud's slots of the round.
     count: u32,
     first: u32,
-    // Among what is bound the point of the first slot, or, of a later pass, the first one of the first row (modulo 2^32: that
-    // row may lie before it); and index among all points of the first that is bound.
+    // Among what is bound the point of the first slot, or, of a later pass, the one that others are counted from (modulo 2^32:
+    // it may lie before); and index among all points of the first that is bound.
     base: u32,
     list: u32,
-    // Of a later pass: blocks of a row, binary logarithm of the points of a block, which of the pass's ensembles the round's
-    // first one is (modulo 2^32), and what tells the pass from others.
+    // Of a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew; blocks of a
+    // row, binary logarithm of the points of a block, which of the pass's ensembles the round's first one is (modulo 2^32),
+    // and what tells the pass from others.
+    start: u32,
+    around: u32,
     columns: u32,
     block_bits: u32,
     hand: u32,
@@ -118,7 +121,9 @@ fn point_again(n: u32, hand: u32) -> u32 {
     let word = scrambled(push.pass_word + row * 0x9E3779B9u) >> 10u;
     var column = hand + word - quotient(word, push.columns) * push.columns;
     column -= select(0u, push.columns, column >= push.columns);
-    return push.base + ((row * push.columns + column) << push.block_bits) + (n & ((1u << push.block_bits) - 1u));
+    let block = (row * push.columns + column) << push.block_bits;
+    let along = push.start + block + (n & ((1u << push.block_bits) - 1u));
+    return push.base + along - select(0u, push.around, along >= push.around);
 }
 
 // lowbias32 of C. Wellons.

@@ -79,8 +79,10 @@ pub struct Pass {
 /// to a hand that it is a random part of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rows {
-    /// The first point of the first row.
+    /// The first point of the first row, at random; behind the cloud's last point comes its first.
     pub first: u64,
+    /// N.
+    pub points: u64,
     /// Rows.
     pub count: u64,
     /// Blocks of a row.
@@ -118,8 +120,7 @@ impl Deal {
         let pass = (ensemble - first) / rows.columns;
         let [low, high] = key(self.seed);
         let [word, place] = threefry2x32([pass, self.place], [low, high ^ AGAIN]);
-        let choices = self.points - rows.len() + 1;
-        rows.first = (u128::from(place) * u128::from(choices) >> 32) as u64;
+        rows.first = (u128::from(place) * u128::from(self.points) >> 32) as u64;
         rows.word = word;
         let start = first + pass * rows.columns;
         Pass { ensembles: start..start.saturating_add(rows.columns).min(self.ensembles), rows: Some(rows) }
@@ -133,7 +134,7 @@ impl Deal {
         let block_bits = if hand.div_ceil(1 << bits) << bits <= self.points { bits } else { 0 };
         let count = hand.div_ceil(1 << block_bits);
         let columns = (self.points.min(MOST_OF_ROWS) / (count << block_bits)).clamp(1, MOST_OF_ROW >> block_bits);
-        Rows { first: 0, count, columns: columns as u32, block_bits, word: 0 }
+        Rows { first: 0, points: self.points, count, columns: columns as u32, block_bits, word: 0 }
     }
 
     /// The points of an ensemble, counted from the cloud's first.
@@ -165,7 +166,8 @@ impl Rows {
         let turn = (scrambled(self.word.wrapping_add((row as u32).wrapping_mul(0x9E37_79B9))) >> 10) % self.columns;
         let column = (u64::from(hand) + u64::from(turn)) % u64::from(self.columns);
         let block = row * u64::from(self.columns) + column;
-        self.first + (block << self.block_bits) + (n & ((1 << self.block_bits) - 1))
+        let along = self.first + (block << self.block_bits) + (n & ((1 << self.block_bits) - 1));
+        along - if along < self.points { 0 } else { self.points }
     }
 }
 

@@ -316,7 +316,7 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
         let squares = picture.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / AREA;
         let said = stderr.iter().map(|e| e.x * e.x).sum::<f64>() / AREA;
         // Hands of a pass have nothing in common, so that the error is less than is said.
-        assert!(squares < said && squares > 0.4 * said, "{ensembles}: {squares}, {said}");
+        assert!(squares < said, "{ensembles}: {squares}, {said}");
         errors.push(squares);
     }
     assert!(errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1], "{errors:?}");

@@ -36,6 +36,8 @@ gpu_struct! {
         first: u32,
         base: u32,
         list: u32,
+        start: u32,
+        around: u32,
         columns: u32,
         block_bits: u32,
         hand: u32,
@@ -690,15 +692,17 @@ fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> Slo
     let scale = job.scale();
     let before = u128::from(share.slots) * u128::from(round.ensembles.start);
     let bits = job.epoch_bits();
-    let rows = piece.rows.map(|(rows, _)| rows);
+    let rows = piece.rows.map(|again| again.rows);
     SlotsPush {
         count: (piece.slots.end - piece.slots.start) as u32,
         first: piece.slots.start as u32,
         base: piece.base,
         list: piece.bound.start as u32,
+        start: piece.rows.map_or(0, |again| again.start),
+        around: piece.rows.map_or(u32::MAX, |again| again.around),
         columns: rows.map_or(1, |rows| rows.columns),
         block_bits: rows.map_or(0, |rows| rows.block_bits),
-        hand: round.ensembles.start.wrapping_sub(piece.rows.map_or(0, |(_, first)| first)),
+        hand: round.ensembles.start.wrapping_sub(piece.rows.map_or(0, |again| again.ensemble)),
         pass_word: rows.map_or(0, |rows| rows.word),
         whole: (share.slots / u64::from(ensembles)) as u32,
         rest: (share.slots % u64::from(ensembles)) as u32,

@@ -1,5 +1,6 @@
 //! How ensembles come one after the other: rounds of as many as there are planes, and the dispatches of a round.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use crate::prepare::ensembles::{Deal, Rows};
@@ -14,61 +15,129 @@ pub struct Piece {
     pub slots: Range<u64>,
     /// What is bound of the list.
     pub bound: Range<u64>,
-    /// Place in there of the first slot's point, or of the first point of the rows, modulo 2³².
+    /// Place in there, modulo 2³², of the first slot's point, or of the one that those of rows are counted from.
     pub base: u32,
-    /// Rows of a later pass, and its first ensemble.
-    pub rows: Option<(Rows, u32)>,
+    /// Points of a later pass.
+    pub rows: Option<Again>,
+}
+
+/// How a dispatch finds points of a later pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Again {
+    /// The rows.
+    pub rows: Rows,
+    /// The pass's first ensemble.
+    pub ensemble: u32,
+    /// First point of the first row, counted from the piece's base.
+    pub start: u32,
+    /// Points after which the cloud begins anew; more than there are where it doesn't.
+    pub around: u32,
 }
 
 /// The dispatches of a cloud's slots of a round: those of its ensembles, at most `longest` points bound and `most` slots in
 /// each.
 pub fn pieces(first_point: u64, deal: &Deal, round: Range<u32>, longest: u64, most: u64) -> Vec<Piece> {
-    let (mut next, mut found) = (round.start, Vec::new());
-    if deal.points == 0 {
-        return found;
-    }
-    let first = deal.slots(round.start).start;
-    while next < round.end {
+    let mut cut = Cutting { first_point, deal, first: deal.slots(round.start).start, longest, most, found: Vec::new() };
+    let mut next = round.start;
+    while next < round.end && deal.points > 0 {
         let pass = deal.pass(next);
         let end = pass.ensembles.end.min(round.end);
         let slots = deal.slots(next).start..deal.slots(end - 1).end;
-        let Some(rows) = pass.rows else {
-            for slots in parts(slots, most.min(longest - ALIGNED)) {
-                let bound = bound_of(first_point + slots.start..first_point + slots.end);
-                let base = (first_point + slots.start - bound.start) as u32;
-                found.push(Piece { slots: slots.start - first..slots.end - first, bound, base, rows: None });
-            }
-            next = end;
-            continue;
-        };
-        let start = first_point + rows.first;
-        let mut add = |slots: Range<u64>, points: Range<u64>| {
-            let bound = bound_of(points);
-            let rows = Some((rows, pass.ensembles.start));
-            let base = start.wrapping_sub(bound.start) as u32;
-            found.extend(parts(slots, most).map(|slots| {
-                let slots = slots.start - first..slots.end - first;
-                Piece { slots, bound: bound.clone(), base, rows }
-            }));
-        };
-        if rows.len() + ALIGNED <= longest {
-            add(slots, start..start + rows.len());
-        } else {
-            // What a binding cannot hold as a whole: of each ensemble as many rows as fit.
-            let row = u64::from(rows.columns) << rows.block_bits;
-            let fit = ((longest - ALIGNED) / row).max(1);
-            for ensemble in next..end {
-                let slots = deal.slots(ensemble);
-                for k in (0..rows.count).step_by(fit as usize) {
-                    let within = |row: u64| (slots.start + (row << rows.block_bits)).min(slots.end);
-                    let last = (k + fit).min(rows.count);
-                    add(within(k)..within(last), start + k * row..start + last * row);
-                }
-            }
+        match pass.rows {
+            None => cut.add_in_order(slots.clone(), slots.start),
+            Some(rows) => cut.add_rows(&rows, pass.ensembles.start, slots, next..end),
         }
         next = end;
     }
-    found
+    cut.found
+}
+
+/// Pieces as they are found.
+struct Cutting<'a> {
+    first_point: u64,
+    deal: &'a Deal,
+    /// The round's first slot.
+    first: u64,
+    longest: u64,
+    most: u64,
+    found: Vec<Piece>,
+}
+
+impl Cutting<'_> {
+    /// Slots of consecutive points, from `point` of the cloud on.
+    fn add_in_order(&mut self, slots: Range<u64>, point: u64) {
+        let (from, ahead) = (self.first_point + point, slots.start);
+        for slots in parts(slots, self.most.min(self.longest - ALIGNED)) {
+            let bound = bound_of(from + slots.start - ahead..from + slots.end - ahead);
+            let base = (from + slots.start - ahead - bound.start) as u32;
+            self.add(slots, bound, base, None);
+        }
+    }
+
+    /// Slots of later ensembles: of all at once if their points fit a binding, else of each as many rows as fit.
+    fn add_rows(&mut self, rows: &Rows, ensemble: u32, slots: Range<u64>, round: Range<u32>) {
+        let all = rows.first..rows.first + rows.len();
+        let again = |start, around| Again { rows: *rows, ensemble, start, around };
+        if all.end <= rows.points && rows.len() + ALIGNED <= self.longest {
+            self.add_bound(slots, all.start, all, again(0, u32::MAX));
+        } else if rows.points + ALIGNED <= self.longest {
+            self.add_bound(slots, 0, 0..rows.points, again(rows.first as u32, rows.points as u32));
+        } else {
+            for ensemble in round {
+                self.add_by_rows(rows, ensemble - again(0, 0).ensemble, self.deal.slots(ensemble), again(0, u32::MAX));
+            }
+        }
+    }
+
+    /// Slots of one ensemble, `hand` of its pass, by rows of which none has both the cloud's last and first point.
+    fn add_by_rows(&mut self, rows: &Rows, hand: u32, slots: Range<u64>, again: Again) {
+        let row = u64::from(rows.columns) << rows.block_bits;
+        let fit = ((self.longest - ALIGNED) / row).max(1);
+        // The row in which the cloud begins anew.
+        let turning = (rows.points - rows.first) / row;
+        let mut next = 0;
+        while next < rows.count {
+            let last = match next.cmp(&turning) {
+                Ordering::Less => turning,
+                Ordering::Equal => turning + 1,
+                Ordering::Greater => rows.count,
+            };
+            let last = last.min(next + fit).min(rows.count);
+            let within = |row: u64| (slots.start + (row << rows.block_bits)).min(slots.end);
+            let here = within(next)..within(last);
+            if next == turning {
+                // Block by block, the one that is taken, in two where it is that one that turns.
+                let (mut from, start) = (here.start, slots.start);
+                while from < here.end {
+                    let point = rows.point(hand, from - start);
+                    let end = here.end.min(from + (rows.points - point));
+                    self.add_in_order(from..end, point);
+                    from = end;
+                }
+            } else {
+                let behind = if next > turning { rows.points } else { 0 };
+                let points = rows.first + next * row - behind..rows.first + last * row - behind;
+                // Counted from where the first row would be, had the cloud no end: perhaps before its beginning.
+                let from = rows.first.wrapping_sub(behind);
+                self.add_bound(here, from, points, again);
+            }
+            next = last;
+        }
+    }
+
+    /// Slots of rows whose points lie within some of the cloud, counted from `from`.
+    fn add_bound(&mut self, slots: Range<u64>, from: u64, points: Range<u64>, again: Again) {
+        let bound = bound_of(self.first_point + points.start..self.first_point + points.end);
+        let base = self.first_point.wrapping_add(from).wrapping_sub(bound.start) as u32;
+        for slots in parts(slots, self.most) {
+            self.add(slots, bound.clone(), base, Some(again));
+        }
+    }
+
+    fn add(&mut self, slots: Range<u64>, bound: Range<u64>, base: u32, rows: Option<Again>) {
+        let slots = slots.start - self.first..slots.end - self.first;
+        self.found.push(Piece { slots, bound, base, rows });
+    }
 }
 
 /// A range whose start may be bound.
@@ -128,9 +197,11 @@ mod tests {
                 let ensemble = ensemble_of(first + n);
                 let point = match piece.rows {
                     None => piece.base.wrapping_add((n - piece.slots.start) as u32),
-                    Some((rows, start)) => {
+                    Some(Again { rows, ensemble: from, start, around }) => {
                         let n = first + n - deal.slots(ensemble).start;
-                        piece.base.wrapping_add((rows.point(ensemble - start, n) - rows.first) as u32)
+                        let straight = Rows { first: 0, points: u64::MAX, ..rows };
+                        let along = start + straight.point(ensemble - from, n) as u32;
+                        piece.base.wrapping_add(along - if along < around { 0 } else { around })
                     }
                 };
                 let point = piece.bound.start + u64::from(point);
@@ -149,6 +220,8 @@ mod tests {
             (70, 1000, 2500, 3, 1100, u64::MAX),
             (70, 300_000, 700_000, 3, 40_000, u64::MAX),
             (5, 300_000, 900_000, 30, 40_000, 7_000),
+            (5, 300_000, 8_900_000, 30, 40_000, 7_000),
+            (9, 70_000, 690_000, 100, 33_000, u64::MAX),
             (0, 1000, 2500, 100, 1200, 30),
             (5, 1, 9, 9, 100, 100),
             (5, 1, 0, 9, 100, 100),
