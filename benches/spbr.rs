@@ -14,6 +14,7 @@
 //! than a pixel.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use comfy_table::{CellAlignment, Table, presets};
 use glam::{DVec3, Vec3};
@@ -194,7 +195,7 @@ fn points(count: usize) -> Points {
 fn dealt(count: usize) -> Dealt {
     let points = points(count);
     let surface = Surface { points: 0..count as u64, center: DVec3::ZERO, density: 10.0, opacity: points.opacities[0] };
-    Dealt { points, surfaces: vec![surface] }
+    Dealt { points: Arc::new(points), surfaces: vec![surface] }
 }
 
 fn frame(method: Method, perspective: bool) -> Frame {

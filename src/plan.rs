@@ -149,8 +149,9 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
 }
 
 /// The passes of stochastic point-based rendering.
-const SPBR: [&str; 10] = [
+const SPBR: [&str; 11] = [
     "spbr/clear",
+    "spbr/upload",
     "spbr/draw",
     "spbr/nearest",
     "spbr/nearest-depth",
@@ -523,17 +524,16 @@ impl Plan {
         let dealt = format!("{} points dealt to {} ensembles", facts.slots, facts.ensembles);
         let has = if device.info().int64_atomics { "the device has" } else { "the device has no" };
         self.add("spbr/clear", true, "planes of ensembles and sums start empty");
+        let whole = || "all points fit the device and the budget".to_owned();
+        let part = |n| format!("{} points don't fit the budget or an allocation: at most {n} at a time", facts.points);
+        self.add("spbr/upload", any && facts.streamed.is_some(), facts.streamed.map_or_else(whole, part));
         for (name, forms, how) in [
             (
                 "spbr/draw",
                 &[Form::Single][..],
                 "64-bit atomics, colors need no shading and are within reach".to_owned(),
             ),
-            (
-                "spbr/nearest",
-                &[Form::Wide],
-                format!("{has} 64-bit atomics; colors are shaded, or too many to be in reach"),
-            ),
+            ("spbr/nearest", &[Form::Wide], format!("{has} 64-bit atomics; colors are shaded, or not all in reach")),
             ("spbr/nearest-depth", &[Form::Narrow], format!("{has} 64-bit atomics")),
             ("spbr/nearest-id", &[Form::Narrow], format!("{has} 64-bit atomics")),
             (

@@ -102,7 +102,8 @@ impl Arranged {
     /// All points, in either order.
     pub fn points(&self) -> &Points {
         match self {
-            Self::Canonical(points) | Self::Dealt(Dealt { points, .. }) => points,
+            Self::Canonical(points) => points,
+            Self::Dealt(dealt) => &dealt.points,
         }
     }
 

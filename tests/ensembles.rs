@@ -266,7 +266,7 @@ fn the_order_is_random() {
     // Points along a line: the mean of the first half, and neighbors in the list, have nothing to do with each other.
     let count = 100_000usize;
     let line = (0..count).map(|i| DVec3::X * (i as f64 / count as f64 - 0.5)).collect();
-    let found = dealt(vec![cloud(line)], 3).points.positions;
+    let found = dealt(vec![cloud(line)], 3).points.positions.clone();
     let half: f64 = found[..count / 2].iter().map(|p| p.x).sum::<f64>() / (count / 2) as f64;
     // Variance 1/12; half of all without replacement has half of that.
     assert!(half.abs() < 4.0 * (1.0 / 12.0 / count as f64).sqrt(), "{half}");
@@ -287,7 +287,7 @@ fn clouds_stay_apart_and_have_orders_of_their_own() {
     // Normals of one are zeros for the other.
     let mut with = b.clone();
     with.normals = Some(vec![Vec3::Z; 1000]);
-    let mixed = dealt(vec![b, with], 5).points.normals.unwrap();
+    let mixed = dealt(vec![b, with], 5).points.normals.clone().unwrap();
     assert!(mixed[..1000].iter().all(|n| *n == Vec3::ZERO) && mixed[1000..].iter().all(|n| *n == Vec3::Z));
 }
 

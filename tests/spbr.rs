@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::*;
 use glam::{DVec3, Vec3};
 use pellucid::camera::{Camera, Projection};
@@ -59,7 +61,7 @@ fn dealt(clouds: &[(Points, f64)]) -> Dealt {
         let opacity = points.opacities.iter().copied().fold(0.0, f32::max);
         let center = points.bounds().expect("points").center();
         list.surfaces.push(Surface { points: first..first + count, center, density: count as f64 / area, opacity });
-        let all = &mut list.points;
+        let all = Arc::make_mut(&mut list.points);
         all.positions.extend(&points.positions);
         all.colors.extend(&points.colors);
         all.opacities.extend(&points.opacities);
@@ -292,6 +294,109 @@ fn the_bytes_do_not_depend_on_atomics_windows_and_rounds() {
     // Points in several bindings.
     with_device_that_binds(Some(100_000), |device| run(device, &mut images));
     assert!(images.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+/// Clouds of so many points and such an area each, with random opacities, colors and perhaps normals, all over a box.
+fn planes(seed: u64, counts: &[(usize, f64)], normals: bool) -> Dealt {
+    let mut r = random(seed);
+    let mut clouds = Vec::new();
+    for (count, area) in counts {
+        let (mut points, _) = plane(seed, *count, [3.0 * X, 2.0 * Y], DVec3::ZERO, Vec3::ONE, 0.5);
+        for i in 0..*count {
+            points.positions[i].z = r.random_range(-1.0..1.0);
+            points.colors[i] = Vec3::new(r.random(), r.random(), r.random());
+            points.opacities[i] = r.random_range(0.2..0.6);
+            let normal = Vec3::new(r.random_range(-0.5..0.5), r.random_range(-0.5..0.5), 1.0).normalize();
+            points.normals.as_mut().expect("normals")[i] = normal;
+        }
+        clouds.push((points, *area));
+    }
+    let mut list = dealt(&clouds);
+    if !normals {
+        Arc::make_mut(&mut list.points).normals = None;
+    }
+    list
+}
+
+#[test]
+fn points_that_go_through_the_device_bit_by_bit_give_the_same_bytes() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
+        // Each point in less than one ensemble and in several; one cloud larger than the window and some.
+        for (counts, ensembles, k) in [
+            (&[(150_000, 4.0)][..], 9, 0.1..0.9),
+            (&[(150_000, 40.0)], 9, 1.1..8.0),
+            (&[(90_000, 0.2), (1000, 1.6), (70_000, 2.4)], 150, 0.5..15.0),
+        ] {
+            for (normals, shading, distance) in [(true, lambert, 4.0), (false, Shading::default(), 2.2)] {
+                let list = planes(11, counts, normals);
+                let spbr = Method::Spbr(Spbr { ensembles, cos_theta: false, brighten: false });
+                let all = Frame { shading, ..frame(camera(distance, true), SIZE, spbr) };
+                let resident = render_on(&mut renderer, &list, &all);
+                assert_eq!((resident.facts.streamed, resident.facts.uploaded_bytes), (None, 0));
+                let share = resident.facts.slots as f64 / list.points.len() as f64;
+                println!("{share} copies of each point, {} drawn", resident.facts.visible);
+                assert!(k.contains(&share), "{share}");
+                let frame = Frame { memory_budget: Some(4 << 20), ..all };
+                for (form, image) in all_forms(&mut renderer, &list, &frame) {
+                    assert!(form != Some(Form::Single));
+                    assert!(bits(&image) == bits(&resident.image), "{form:?}, {counts:?}, {normals}");
+                    assert!(image.stderr == resident.image.stderr);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_cloud_may_change_between_the_device_and_the_host() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let list = planes(12, &[(100_000, 4.0)], true);
+        let mut cloud = renderer.upload_dealt(&list).expect("fits");
+        let all = frame(camera(4.0, true), SIZE, method(9));
+        let frames = [None, Some(3 << 20), Some(3 << 20), None].map(|memory_budget| Frame { memory_budget, ..all });
+        let point = 64 * 100_000;
+        let images = frames.map(|frame| {
+            let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
+            let found = renderer.render(&mut cloud, &frame).expect("renders");
+            let streamed = frame.memory_budget.map(|_| 65_536);
+            assert_eq!((found.facts.streamed, surveyed.streamed), (streamed, streamed));
+            assert_eq!(cloud.bytes() >= point, streamed.is_none());
+            // In two stages, each of which goes over the whole cloud in each window.
+            assert!(found.facts.uploaded_bytes <= 2 * point * found.facts.windows);
+            let steps = plan(device, &frame, &surveyed, renderer.wide_atomics, "asked for");
+            let mut ran: Vec<&str> = found.profile.passes.iter().map(|pass| pass.name).collect();
+            let mut planned: Vec<&str> = steps.iter().filter(|step| step.on).map(|step| step.name).collect();
+            ran.sort_unstable();
+            planned.sort_unstable();
+            assert_eq!(ran, planned);
+            bits(&found.image)
+        });
+        assert!(images.windows(2).all(|pair| pair[0] == pair[1]));
+        let points = Frame { method: Method::Points, ..frames[1] };
+        renderer.render(&mut cloud, &points).expect("renders");
+        assert!(cloud.bytes() > point);
+    });
+}
+
+#[test]
+fn a_streamed_frame_stays_within_its_budget() {
+    with_device(|device| {
+        let list = planes(13, &[(1_500_000, 1.0)], false);
+        let size = [640, 480];
+        for budget in [32 << 20, 64 << 20] {
+            let frame =
+                Frame { memory_budget: Some(budget), fragments: false, ..frame(camera(4.0, true), size, method(20)) };
+            let facts = render(device, &list, &frame).facts;
+            println!("{facts:?}, {:?} points", list.points.len());
+            assert!(facts.streamed.is_some_and(|points| points < 1_500_000));
+            // Color and depth of the image, there and for the host.
+            let image = 2 * 20 * 640 * 480 / facts.windows;
+            assert!(facts.peak_device_bytes <= budget + image, "{} of {budget}", facts.peak_device_bytes);
+        }
+    });
 }
 
 #[test]

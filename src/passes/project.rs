@@ -1,9 +1,13 @@
 //! Points on the device, and their projection to splats.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::camera::{Camera, Projection};
-use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::spbr::share::Placed;
 use crate::points::Points;
 use crate::prepare::axes;
@@ -304,6 +308,8 @@ pub struct DeviceCloud {
     orders_made: u32,
     /// The clouds of a dealt list.
     surfaces: Option<Vec<Placed>>,
+    /// The points of a dealt list: whether they fit the device, the frame decides.
+    host: Option<Arc<Points>>,
     /// Positions relative to the cloud's origin, rounded, with radii.
     pub points_hi: Buffer<[f32; 4]>,
     /// The rest of the positions, with opacities.
@@ -342,19 +348,110 @@ fn padded(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
 }
 
+/// A buffer for nothing.
+fn empty<T: GpuType>(device: &Device, name: &str) -> Result<Buffer<T>, Error> {
+    device.buffer(name, 0, Memory::Device)
+}
+
+/// What a device holds of each point, a vector each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column {
+    /// The position relative to the cloud's origin, rounded, and the radius.
+    High = 0,
+    /// The rest of the position, and the opacity.
+    Low = 1,
+    /// Color, and as the bits of the fourth where in the files the point stood.
+    Color = 2,
+    /// The normal, of clouds that have some.
+    Normal = 3,
+}
+
+/// Bytes that a point has in each column.
+pub const COLUMN_BYTES: u64 = size_of::<[f32; 4]>() as u64;
+
+impl Column {
+    /// All of them, normals last.
+    pub const ALL: [Self; 4] = [Self::High, Self::Low, Self::Color, Self::Normal];
+
+    /// The column of some points.
+    fn of(
+        self,
+        points: &Points,
+        origin: DVec3,
+        range: Range<usize>,
+    ) -> impl IndexedParallelIterator<Item = [f32; 4]> + '_ {
+        range.into_par_iter().map(move |i| self.of_point(points, origin, i))
+    }
+
+    fn of_point(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
+        let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
+        match self {
+            Self::High => with(split(points.positions[i] - origin).0, points.radii[i]),
+            Self::Low => with(split(points.positions[i] - origin).1, points.opacities[i]),
+            Self::Color => {
+                let place = points.file_order.get(i).copied().unwrap_or(i as u32);
+                with(points.colors[i], f32::from_bits(place))
+            }
+            Self::Normal => padded(points.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i])),
+        }
+    }
+}
+
 impl DeviceCloud {
     /// Uploads a scene's points.
     pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
-        let mut cloud = Self::without_room(device, points)?;
+        let mut cloud = Self::without_columns(device, points)?;
+        cloud.upload_columns(device, points)?;
         cloud.make_room(device)?;
         Ok(cloud)
     }
 
-    /// Uploads points that were dealt. Room for splats is made when a method asks for it.
+    /// Takes points that were dealt. They come to the device when a frame asks for them: all by [`Self::make_resident`], or
+    /// some after others by [`Self::pack`]. Room for splats is made when a method asks for it.
     pub fn of_dealt(device: &Device, dealt: &Dealt) -> Result<Self, Error> {
-        let mut cloud = Self::without_room(device, &dealt.points)?;
+        let mut cloud = Self::without_columns(device, &dealt.points)?;
         cloud.surfaces = Some(Placed::all(&dealt.points, &dealt.surfaces));
+        cloud.host = Some(dealt.points.clone());
         Ok(cloud)
+    }
+
+    /// Uploads all points of a cloud that was dealt, unless they are there.
+    pub fn make_resident(&mut self, device: &Device) -> Result<(), Error> {
+        match self.host.clone() {
+            Some(points) if self.points_hi.len() < self.len => self.upload_columns(device, &points),
+            _ => Ok(()),
+        }
+    }
+
+    /// Frees what a cloud that was dealt has on the device, of which the host keeps the points.
+    pub fn release(&mut self, device: &Device) -> Result<(), Error> {
+        if self.host.is_some() && !self.points_hi.is_empty() {
+            let (points_hi, points_lo) = (empty(device, "points, hi")?, empty(device, "points, lo")?);
+            (self.points_hi, self.points_lo) = (points_hi, points_lo);
+            (self.point_colors, self.normals) = (empty(device, "point colors")?, empty(device, "normals")?);
+            (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
+            (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
+            (self.bounds, self.colors) = (empty(device, "splat bounds")?, empty(device, "splat colors")?);
+            (self.large, self.tile_counts) = (empty(device, "large splats")?, empty(device, "tile counts")?);
+        }
+        Ok(())
+    }
+
+    /// What the device holds of each point.
+    pub fn columns(&self) -> &'static [Column] {
+        if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
+    }
+
+    /// Device bytes of all columns.
+    pub fn column_bytes(&self) -> u64 {
+        self.len * self.columns().len() as u64 * COLUMN_BYTES
+    }
+
+    /// Puts a column of some points of a cloud that was dealt behind what is there.
+    pub fn pack(&self, column: Column, range: Range<u64>, into: &mut Vec<[f32; 4]>) {
+        if let Some(points) = &self.host {
+            into.par_extend(column.of(points, self.origin, range.start as usize..range.end as usize));
+        }
     }
 
     /// Makes room for splats, unless there is.
@@ -371,26 +468,29 @@ impl DeviceCloud {
         Ok(())
     }
 
-    fn without_room(device: &Device, points: &Points) -> Result<Self, Error> {
+    /// Uploads the columns, and the fields.
+    fn upload_columns(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
+        // One after the other: of each, the host's copy is gone before the next is made.
+        let upload = |name, column: Column| -> Result<_, Error> {
+            let packed: Vec<[f32; 4]> = column.of(points, self.origin, 0..points.len()).collect();
+            device.upload(name, &packed)
+        };
+        let (points_hi, points_lo) = (upload("points, hi", Column::High)?, upload("points, lo", Column::Low)?);
+        let point_colors = upload("point colors", Column::Color)?;
+        let normals = if self.has_normals { upload("normals", Column::Normal)? } else { empty(device, "normals")? };
+        self.fields = device.upload("fields", &points.fields)?;
+        (self.points_hi, self.points_lo) = (points_hi, points_lo);
+        (self.point_colors, self.normals) = (point_colors, normals);
+        Ok(())
+    }
+
+    fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
         let origin = points.bounds().map_or(DVec3::ZERO, |b| b.center());
         let len = points.len() as u64;
-        let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
-        let places = || points.positions.iter().map(|p| split(*p - origin));
-        // One after the other: of each, the host's copy is gone before the next is made.
-        let columns = |name, column: Vec<[f32; 4]>| device.upload(name, &column);
-        let points_hi = places().zip(&points.radii).map(|((hi, _), r)| with(hi, *r)).collect();
-        let points_hi = columns("points, hi", points_hi)?;
-        let points_lo = places().zip(&points.opacities).map(|((_, lo), a)| with(lo, *a)).collect();
-        let points_lo = columns("points, lo", points_lo)?;
-        let place = |i: usize| points.file_order.get(i).copied().unwrap_or(i as u32);
-        let colored = |(i, c): (usize, &Vec3)| with(*c, f32::from_bits(place(i)));
-        let point_colors = columns("point colors", points.colors.iter().enumerate().map(colored).collect())?;
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
-        let normals = columns("normals", points.normals.iter().flatten().map(|n| padded(*n)).collect())?;
         // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
         let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
         let chunks = len.div_ceil(chunk_len).max(1);
-        let room = |name| device.buffer::<u32>(name, 0, Memory::Device);
         Ok(Self {
             origin,
             corners: points.bounds().map_or([origin; 8], |b| b.corners()),
@@ -409,17 +509,18 @@ impl DeviceCloud {
             orders: [None, None, None],
             orders_made: 0,
             surfaces: None,
-            points_hi,
-            points_lo,
-            point_colors,
-            normals,
-            fields: device.upload("fields", &points.fields)?,
-            splats: device.buffer("splats", 0, Memory::Device)?,
-            tilts: device.buffer("tilts", 0, Memory::Device)?,
-            bounds: device.buffer("splat bounds", 0, Memory::Device)?,
-            colors: device.buffer("splat colors", 0, Memory::Device)?,
-            large: room("large splats")?,
-            tile_counts: room("tile counts")?,
+            host: None,
+            points_hi: empty(device, "points, hi")?,
+            points_lo: empty(device, "points, lo")?,
+            point_colors: empty(device, "point colors")?,
+            normals: empty(device, "normals")?,
+            fields: empty(device, "fields")?,
+            splats: empty(device, "splats")?,
+            tilts: empty(device, "tilts")?,
+            bounds: empty(device, "splat bounds")?,
+            colors: empty(device, "splat colors")?,
+            large: empty(device, "large splats")?,
+            tile_counts: empty(device, "tile counts")?,
             stats: device.buffer("splat stats", chunks, Memory::Device)?,
             stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
             view: device.buffer("view", 1, Memory::Upload)?,

@@ -9,6 +9,7 @@
 //! a point twice, since M/L ≤ N.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use indicatif::ProgressBar;
@@ -38,8 +39,8 @@ pub struct Surface {
 /// Points in random order, cloud after cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dealt {
-    /// All points.
-    pub points: Points,
+    /// All points; shared with what renders them, which may have no room for all of them at once.
+    pub points: Arc<Points>,
     /// The clouds, in the order of their points.
     pub surfaces: Vec<Surface>,
 }
@@ -187,22 +188,22 @@ fn scrambled(mut x: u32) -> u32 {
 /// every machine. `progress` counts points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &ProgressBar) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
-    let mut dealt = Dealt::default();
+    let (mut points, mut surfaces) = (Points::default(), Vec::new());
     for cloud in clouds {
         let Some(bounds) = cloud.bounds() else { continue };
-        let place = dealt.surfaces.len() as u32;
+        let place = surfaces.len() as u32;
         let cloud = shuffled(order::canonical(cloud), place, seed);
         progress.inc(cloud.len() as u64);
-        let first = dealt.points.len() as u64;
-        dealt.surfaces.push(Surface {
+        let first = points.len() as u64;
+        surfaces.push(Surface {
             points: first..first + cloud.len() as u64,
             center: bounds.center(),
             density: density::estimate(&cloud.positions, progress),
             opacity: cloud.opacities.iter().copied().fold(0.0, f32::max),
         });
-        dealt.points.append(cloud);
+        points.append(cloud);
     }
-    dealt
+    Dealt { points: Arc::new(points), surfaces }
 }
 
 fn shuffled(mut cloud: Points, place: u32, seed: u64) -> Points {
@@ -231,6 +232,7 @@ impl Dealt {
             shuffle(count, place, seed).into_iter().map(move |index| first as usize + index as usize)
         };
         let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(of).collect();
-        Self { points: self.points.clone().in_order(|i| order[i]), surfaces: self.surfaces.clone() }
+        let points = Points::clone(&self.points).in_order(|i| order[i]);
+        Self { points: Arc::new(points), surfaces: self.surfaces.clone() }
     }
 }

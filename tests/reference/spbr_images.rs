@@ -1,5 +1,7 @@
 //! Stochastic point-based rendering: footprints by hand, then the opacities that the papers promise.
 
+use std::sync::Arc;
+
 use pellucid::prepare::ensembles::{Deal, Dealt, Surface};
 use pellucid::reference::spbr::{
     Rule, limit, opacity, opacity_of_segment, over, points_per_pixel, render, render_with, share, slanted,
@@ -23,11 +25,13 @@ fn dealt(clouds: &[(Vec<DVec3>, f64, f32)]) -> Dealt {
         let center = pellucid::cloud::Bounds::of(positions.iter().copied()).unwrap().center();
         let points = first..first + positions.len() as u64;
         dealt.surfaces.push(Surface { points, center, density: *density, opacity: *opacity });
-        dealt.points.positions.extend(positions);
-        dealt.points.opacities.extend(vec![*opacity; positions.len()]);
+        let all = Arc::make_mut(&mut dealt.points);
+        all.positions.extend(positions);
+        all.opacities.extend(vec![*opacity; positions.len()]);
     }
-    dealt.points.colors = vec![Vec3::ONE; dealt.points.len()];
-    dealt.points.radii = vec![0.0; dealt.points.len()];
+    let (count, all) = (dealt.points.len(), Arc::make_mut(&mut dealt.points));
+    all.colors = vec![Vec3::ONE; count];
+    all.radii = vec![0.0; count];
     dealt
 }
 
@@ -205,7 +209,8 @@ fn a_slanted_plane_is_more_opaque_unless_that_is_taken_back() {
     assert_opacity(&with(true, &dealt), slanted(0.3, 0.5));
     // Without normals nothing is known of the slant.
     assert_eq!(with(false, &dealt), with(true, &dealt));
-    dealt.points.normals = Some(vec![Vec3::new(-sin as f32, 0.0, cos as f32); dealt.points.len()]);
+    let count = dealt.points.len();
+    Arc::make_mut(&mut dealt.points).normals = Some(vec![Vec3::new(-sin as f32, 0.0, cos as f32); count]);
     assert_opacity(&with(true, &dealt), slanted(0.3, 0.5));
     assert_opacity(&with(false, &dealt), 0.3);
 }
@@ -247,13 +252,13 @@ fn opacity_does_not_depend_on_the_distance() {
 #[test]
 fn points_weigh_as_much_as_their_own_opacity() {
     let mut dealt = dealt(&[(plane(30.0, 5.0, 10), 30.0, 0.6)]);
-    dealt.points.opacities.fill(0.25);
+    Arc::make_mut(&mut dealt.points).opacities.fill(0.25);
     let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(40), 2);
     assert_opacity(&picture, 0.25);
     // What an opaque point asks for is all there is.
-    dealt.points.opacities.fill(1.0);
+    Arc::make_mut(&mut dealt.points).opacities.fill(1.0);
     dealt.surfaces[0].opacity = 1.0;
-    dealt.points.opacities[..1000].fill(0.25);
+    Arc::make_mut(&mut dealt.points).opacities[..1000].fill(0.25);
     let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(3), 2);
     assert!(mean(&picture) > 0.999, "{}", mean(&picture));
     // Not so in the simplified method: 30 points in 40 ensembles.
@@ -267,8 +272,8 @@ fn the_mean_tends_to_points_blended_front_to_back() {
     // k is 0.9 at most.
     let mut dealt = dealt(&[(plane(160.0, 4.0, 12), 160.0, 0.3), (plane(400.0, 6.0, 13), 400.0, 0.6)]);
     // Some of half the weight, and all at depths of their own.
-    dealt.points.opacities.iter_mut().take(207_360).step_by(4).for_each(|alpha| *alpha = 0.16);
-    dealt.points.positions.iter_mut().enumerate().for_each(|(i, p)| p.z -= 1e-6 * i as f64);
+    Arc::make_mut(&mut dealt.points).opacities.iter_mut().take(207_360).step_by(4).for_each(|alpha| *alpha = 0.16);
+    Arc::make_mut(&mut dealt.points).positions.iter_mut().enumerate().for_each(|(i, p)| p.z -= 1e-6 * i as f64);
     let colors: Vec<DVec3> = (0..dealt.points.len()).map(|i| DVec3::new(1.0, (i % 3) as f64, 0.0)).collect();
     let exact = limit(&wide(), WIDE, &dealt, &colors, &rule(1));
     let mut previous = f64::INFINITY;

@@ -20,7 +20,7 @@ use super::peel::Peeler;
 use super::soft::express::SoftDiscs;
 use super::soft::{self, Interior, Layer};
 use super::sorted::{self, Stop};
-use super::spbr::{self, Ensembles, Form};
+use super::spbr::{self, Ensembles, Form, stream};
 use super::splat::Opaque;
 use super::splats::{Pixels, Splatter};
 use super::stochastic::Sampler;
@@ -55,7 +55,8 @@ pub struct Frame {
     pub color: ColorSpace,
     /// The method; [`Method::Auto`] must have been resolved (see [`crate::plan::resolve`]).
     pub method: Method,
-    /// Device bytes beside cloud and image; `None`: what the device has, less a reserve.
+    /// Device bytes beside cloud and image; `None`: what the device has, less a reserve. A cloud that was dealt and takes more
+    /// than that is not kept on the device: what there is of it at a time counts.
     pub memory_budget: Option<u64>,
     /// Whether the image carries the length of each pixel's list, and the layers that were peeled from it.
     pub fragments: bool,
@@ -142,6 +143,10 @@ pub struct Facts {
     pub slots: u64,
     /// How the nearest points of ensembles are found.
     pub form: Option<Form>,
+    /// Points of ensembles that are on the device at a time, if they are more than fit.
+    pub streamed: Option<u64>,
+    /// Bytes of them that went to the device during the frame.
+    pub uploaded_bytes: u64,
     /// Whether a pixel's nearest point has to be cleared between ensembles.
     pub renewed: bool,
     /// Whether points of ensembles may cover more pixels than one invocation walks.
@@ -385,7 +390,9 @@ impl Renderer {
         Ok(DeviceCloud::new(&self.device, points)?)
     }
 
-    /// Uploads points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them.
+    /// Takes points that were dealt: for `spbr` and `spbr-simplified`, but any method may render them. They go to the device
+    /// with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these methods is
+    /// rendered. The list stays in the host's memory.
     pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
         // Places of points are 32-bit numbers, and all ones is none of them.
         let (points, limit) = (dealt.points.len() as u64, u64::from(u32::MAX));
@@ -404,13 +411,13 @@ impl Renderer {
     /// Renders a frame.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
+        self.place(cloud, frame)?;
         self.device.reset_peak();
         if let Method::SoftExpress(soft) = frame.method
             && cloud.parts(soft.threshold).soft > 0
         {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
-        self.make_room(cloud, frame)?;
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget);
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
@@ -460,13 +467,24 @@ impl Renderer {
         }
     }
 
-    /// Room for splats, which dealt points have not if no other method than those of ensembles was asked for.
-    fn make_room(&self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+    /// Points to the device, unless they go through it bit by bit, and room for splats, unless they are dealt to ensembles.
+    fn place(&self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
         if !frame.method.is_dealt() {
             Cut::new(&self.device, cloud.len())?;
+            cloud.make_resident(&self.device)?;
             cloud.make_room(&self.device)?;
+        } else if self.streamed(cloud, frame).is_some() {
+            cloud.release(&self.device)?;
+        } else {
+            cloud.make_resident(&self.device)?;
         }
         Ok(())
+    }
+
+    /// Points of ensembles that are on the device at a time, if not all.
+    fn streamed(&self, cloud: &DeviceCloud, frame: &Frame) -> Option<u64> {
+        let dealt = frame.method.is_dealt();
+        dealt.then(|| stream::window_points(&self.device, cloud, frame.memory_budget)).flatten()
     }
 
     /// Renders windows, of which the last one comes first, into an image.
@@ -513,7 +531,9 @@ impl Renderer {
     /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
         frame.check()?;
-        self.make_room(cloud, frame)?;
+        if !frame.method.is_dealt() {
+            self.place(cloud, frame)?;
+        }
         self.drawn = None;
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget);
@@ -791,10 +811,14 @@ impl Renderer {
 
     fn budget(&self, cloud: &DeviceCloud, frame: &Frame) -> Budget {
         let limits = self.device.limits();
+        let streamed = self.streamed(cloud, frame);
         let bytes = frame.memory_budget.unwrap_or_else(|| {
+            // Points that were dealt may only come with the frame.
+            let resident = if streamed.is_some() { 0 } else { cloud.bytes().max(cloud.column_bytes()) };
             // A quarter stays free for the system and for other programs.
-            (limits.heap_bytes / 4 * 3).saturating_sub(cloud.bytes()).max(64 << 20)
+            (limits.heap_bytes / 4 * 3).saturating_sub(resident).max(64 << 20)
         });
+        let bytes = streamed.map_or(bytes, |points| stream::rest(bytes, cloud, points));
         Budget { bytes, tiles: 0, binding: limits.binding_bytes }
     }
 

@@ -6,7 +6,7 @@ use crate::methods::abuffer::{self, Storing};
 use crate::methods::bands;
 use crate::methods::soft::express;
 use crate::methods::soft::{self, Interior, Kind, SoftModel, Spheres};
-use crate::methods::spbr::{self, Form};
+use crate::methods::spbr::{self, Form, stream};
 use crate::methods::{Error, Outcome, one_layer, sorted, splats};
 use crate::passes::bin::{self, Bins, Order};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -146,8 +146,10 @@ impl Renderer {
         let ensembles = frame.method.ensembles().unwrap_or(1);
         let drawn = self.drawn.unwrap_or(ensembles).min(ensembles);
         let (device, window, spread) = (&self.device, work.window, frame.spread());
+        let streamed = stream::window_points(device, cloud, frame.memory_budget);
         let form = match Form::of(device, cloud, &how, self.wide_atomics) {
-            Form::Single if !self.single_pass => Form::Wide,
+            // The color of the point that is replaced may not be there.
+            Form::Single if !self.single_pass || streamed.is_some() => Form::Wide,
             form => form,
         };
         let facts = &mut *work.facts;
@@ -155,6 +157,7 @@ impl Renderer {
         facts.slots = shares.iter().map(|s| spbr::slots_of(s, ensembles, drawn)).sum();
         facts.thin = spbr::thin(&shares);
         facts.listed = spbr::is_listed(&shares);
+        facts.streamed = streamed;
         if !work.survey {
             cloud.set_view(&frame.camera, frame.size, window, &how);
         }
@@ -169,6 +172,7 @@ impl Renderer {
             spread,
             perspective: matches!(frame.camera.projection, Projection::Perspective { .. }),
             form,
+            streamed,
             most_epoch_bits: self.epoch_bits,
             concurrent: device.info().concurrent_runs,
             budget: work.budget,
@@ -176,7 +180,9 @@ impl Renderer {
         };
         facts.renewed |= job.is_renewed();
         if !work.survey {
-            facts.visible += self.ensembles.render(device, &job, &self.target, work.timeline)?;
+            let met = self.ensembles.render(device, &job, &self.target, work.timeline)?;
+            facts.visible += met.visible;
+            facts.uploaded_bytes += met.uploaded;
             self.progress.inc(bands::pixels(window));
         }
         facts.note(&[], Walker::Compute);

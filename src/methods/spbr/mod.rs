@@ -11,19 +11,24 @@
 
 pub mod rounds;
 pub mod share;
+pub mod stream;
+mod tasks;
 
+use std::iter::Peekable;
 use std::ops::Range;
 
 use indicatif::ProgressBar;
 
-use self::rounds::{Epochs, Piece, epoch_bits, pieces};
+use self::rounds::{Epochs, Piece, epoch_bits};
 use self::share::{Placed, Share, Wanted};
+use self::stream::Stream;
+use self::tasks::{Task, Tasks};
 use super::Error;
 use super::bands::{self, Budget, Window};
 use super::renderer::{Facts, Frame, Target, Thin, Timeline};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Projecting, View};
+use crate::passes::project::{Column, DeviceCloud, Projecting, View};
 use crate::prepare::ensembles::slots;
 use crate::random;
 use crate::scene::{ColorSpace, Method, ShadingModel, Spbr};
@@ -361,6 +366,8 @@ pub struct WindowJob<'a> {
     pub perspective: bool,
     /// How the nearest points are found.
     pub form: Form,
+    /// Points on the device at a time, if not all: see [`stream::window_points`]. [`Form::Single`] needs all.
+    pub streamed: Option<u64>,
     /// Most bits of a key for epochs.
     pub most_epoch_bits: u32,
     /// Pieces of work that keep the device busy.
@@ -426,6 +433,11 @@ impl WindowJob<'_> {
         self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
     }
 
+    /// Points that a dispatch can bind.
+    fn longest(&self) -> u64 {
+        self.streamed.unwrap_or(u64::MAX).min(self.cloud.longest())
+    }
+
     /// Bits of keys for epochs.
     fn epoch_bits(&self) -> u32 {
         if self.form == Form::Narrow { 0 } else { epoch_bits(self.cloud.len()).min(self.most_epoch_bits) }
@@ -441,14 +453,18 @@ impl WindowJob<'_> {
     }
 }
 
-/// A round: its ensembles, and the epoch of their keys.
-struct Round {
-    ensembles: Range<u32>,
-    epoch: u32,
+/// What a window met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Drawn {
+    /// Points that were drawn, each in each ensemble.
+    pub visible: u64,
+    /// Bytes of points that went to the device.
+    pub uploaded: u64,
 }
 
 /// Buffers, kept from frame to frame.
 pub struct Ensembles {
+    stream: Stream,
     nearest: Kept<u64>,
     pixels: Kept<[u32; 4]>,
     squares: Kept<[u32; 4]>,
@@ -462,6 +478,7 @@ pub struct Ensembles {
 impl Default for Ensembles {
     fn default() -> Self {
         Self {
+            stream: Stream::default(),
             nearest: Kept::new("nearest of ensembles", Memory::Device),
             pixels: Kept::new("sums of ensembles", Memory::Device),
             squares: Kept::new("squares of ensembles", Memory::Device),
@@ -475,56 +492,66 @@ impl Default for Ensembles {
 }
 
 impl Ensembles {
-    /// Renders a window into the target; how many points were drawn, each in each ensemble.
+    /// Renders a window into the target.
     pub fn render(
         &mut self,
         device: &Device,
         job: &WindowJob<'_>,
         target: &Target,
         timeline: &mut Timeline,
-    ) -> Result<u64, Error> {
+    ) -> Result<Drawn, Error> {
         self.reserve(device, job)?;
-        let planes = job.planes() as u32;
-        let bits = job.epoch_bits();
-        let mut recorder = device.recorder()?;
-        self.record_clear(&mut recorder)?;
-        let (mut epochs, mut slots, mut passes) = (Epochs::new(bits), 0, 0);
-        let mut next = 0;
-        while next < job.drawn {
-            let end = job.drawn.min(next + planes);
-            let epoch = match epochs.take() {
-                Some(epoch) => epoch,
-                None => {
-                    self.record_renew(&mut recorder, job)?;
-                    epochs = Epochs::new(bits);
-                    epochs.take().unwrap_or_default()
-                }
-            };
-            let round = Round { ensembles: next..end, epoch };
-            for stage in job.form.stages() {
-                for (share, place) in job.shares.iter().zip(0..) {
-                    let deal = share.deal(job.ensembles(), place, job.seed);
-                    let most = job.dispatch_slots();
-                    for piece in pieces(share.points.start, &deal, next..end, job.cloud.longest(), most) {
-                        if slots >= SUBMITTED_SLOTS || passes >= SUBMITTED_PASSES {
-                            timeline.add(recorder.submit("spbr/draw")?);
-                            recorder = device.recorder()?;
-                            (slots, passes) = (0, 0);
-                        }
-                        passes += self.record_piece(device, &mut recorder, job, *stage, &round, share, &piece)?;
-                        slots += piece.slots.end - piece.slots.start;
-                    }
-                }
+        let mut tasks = Tasks::new(job).peekable();
+        let mut submissions = 0;
+        loop {
+            let submission = self.next_submission(job, &mut tasks);
+            let mut recorder = device.recorder()?;
+            if submissions == 0 {
+                self.record_clear(&mut recorder)?;
             }
-            next = end;
-            job.progress.set_message(format!("rendering, {next} ensembles"));
+            self.stream.record(&mut recorder)?;
+            for task in &submission {
+                self.record_task(device, &mut recorder, job, task)?;
+            }
+            if tasks.peek().is_none() {
+                self.record_resolve(&mut recorder, job, target)?;
+                recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
+                target.record_read_back(&mut recorder, job.pixels())?;
+                timeline.add(recorder.submit("spbr/resolve")?);
+                break;
+            }
+            timeline.add(recorder.submit("spbr/draw")?);
+            submissions += 1;
+            let done = submission.last().map_or(0, |task| task.ensembles.end);
+            job.progress.set_message(format!("rendering, {done} ensembles"));
         }
-        self.record_resolve(&mut recorder, job, target)?;
-        recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
-        target.record_read_back(&mut recorder, job.pixels())?;
-        timeline.add(recorder.submit("spbr/resolve")?);
         let counters = self.counters_host.get().mapped_slice()[0];
-        Ok(u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low))
+        let visible = u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low);
+        Ok(Drawn { visible, uploaded: self.stream.uploaded })
+    }
+
+    /// The dispatches of the next submission: so few that it takes no seconds, and that there is room for all of their
+    /// points, which are packed.
+    fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Vec<Task> {
+        let (mut found, mut slots, mut passes) = (Vec::new(), 0, 0);
+        let streamed = job.streamed.is_some();
+        if let Some(first) = tasks.peek()
+            && streamed
+        {
+            self.stream.begin(&first.piece.bound);
+        }
+        while slots < SUBMITTED_SLOTS
+            && passes < SUBMITTED_PASSES
+            && let Some(task) = tasks.next_if(|task| !streamed || self.stream.admit(&task.piece.bound))
+        {
+            slots += task.piece.slots.end - task.piece.slots.start;
+            passes += if job.listed() { 4 } else { 1 };
+            found.push(task);
+        }
+        if streamed {
+            self.stream.pack(job.cloud);
+        }
+        found
     }
 
     /// The standard error of every pixel of the window, in its order; what the last one rendered with it left.
@@ -534,6 +561,7 @@ impl Ensembles {
     }
 
     fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        self.stream.reserve(device, job.cloud, job.streamed)?;
         let pixels = job.pixels();
         let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
         // No larger than asked for, since all of it is cleared.
@@ -569,51 +597,35 @@ impl Ensembles {
         Ok(())
     }
 
-    /// Records a stage of a piece, and its large squares; the number of passes.
-    #[allow(clippy::too_many_arguments, reason = "all of them are loop variables of the caller")]
-    fn record_piece<'a>(
+    /// Records a dispatch, and that of its large squares.
+    fn record_task<'a>(
         &'a self,
         device: &Device,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
-        stage: Stage,
-        round: &Round,
-        share: &Share,
-        piece: &Piece,
-    ) -> Result<u32, Error> {
-        let push = push(job, round, share, piece);
-        let count = piece.slots.end - piece.slots.start;
+        task: &Task,
+    ) -> Result<(), Error> {
+        if task.renews {
+            self.record_renew(recorder, job)?;
+        }
+        let (push, stage) = (push(job, task), task.stage);
+        let count = task.piece.slots.end - task.piece.slots.start;
         let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
-        let again = u32::from(piece.rows.is_some());
+        let again = u32::from(task.piece.rows.is_some());
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push);
+        let walk = (run, kind.variant(stage, None, counted).with("AGAIN", again));
         if !job.listed() {
-            self.record_stage(
-                device,
-                recorder,
-                job,
-                stage,
-                piece,
-                (run, kind.variant(stage, None, counted).with("AGAIN", again)),
-            )?;
-            return Ok(1);
+            return self.record_stage(device, recorder, job, task, walk);
         }
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         recorder.fill("spbr/clear", listed, 0)?;
-        self.record_stage(
-            device,
-            recorder,
-            job,
-            stage,
-            piece,
-            (run, kind.variant(stage, None, counted).with("AGAIN", again)),
-        )?;
+        self.record_stage(device, recorder, job, task, walk)?;
         let stripes = job.stripes() as u32;
         let large = Large { counters: self.counters.get().all(), arguments: self.arguments.get().all() };
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
         recorder.run(&large, &Run::new(Dispatch::Invocations(1)).push(&most))?;
         let run = Run::new(Dispatch::Indirect(self.arguments.get().all())).push(&push);
-        self.record_stage(device, recorder, job, stage, piece, (run, kind.variant(stage, Some(stripes), false)))?;
-        Ok(4)
+        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Some(stripes), false)))
     }
 
     fn record_stage<'a>(
@@ -621,15 +633,14 @@ impl Ensembles {
         device: &Device,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
-        stage: Stage,
-        piece: &Piece,
+        task: &Task,
         run: (Run<'a>, Variant),
     ) -> Result<(), Error> {
-        let slots = self.slots(job, piece);
+        let slots = self.slots(job, &task.piece);
         let cloud = job.cloud;
         let nearest = self.nearest.get().all();
         let (run, variant) = run;
-        match stage {
+        match task.stage {
             Stage::Nearest => recorder.run(&Nearest { slots, nearest }, &run.variant(variant))?,
             Stage::NearestDepth => {
                 recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, &run.variant(variant))?;
@@ -643,8 +654,7 @@ impl Ensembles {
                 recorder.run(&pass, &run.variant(draw_variant(variant, cut, job.how)))?;
             }
             Stage::Sum => {
-                let bound = piece.bound.end - piece.bound.start;
-                let point_colors = cloud.point_colors.slice(piece.bound.start, bound);
+                let point_colors = self.column(job, Column::Color, &task.piece.bound);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
                 recorder.run(&pass, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
@@ -654,16 +664,29 @@ impl Ensembles {
     }
 
     fn slots<'a>(&'a self, job: &WindowJob<'a>, piece: &Piece) -> Slots<'a> {
-        let (cloud, first) = (job.cloud, piece.bound.start);
-        let count = piece.bound.end - first;
+        let (cloud, bound) = (job.cloud, &piece.bound);
         Slots {
             camera: cloud.view(),
-            points_hi: cloud.points_hi.slice(first, count),
-            points_lo: cloud.points_lo.slice(first, count),
-            normals: if cloud.has_normals() { cloud.normals.slice(first, count) } else { cloud.normals.all() },
+            points_hi: self.column(job, Column::High, bound),
+            points_lo: self.column(job, Column::Low, bound),
+            normals: if cloud.has_normals() { self.column(job, Column::Normal, bound) } else { cloud.normals.all() },
             counters: self.counters.get().all(),
             large: self.large.get().all(),
         }
+    }
+
+    /// A column of some points, from where they are.
+    fn column<'a>(&'a self, job: &WindowJob<'a>, column: Column, points: &Range<u64>) -> Slice<'a, [f32; 4]> {
+        if job.streamed.is_some() {
+            return self.stream.column(column, points);
+        }
+        let all = match column {
+            Column::High => &job.cloud.points_hi,
+            Column::Low => &job.cloud.points_lo,
+            Column::Color => &job.cloud.point_colors,
+            Column::Normal => &job.cloud.normals,
+        };
+        all.slice(points.start, points.end - points.start)
     }
 
     fn record_resolve<'a>(
@@ -686,11 +709,12 @@ impl Ensembles {
     }
 }
 
-fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> SlotsPush {
+fn push(job: &WindowJob<'_>, task: &Task) -> SlotsPush {
+    let (share, piece) = (&job.shares[task.cloud], &task.piece);
     let ensembles = job.ensembles();
     let [key_x, key_y] = key(job.seed);
     let scale = job.scale();
-    let before = u128::from(share.slots) * u128::from(round.ensembles.start);
+    let before = u128::from(share.slots) * u128::from(task.ensembles.start);
     let bits = job.epoch_bits();
     let rows = piece.rows.map(|again| again.rows);
     SlotsPush {
@@ -702,17 +726,17 @@ fn push(job: &WindowJob<'_>, round: &Round, share: &Share, piece: &Piece) -> Slo
         around: piece.rows.map_or(u32::MAX, |again| again.around),
         columns: rows.map_or(1, |rows| rows.columns),
         block_bits: rows.map_or(0, |rows| rows.block_bits),
-        hand: round.ensembles.start.wrapping_sub(piece.rows.map_or(0, |again| again.ensemble)),
+        hand: task.ensembles.start.wrapping_sub(piece.rows.map_or(0, |again| again.ensemble)),
         pass_word: rows.map_or(0, |rows| rows.word),
         whole: (share.slots / u64::from(ensembles)) as u32,
         rest: (share.slots % u64::from(ensembles)) as u32,
         carry: (before % u128::from(ensembles)) as u32,
         ensembles,
-        planes: round.ensembles.end - round.ensembles.start,
-        ensemble: round.ensembles.start,
+        planes: task.ensembles.end - task.ensembles.start,
+        ensemble: task.ensembles.start,
         pixels: job.pixels() as u32,
         epoch_bits: bits,
-        epoch: round.epoch,
+        epoch: task.epoch,
         key_x,
         key_y,
         depth: share.depth as f32,
@@ -751,6 +775,7 @@ pub fn least_bytes(name: &str, facts: &Facts, spread: bool, pixels: u64) -> Opti
         "spbr/nearest" | "spbr/nearest-depth" | "spbr/nearest-id" => Some(walk + facts.visible * 8),
         "spbr/draw" => Some(walk + facts.visible * (16 + 16) + pixels * 32),
         "spbr/sum" => Some(walk + facts.visible * 8 + pixels * 32),
+        "spbr/upload" => Some(2 * facts.uploaded_bytes),
         "spbr/resolve" => Some(pixels * (32 + squares + 20 + squares / 2)),
         _ => None,
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::prepare::ensembles::{Deal, Rows};
 
 /// A first element that any device's offset alignment allows to bind from.
-const ALIGNED: u64 = 64;
+pub const ALIGNED: u64 = 64;
 
 /// A dispatch: some consecutive slots of one cloud in one round, whose points lie in one binding.
 #[derive(Debug, Clone, PartialEq, Eq)]

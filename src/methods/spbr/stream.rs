@@ -1,0 +1,215 @@
+//! Points that go through the device while a window is rendered: of clouds that have no room there.
+//!
+//! The host keeps all points, the device some of them at a time, column behind column in one buffer. Which ones
+//! follows from the dispatches in their order: as many of them as have all of their points there are one submission.
+
+use std::ops::Range;
+
+use super::rounds::ALIGNED;
+use crate::gpu::{Device, Error, Kept, Memory, Recorder, Slice};
+use crate::passes::project::{COLUMN_BYTES, Column, DeviceCloud};
+
+/// Fewest points on the device at a time: more than any dispatch must have at least.
+const LEAST_POINTS: u64 = 1 << 16;
+/// Most points on the device at a time: the rows of a later pass, and as many again.
+const MOST_POINTS: u64 = 1 << 23;
+/// One in so many bytes of the budget is for points, and as many for what they come from.
+const PART: u64 = 8;
+/// Bytes for the allocator's rounding to blocks, or a quarter of a smaller budget.
+const OVERHEAD_BYTES: u64 = 16 << 20;
+
+/// How many points of a cloud that was dealt are on the device at a time; `None`: all of them, since they fit the
+/// budget, or three quarters of the device's memory, and the largest allocation.
+pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option<u64>) -> Option<u64> {
+    let limits = device.limits();
+    let budget = memory_budget.unwrap_or(limits.heap_bytes / 4 * 3);
+    let fits = cloud.column_bytes() <= budget && cloud.len() * COLUMN_BYTES <= limits.allocation_bytes;
+    if cloud.surfaces().is_none() || cloud.len() <= LEAST_POINTS || fits {
+        return None;
+    }
+    let point = cloud.columns().len() as u64 * COLUMN_BYTES;
+    let most = cloud.longest().min(limits.allocation_bytes / point).min(MOST_POINTS);
+    Some((budget / PART / point).max(LEAST_POINTS).min(most) / ALIGNED * ALIGNED)
+}
+
+/// What is left of a budget beside so many points at a time.
+pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
+    let both = 2 * points * cloud.columns().len() as u64 * COLUMN_BYTES;
+    budget.saturating_sub(both + OVERHEAD_BYTES.min(budget / 4)).max(budget / PART)
+}
+
+/// Consecutive points, and where the first one is among those on the device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Held {
+    points: Range<u64>,
+    place: u64,
+}
+
+/// Which points are on the device.
+#[derive(Debug, Default)]
+struct Shelf {
+    /// Points that there is room for.
+    capacity: u64,
+    /// One behind the other.
+    held: Vec<Held>,
+    /// What came since [`Self::begin`].
+    fresh: Vec<Held>,
+}
+
+impl Shelf {
+    fn new(capacity: u64) -> Self {
+        Self { capacity, ..Self::default() }
+    }
+
+    /// Where the first of some points is, if all of them are there.
+    fn place(&self, points: &Range<u64>) -> Option<u64> {
+        let around = |held: &&Held| held.points.start <= points.start && points.end <= held.points.end;
+        self.held.iter().rev().find(around).map(|held| held.place + (points.start - held.points.start))
+    }
+
+    /// Begins with these points: what was there goes if there is no room beside it.
+    fn begin(&mut self, points: &Range<u64>) -> bool {
+        self.fresh.clear();
+        if self.admit(points) {
+            return true;
+        }
+        self.held.clear();
+        self.admit(points)
+    }
+
+    /// Finds room for points that are not there; false if there is none.
+    fn admit(&mut self, points: &Range<u64>) -> bool {
+        if self.place(points).is_some() {
+            return true;
+        }
+        let end = self.held.last().map_or(0, |last| last.place + (last.points.end - last.points.start));
+        if let Some(last) = self.held.last_mut()
+            && (last.points.start..=last.points.end).contains(&points.start)
+        {
+            let more = last.points.end..points.end;
+            if end + (more.end - more.start) > self.capacity {
+                return false;
+            }
+            last.points.end = points.end;
+            self.fresh.push(Held { points: more, place: end });
+            return true;
+        }
+        let place = end.next_multiple_of(ALIGNED);
+        if place + (points.end - points.start) > self.capacity {
+            return false;
+        }
+        let held = Held { points: points.clone(), place };
+        self.fresh.push(held.clone());
+        self.held.push(held);
+        true
+    }
+}
+
+/// Points on the device, and what they come from; kept from frame to frame.
+pub struct Stream {
+    window: Kept<[f32; 4]>,
+    staging: Kept<[f32; 4]>,
+    packed: Vec<[f32; 4]>,
+    columns: u64,
+    shelf: Shelf,
+    /// Bytes that were copied to the device since [`Self::reserve`].
+    pub uploaded: u64,
+}
+
+impl Default for Stream {
+    fn default() -> Self {
+        Self {
+            window: Kept::new("streamed points", Memory::Device),
+            staging: Kept::new("streamed points, host", Memory::Upload),
+            packed: Vec::new(),
+            columns: 0,
+            shelf: Shelf::default(),
+            uploaded: 0,
+        }
+    }
+}
+
+impl Stream {
+    /// Room for so many points of a cloud, none of them there; without `points` none at all.
+    pub fn reserve(&mut self, device: &Device, cloud: &DeviceCloud, points: Option<u64>) -> Result<(), Error> {
+        (self.columns, self.uploaded) = (cloud.columns().len() as u64, 0);
+        self.shelf = Shelf::new(points.unwrap_or(0));
+        let Some(points) = points else {
+            self.window.release();
+            self.staging.release();
+            self.packed = Vec::new();
+            return Ok(());
+        };
+        let vectors = points * self.columns;
+        self.window.reserve_within(device, vectors, vectors)?;
+        self.staging.reserve_within(device, vectors, vectors)
+    }
+
+    /// Begins a submission whose first dispatch binds these points.
+    pub fn begin(&mut self, points: &Range<u64>) {
+        let fits = self.shelf.begin(points);
+        assert!(fits, "{points:?}: a dispatch binds no more points than there is room for");
+    }
+
+    /// Whether a dispatch that binds these points may join the submission.
+    pub fn admit(&mut self, points: &Range<u64>) -> bool {
+        self.shelf.admit(points)
+    }
+
+    /// Packs what is new, for [`Self::record`].
+    pub fn pack(&mut self, cloud: &DeviceCloud) {
+        self.packed.clear();
+        for held in &self.shelf.fresh {
+            for column in cloud.columns() {
+                cloud.pack(*column, held.points.clone(), &mut self.packed);
+            }
+        }
+        self.staging.get_mut().write(&self.packed);
+        self.uploaded += self.packed.len() as u64 * COLUMN_BYTES;
+    }
+
+    /// Records the copies of what is new.
+    pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        let mut from = 0;
+        for Held { points, place } in &self.shelf.fresh {
+            let count = points.end - points.start;
+            for column in 0..self.columns {
+                let to = self.window.get().slice(column * self.shelf.capacity + place, count);
+                recorder.copy("spbr/upload", self.staging.get().slice(from, count), to)?;
+                from += count;
+            }
+        }
+        Ok(())
+    }
+
+    /// A column of some points of the submission.
+    pub fn column(&self, column: Column, points: &Range<u64>) -> Slice<'_, [f32; 4]> {
+        let place = self.shelf.place(points).expect("points of the submission are there");
+        self.window.get().slice(column as u64 * self.shelf.capacity + place, points.end - points.start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_stay_until_others_need_the_room() {
+        let mut shelf = Shelf::new(1000);
+        let fresh = |shelf: &Shelf| shelf.fresh.iter().map(|f| (f.points.clone(), f.place)).collect::<Vec<_>>();
+        assert!(shelf.begin(&(64..300)));
+        // The next ones overlap by what alignment asks for; then some that begin elsewhere.
+        assert!(shelf.admit(&(256..500)) && shelf.admit(&(5056..5200)) && !shelf.admit(&(5120..6000)));
+        assert_eq!(fresh(&shelf), [(64..300, 0), (300..500, 236), (5056..5200, 448)]);
+        assert_eq!(shelf.place(&(128..400)), Some(64));
+        assert_eq!(shelf.place(&(5120..5200)), Some(512));
+        assert_eq!(shelf.place(&(400..501)), None);
+        // What is there stays, and is not fresh.
+        assert!(shelf.begin(&(5056..5100)) && shelf.fresh.is_empty());
+        assert!(shelf.admit(&(0..64)) && !shelf.admit(&(10_048..10_500)));
+        assert!(shelf.begin(&(10_048..10_500)));
+        assert_eq!(fresh(&shelf), [(10_048..10_500, 0)]);
+        assert_eq!(shelf.place(&(64..300)), None);
+        assert!(!shelf.begin(&(0..1001)));
+    }
+}
