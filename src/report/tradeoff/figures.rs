@@ -212,9 +212,10 @@ fn blended(analytic: &Analytic, rows: &[Row], name: usize) -> [Series; 2] {
     let slope = analytic.slope.map(|law| format!("slope {}", signed(law.exponent, 2)));
     let expected = found.iter().map(|(step, _)| Point::new(*step, analytic.expected(*step))).collect();
     let measured = found.iter().map(|(step, rmse)| Point::new(*step, *rmse)).collect();
+    // What was measured lies on top.
     [
-        Series { name, points: measured, note: slope.unwrap_or_default() },
         Series { name: name + 1, points: expected, note: String::new() },
+        Series { name, points: measured, note: slope.unwrap_or_default() },
     ]
 }
 

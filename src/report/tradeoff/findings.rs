@@ -42,9 +42,7 @@ fn blended(rows: &[Row], analytic: &Analytic) -> Option<Finding> {
     let Analytic { dealt_once, expected_floor, floor, .. } = *analytic;
     let [first, last] = [few, many].map(|count| analytic.expected(count));
     Some(Finding {
-        claim: "planes of points show what alpha blending of their opacities gives, α₁C₁ + (1 − α₁)α₂C₂ and so on, but for noise \
-                that falls as 1/√L, and for the chance of how many points are on a pixel"
-            .to_owned(),
+        claim: "planes look as alpha blending has them (Eq. 1), but for noise".to_owned(),
         measured: format!(
             "RMSE against alpha blending is {before:.4} with {few} ensembles ({first:.4} expected) and {after:.4} with {many} \
              ({last:.4}); no point is dealt twice up to {dealt_once:.0} of them{}; points leave {floor:.4} however many there are \
