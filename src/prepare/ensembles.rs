@@ -120,7 +120,7 @@ impl Deal {
         let pass = (ensemble - first) / rows.columns;
         let [low, high] = key(self.seed);
         let [word, place] = threefry2x32([pass, self.place], [low, high ^ AGAIN]);
-        rows.first = (u128::from(place) * u128::from(self.points) >> 32) as u64;
+        rows.first = ((u128::from(place) * u128::from(self.points)) >> 32) as u64;
         rows.word = word;
         let start = first + pass * rows.columns;
         Pass { ensembles: start..start.saturating_add(rows.columns).min(self.ensembles), rows: Some(rows) }
@@ -152,7 +152,7 @@ impl Deal {
 impl Rows {
     /// Points of all rows.
     pub fn len(&self) -> u64 {
-        self.count * u64::from(self.columns) << self.block_bits
+        (self.count * u64::from(self.columns)) << self.block_bits
     }
 
     /// True without rows: never.
