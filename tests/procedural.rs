@@ -20,6 +20,7 @@ fn small(name: &str, seed: u64) -> Generated {
         "tori" => make(name, &[("points", 20_000.0)], seed),
         "volume" => make(name, &[("points", 20_000.0), ("layers", 8.0)], seed),
         "plane" => make(name, &[("points", 20_000.0), ("tilt", 30.0)], seed),
+        "planes" => make(name, &[("planes", 3.0), ("points", 2000.0)], seed),
         "spheres" => make(name, &[("count", 50.0)], seed),
         _ => make(name, &[], seed),
     }
@@ -270,6 +271,27 @@ fn plane_is_a_tilted_square() {
     }
     let flat = make("plane", &[("points", 5000.0)], 11);
     assert!(flat.clouds[0].1.positions.iter().all(|p| p.z == 0.0));
+}
+
+#[test]
+fn planes_lie_behind_each_other_and_reach_over_the_image() {
+    let scene = make("planes", &[("planes", 3.0), ("points", 4000.0), ("opacity", 0.25), ("back", 0.75)], 12);
+    let table = toml(&scene);
+    assert!(number(&table["camera"]["height"]) < 1.9);
+    let opacities: Vec<f64> =
+        table["cloud"].as_array().unwrap().iter().map(|cloud| number(&cloud["opacity"])).collect();
+    assert_eq!(opacities, [0.25, 0.5, 0.75]);
+    for ((name, cloud), z) in scene.clouds.iter().zip([0.0, -0.5, -1.0]) {
+        assert!(cloud.positions.iter().all(|p| p.z == z && p.x.abs() <= 1.0 && p.y.abs() <= 1.0), "{name}");
+        // A quarter of the points in each quarter: 1000, with a spread of 27.
+        let quarter = cloud.positions.iter().filter(|p| p.x > 0.0 && p.y > 0.0).count() as f64;
+        assert!((quarter - 1000.0).abs() < 5.0 * 27.4, "{name}: {quarter}");
+        assert!(cloud.colors.as_ref().unwrap().windows(2).all(|pair| pair[0] == pair[1]), "{name}");
+    }
+    let alone = make("planes", &[("planes", 1.0), ("points", 10.0), ("opacity", 0.25)], 12);
+    assert!(alone.clouds.len() == 1 && number(&toml(&alone)["cloud"][0]["opacity"]) == 0.25);
+    let error = build("planes", &set(&[("planes", 64.0), ("points", 1e8)]), 12).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
 }
 
 #[test]

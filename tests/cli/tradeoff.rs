@@ -172,6 +172,54 @@ fn the_models_of_soft_spheres() {
     assert!(page.contains("Section 5.2") && page.contains("in float64"));
 }
 
+#[test]
+fn ensembles_of_planes_against_alpha_blending() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let sets = ["planes=2", "points=20000", "size=32", "opacity=0.4", "back=0.6"];
+    let scene = builtin(&folder, "planes", &sets);
+    let report = |more: &[&str]| -> Value {
+        let args = ["tradeoff", &scene, "-q", "-o", "report", "--quick", "--json"];
+        serde_json::from_str(&done(&folder, &[&args[..], more].concat())).unwrap()
+    };
+    let found = report(&[]);
+    let analytic = &found["analytic"];
+    let list = |key: &str| analytic[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect::<Vec<_>>();
+    // Opacities are float32 in the scene.
+    assert!(list("opacities").iter().zip([0.4, 0.6]).all(|(a, b)| (a - b).abs() < 1e-6), "{analytic}");
+    // 20 000 points on (2 / 1.8 · 32)² pixels.
+    assert!(list("points_per_pixel").iter().all(|m| (m / 15.8 - 1.0).abs() < 0.05), "{analytic}");
+    let [red, blue] =
+        [[230.0f32, 60.0, 50.0], [60.0, 180.0, 75.0]].map(|c| c.map(|v| pellucid::color::decode_srgb(v / 255.0)));
+    for (channel, color) in list("color").into_iter().enumerate() {
+        let blended = f64::from(0.4 * red[channel] + 0.6 * 0.6 * blue[channel]);
+        assert!((color - blended).abs() < 1e-5, "{channel}: {color} and not {blended}");
+    }
+    // The floor of 1024 pixels, to a linear order in the points.
+    let [floor, expected] = ["floor", "expected_floor"].map(|key| number(analytic, key));
+    assert!((floor / expected - 1.0).abs() < 0.15, "{analytic}");
+    let rows = found["rows"].as_array().unwrap();
+    let errors: Vec<[f64; 2]> =
+        rows.iter().map(|row| [number(row, "rmse_analytic"), number(&row["errors"], "rmse")]).collect();
+    // 1, 10 and 100 ensembles: half-way down by noise, then by points.
+    assert!(errors[1][0] < 0.36 * errors[0][0] && errors[2][0] < 1.3 * expected, "{errors:?}");
+    assert!(errors[2][1] < 0.8 * errors[2][0], "the reference has the same points: {errors:?}");
+    assert!((number(&analytic["slope"], "exponent") + 0.5).abs() < 0.05, "{analytic}");
+    let finding = found["findings"].as_array().unwrap().last().unwrap();
+    assert!(text(finding, "measured").contains("alpha blending") && finding["holds"] == true, "{finding}");
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains("Against alpha blending") && page.contains("expected of that"));
+    let table = fs::read_to_string(inside(&folder, "report/tradeoff.csv")).unwrap();
+    assert!(table.lines().next().unwrap().contains(",rmse,rmse_analytic,"));
+    // Where a rim is in the image, or colors are blended as they are stored, there is no such color.
+    for other in [&["--set", "camera.height=2.2"][..], &["--set", "image.color=encoded"]] {
+        let found = report(&[other, &["--seed", "4"]].concat());
+        assert!(found["analytic"].is_null() && found["rows"][0]["rmse_analytic"].is_null(), "{other:?}");
+    }
+}
+
 /// Starts a comparison and ends it once `settings` of them are stored.
 fn interrupt(folder: &TempDir, args: &[&str], settings: usize) -> Value {
     let command = pellucid(folder, args);

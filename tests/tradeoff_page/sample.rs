@@ -80,6 +80,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             checked_pixels: 4096,
             largest_error: 2.4e-7,
         },
+        analytic: None,
         rows,
         skipped: vec![
             skipped("peel", "method.layers=128", "the longest list has 64 fragments: 64 layers are exact already"),
@@ -122,6 +123,7 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
             above_1_255: (9.0 * rmse).min(1.0),
         },
         repeats,
+        rmse_analytic: None,
         front: false,
         picture: String::new(),
         difference: String::new(),

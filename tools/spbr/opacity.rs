@@ -51,20 +51,18 @@ pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
 }
 
 /// Standard deviation of a pixel over the number of its points (Poisson) and the ensembles they are in, as they are dealt here:
-/// ensembles are stretches of the share q of the cloud's random order, one behind the other, round after round.
+/// the ensembles of a pass have no point in common, those of two passes as many as chance brings. Of large
+/// clouds a pass has a part of the points alone, which adds some.
 fn expected_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
-    let vacant = (1.0 - alpha).powi(2);
-    let covariance = |other: u32| {
-        let start = (f64::from(other) * q).fract();
-        let overlap = (q - start.min(1.0 - start)).max(0.0);
-        // Below one round no stretch meets the first one again.
-        let overlap = if other > 0 && q * f64::from(ENSEMBLES) <= 1.0 { 0.0 } else { overlap };
-        (-per_pixel * (2.0 * q - overlap)).exp() - vacant
-    };
-    ((0..ENSEMBLES).map(covariance).sum::<f64>() / f64::from(ENSEMBLES)).sqrt()
+    let ensembles = f64::from(ENSEMBLES);
+    let of_pass = (1.0 / q).floor().clamp(1.0, ensembles);
+    let (passes, rest) = ((ensembles / of_pass).floor(), ensembles % of_pass);
+    let pairs = passes * of_pass * (ensembles - of_pass) + rest * (ensembles - rest);
+    let between = (1.0 - alpha).powi(2) * (per_pixel * q * q).exp_m1();
+    (alpha * (1.0 - alpha) / ensembles + pairs / ensembles.powi(2) * between).sqrt()
 }
 
-/// The same if each point were in that share of the ensembles at random, as in the paper.
+/// The same if each point were in that share of the ensembles at random, as in the paper: between any two of them.
 fn independent_spread(alpha: f64, per_pixel: f64, q: f64) -> f64 {
     let between = (1.0 - alpha).powi(2) * (per_pixel * q * q).exp_m1();
     (between + alpha * (1.0 - alpha) / f64::from(ENSEMBLES)).sqrt()

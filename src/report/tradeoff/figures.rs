@@ -1,6 +1,6 @@
 //! The figures.
 
-use super::{Convergence, Errors, Row, Tradeoff};
+use super::{Analytic, Convergence, Errors, Row, Tradeoff};
 use crate::output;
 use crate::report::fit::PowerLaw;
 use crate::report::plot::{Axis, Figure, Guide, Panel, Point, Series, Steps};
@@ -168,7 +168,7 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
     ladders.iter_mut().for_each(|ladder| ladder.rows.retain(|row| step(row) > 0.0));
     ladders.retain(|ladder| ladder.rows.len() > 1);
     ladders.sort_by_key(|ladder| !ladder.rows[0].stochastic);
-    let names = methods(ladders.iter().map(|ladder| ladder.rows[0]));
+    let mut names = methods(ladders.iter().map(|ladder| ladder.rows[0]));
     let key = |ladder: &Ladder<'_>| ladder.rows[0].step.as_ref().map(|(key, _)| key.clone()).unwrap_or_default();
     let mut keys: Vec<String> = ladders.iter().map(key).collect();
     // Those of one key need not be neighbors.
@@ -196,10 +196,27 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
         let is_guided = of_key.clone().any(|ladder| ladder.rows[0].stochastic);
         Panel { title: title.clone(), series: of_key.map(series).collect(), front: Vec::new(), is_guided }
     };
-    let panels: Vec<_> = keys.iter().map(panel).collect();
+    let mut panels: Vec<_> = keys.iter().map(panel).collect();
+    if let (Some(analytic), Some(panel)) = (&report.analytic, panels.first_mut()) {
+        panel.series.extend(blended(analytic, &report.rows, names.len()));
+        names.extend(["against alpha blending".to_owned(), "expected of that".to_owned()]);
+    }
     let guide = Guide { name: "slope −1/2", exponent: -0.5 };
     let y = Axis { label: "RMSE", floor: RMSE_FLOOR, steps: Steps::Tens };
     (!panels.is_empty()).then(|| side_by_side(names, "value of the setting", y, Some(guide), panels))
+}
+
+/// Errors against the analytic image, measured and expected, with names that begin at an index.
+fn blended(analytic: &Analytic, rows: &[Row], name: usize) -> [Series; 2] {
+    let found: Vec<_> = rows.iter().filter_map(|row| Some((step(row), row.rmse_analytic?))).collect();
+    let slope = analytic.slope.map(|law| format!("slope {}", signed(law.exponent, 2)));
+    let expected = found.iter().map(|(step, _)| Point::new(*step, analytic.expected(*step))).collect();
+    let measured = found.iter().map(|(step, rmse)| Point::new(*step, *rmse)).collect();
+    // What was measured lies on top.
+    [
+        Series { name: name + 1, points: expected, note: String::new() },
+        Series { name, points: measured, note: slope.unwrap_or_default() },
+    ]
 }
 
 /// Where a bias of 0 is drawn: the power of ten below all noise and floors.

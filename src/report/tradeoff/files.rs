@@ -27,6 +27,7 @@ struct Line<'a> {
     peak_device_bytes: Option<u64>,
     fragment_bytes: Option<u64>,
     rmse: Option<f64>,
+    rmse_analytic: Option<f64>,
     nmse: Option<f64>,
     psnr: Option<f64>,
     ssim: Option<f64>,
@@ -62,6 +63,7 @@ impl<'a> Line<'a> {
             peak_device_bytes: Some(row.peak_device_bytes),
             fragment_bytes: Some(row.fragment_bytes),
             rmse: Some(row.errors.rmse),
+            rmse_analytic: row.rmse_analytic,
             nmse: Some(row.errors.nmse),
             // Unlike JSON, a table can say it.
             psnr: Some(row.errors.psnr.unwrap_or(f64::INFINITY)),

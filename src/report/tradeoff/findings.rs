@@ -1,6 +1,7 @@
 //! What Seemann et al. (2018) say of their three models and Uchida et al. (2020) of ensembles, and what was measured of it.
 
-use super::{Finding, Row};
+use super::figures::signed;
+use super::{Analytic, Finding, Row};
 
 /// Base and Concentric take at least so many times the time of Express (Section 5.2).
 const EXPRESS_GAIN: f64 = 10.0;
@@ -8,7 +9,7 @@ const EXPRESS_GAIN: f64 = 10.0;
 const STEP: f64 = 1.0 / 255.0;
 
 /// One for each statement of which all rows are there.
-pub(super) fn of(rows: &[Row]) -> Vec<Finding> {
+pub(super) fn of(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
     let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
     let base = row("soft-base", "");
     let concentric = row("soft-concentric", "method.shells=adaptive");
@@ -21,11 +22,36 @@ pub(super) fn of(rows: &[Row]) -> Vec<Finding> {
         express.map(|row| alike(row, "soft-express")),
         base.zip(paper).map(|(base, paper)| packed(base, paper)),
     ];
-    pairs.into_iter().flatten().chain(ensembles(rows)).collect()
+    let planes = analytic.and_then(|analytic| blended(rows, analytic));
+    pairs.into_iter().flatten().chain(ensembles(rows)).chain(planes).collect()
 }
 
-/// How much the error of the most ensembles may be off what that of the fewest promises.
+/// How much the error of the most ensembles may be above what that of the fewest promises.
 const OFF: f64 = 0.25;
+/// How much an error against alpha blending may be off what is expected.
+const OFF_BLENDED: f64 = 0.15;
+
+/// RMSE against the analytic image of the fewest ensembles, of the most, and between.
+fn blended(rows: &[Row], analytic: &Analytic) -> Option<Finding> {
+    let mut found: Vec<(f64, f64)> =
+        rows.iter().filter_map(|row| Some((row.step.as_ref()?.1, row.rmse_analytic?))).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [(few, before), .., (many, after)] = found[..] else { return None };
+    let off = found.iter().map(|(count, rmse)| (rmse / analytic.expected(*count) - 1.0).abs()).fold(0.0, f64::max);
+    let slope = analytic.slope.map(|law| format!(", with slope {} up to there", signed(law.exponent, 2)));
+    let Analytic { dealt_once, expected_floor, floor, .. } = *analytic;
+    let [first, last] = [few, many].map(|count| analytic.expected(count));
+    Some(Finding {
+        claim: "planes look as alpha blending has them (Eq. 1), but for noise".to_owned(),
+        measured: format!(
+            "RMSE against alpha blending is {before:.4} with {few} ensembles ({first:.4} expected) and {after:.4} with {many} \
+             ({last:.4}); no point is dealt twice up to {dealt_once:.0} of them{}; points leave {floor:.4} however many there are \
+             ({expected_floor:.4} expected)",
+            slope.unwrap_or_default()
+        ),
+        holds: Some(off < OFF_BLENDED && (floor / expected_floor - 1.0).abs() < OFF_BLENDED),
+    })
+}
 
 /// Of the fewest and the most ensembles.
 fn ensembles(rows: &[Row]) -> Option<Finding> {
@@ -36,12 +62,13 @@ fn ensembles(rows: &[Row]) -> Option<Finding> {
     let [(few, before), .., (many, after)] = found[..] else { return None };
     let scaled = [before * few.sqrt(), after * many.sqrt()];
     Some(Finding {
-        claim: "the error falls as 1/√L (Fig. 6), as long as no point is dealt twice: copies add little".to_owned(),
+        claim: "the error against ever more ensembles of the same points falls as 1/√L (Fig. 6), or faster".to_owned(),
         measured: format!(
-            "RMSE · √L is {:.4} with {few} and {:.4} with {many} ensembles; `render` warns where each point is copied often",
+            "RMSE · √L is {:.4} with {few} and {:.4} with {many} ensembles; ensembles that share all points between them, none \
+             twice, make it smaller",
             scaled[0], scaled[1]
         ),
-        holds: Some((scaled[1] / scaled[0] - 1.0).abs() < OFF),
+        holds: Some(scaled[1] / scaled[0] < 1.0 + OFF),
     })
 }
 
@@ -109,6 +136,7 @@ mod tests {
             fragment_bytes,
             errors: Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: rmse, above_1_255: 0.0 },
             repeats: None,
+            rmse_analytic: None,
             front: false,
             picture: String::new(),
             difference: String::new(),
@@ -125,12 +153,12 @@ mod tests {
             row("soft-concentric", "method.shells=adaptive method.softness=0.5", 50.0, 0.02, 1),
             row("soft-express", "method.softness=0.5", 8.0, 0.03, 0),
         ];
-        let found = of(&rows);
+        let found = of(&rows, None);
         let holds: Vec<_> = found.iter().map(|finding| finding.holds).collect();
         assert_eq!(holds, [Some(true), Some(false), None, None, Some(false)], "{found:#?}");
         assert!(found[0].measured.ends_with(": 12.5") && found[1].measured.ends_with(": 6.2"), "{found:#?}");
         assert!(found[2].measured.starts_with("RMSE 0.0200") && found[4].measured.contains("2.00 times the bytes"));
-        assert_eq!(of(&rows[..1]), []);
+        assert_eq!(of(&rows[..1], None), []);
     }
 
     #[test]
@@ -140,11 +168,43 @@ mod tests {
                 step: Some(("ensembles".into(), count)),
                 ..row("spbr", "", 1.0, rmse, 0)
             };
-            of(&errors.map(step))
+            of(&errors.map(step), None)
         };
         let found = of([(1.0, 0.4), (100.0, 0.04), (10.0, 0.2)]);
         assert_eq!((found.len(), found[0].holds), (1, Some(true)), "{found:?}");
         assert!(found[0].measured.contains("0.4000 with 1 and 0.4000 with 100"), "{found:?}");
         assert_eq!(of([(1.0, 0.4), (10.0, 0.2), (100.0, 0.1)])[0].holds, Some(false));
+        // Faster is right as well.
+        assert_eq!(of([(1.0, 0.4), (10.0, 0.1), (100.0, 0.02)])[0].holds, Some(true));
+    }
+
+    #[test]
+    fn planes_are_as_blended_or_aren_t() {
+        let analytic = Analytic {
+            opacities: vec![0.5],
+            points_per_pixel: vec![20.0],
+            color: [0.5; 3],
+            dealt_once: 28.85,
+            expected_of_one: 0.5,
+            expected_floor: 0.078,
+            floor: 0.08,
+            slope: None,
+        };
+        let finding = |floor: f64, factor: f64| {
+            let analytic = Analytic { floor, ..analytic.clone() };
+            let row = |count: f64| Row {
+                step: Some(("ensembles".into(), count)),
+                rmse_analytic: Some(factor * analytic.expected(count)),
+                ..row("spbr", "", 1.0, 0.4 / count.sqrt(), 0)
+            };
+            of(&[1.0, 10.0, 1000.0].map(row), Some(&analytic)).pop().unwrap()
+        };
+        let found = finding(0.08, 1.0);
+        assert!(
+            found.measured.starts_with("RMSE against alpha blending is 0.5000 with 1 ensembles (0.5000"),
+            "{found:?}"
+        );
+        let holds = [finding(0.08, 1.1), finding(0.08, 1.2), finding(0.1, 1.0)].map(|found| found.holds);
+        assert_eq!(holds, [Some(true), Some(false), Some(false)]);
     }
 }

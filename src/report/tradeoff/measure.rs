@@ -7,11 +7,12 @@ use std::time::Instant;
 use glam::Vec3;
 use indicatif::ProgressBar;
 
+use super::analytic::{self, Planes};
 use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
 use super::settings::{Formation, Ladders, Occasion, Setting, formation, settings};
-use super::{DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
+use super::{Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
@@ -109,8 +110,11 @@ pub fn run(
     let exact = in_float64.as_ref().unwrap_or(&image);
     let reference = linear(exact, subject.background, frame.color);
     let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
+    let planes = Planes::of(subject.arranged, &frame);
+    let analytic = planes.map(|planes| planes.about(subject.background, &reference));
+    let skipped = Vec::new();
     let mut run =
-        Run { device, subject, options, folder, progress, frame, partial, cloud, reference, skipped: Vec::new() };
+        Run { device, subject, options, folder, progress, frame, partial, cloud, reference, analytic, skipped };
     run.keep_reference(in_float64.is_none().then_some(&image))?;
 
     let (mut settings, skipped) = settings(&occasion, &options.ladders);
@@ -141,6 +145,7 @@ struct Run<'a> {
     partial: Partial,
     cloud: DeviceCloud,
     reference: LinearImage,
+    analytic: Option<Analytic>,
     skipped: Vec<Skipped>,
 }
 
@@ -251,9 +256,9 @@ impl Run<'_> {
         let alone = seconds > self.options.seconds / ALONE_SHARE;
         let frames = alone.then(|| Timed::new(&second.profile, self.partial.content.sittings)).into_iter().collect();
         let errors = self.errors(&image);
-        let (errors, repeats) = if setting.is_stochastic() {
+        let (errors, repeats, rmse_analytic) = if setting.is_stochastic() {
             let mut seeds = Seeds::new(image.pixels.len());
-            seeds.add(&image.pixels, &self.reference.pixels, errors);
+            seeds.add(&image.pixels, &self.reference.pixels, errors, self.rmse_analytic(&image));
             self.add(&mut seeds, &second.image);
             renderer.recycle(second.image);
             let allowed = (self.options.seconds / SEEDS_SHARE / with_upload) as u32;
@@ -262,12 +267,13 @@ impl Run<'_> {
                 self.add(&mut seeds, &rendered.image);
                 renderer.recycle(rendered.image);
             }
-            (seeds.errors(), Some(seeds.repeats()))
+            (seeds.errors(), Some(seeds.repeats()), seeds.rmse_analytic())
         } else {
-            (errors, None)
+            (errors, None, self.rmse_analytic(&image))
         };
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
-        let trial = Trial { peak_device_bytes, fragment_bytes, errors, repeats, picture, difference, seconds };
+        let trial =
+            Trial { peak_device_bytes, fragment_bytes, errors, repeats, rmse_analytic, picture, difference, seconds };
         Ok(Measured { trial, frames })
     }
 
@@ -295,7 +301,11 @@ impl Run<'_> {
 
     fn add(&self, seeds: &mut Seeds, image: &Image) {
         let image = self.linear(image);
-        seeds.add(&image.pixels, &self.reference.pixels, self.errors(&image));
+        seeds.add(&image.pixels, &self.reference.pixels, self.errors(&image), self.rmse_analytic(&image));
+    }
+
+    fn rmse_analytic(&self, image: &LinearImage) -> Option<f64> {
+        self.analytic.as_ref().map(|analytic| analytic::rmse(analytic.color, image))
     }
 
     fn errors(&self, image: &LinearImage) -> Errors {
@@ -374,13 +384,14 @@ impl Run<'_> {
     }
 
     fn report(self, settings: &[Setting], facts: &Facts) -> Tradeoff {
-        let Self { device, subject, options, partial, skipped, .. } = self;
+        let Self { device, subject, options, partial, analytic, skipped, .. } = self;
         let content = partial.content;
         let row = |setting: &Setting| summary::row(setting, &content.settings[&setting.key()]);
         let mut rows: Vec<Row> = settings.iter().map(row).collect();
         summary::mark_front(&mut rows);
         let convergence = summary::convergence(settings, &rows);
-        let findings = findings::of(&rows);
+        let analytic = analytic.map(|known| Analytic { slope: analytic::slope(&rows, known.dealt_once), ..known });
+        let findings = findings::of(&rows, analytic.as_ref());
         let info = device.info();
         Tradeoff {
             version: 1,
@@ -395,6 +406,7 @@ impl Run<'_> {
             max_list: facts.max_list,
             sittings: content.sittings,
             reference: content.reference.expect("kept before any setting was tried"),
+            analytic,
             rows,
             skipped,
             convergence,

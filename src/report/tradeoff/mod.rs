@@ -1,6 +1,7 @@
 //! Accuracy against time: every applicable method and setting on one scene, against the exact image of the same image
 //! formation; what lies on the Pareto front; how the error of stochastic methods falls with their samples.
 
+mod analytic;
 mod figures;
 mod files;
 mod findings;
@@ -80,6 +81,8 @@ pub struct Row {
     pub errors: Errors,
     /// Of stochastic methods.
     pub repeats: Option<Repeats>,
+    /// RMSE against the analytic image ([`Tradeoff::analytic`]), where there is one: root of the mean square over the seeds.
+    pub rmse_analytic: Option<f64>,
     /// Whether no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute
@@ -144,6 +147,38 @@ pub struct Reference {
     pub largest_error: f64,
 }
 
+/// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one color.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Analytic {
+    /// Those of the planes, the nearest first.
+    pub opacities: Vec<f64>,
+    /// Points on a pixel of the image, m, of each plane.
+    pub points_per_pixel: Vec<f64>,
+    /// Linear R, G, B, over the background.
+    pub color: [f64; 3],
+    /// Ensembles up to which no point is dealt twice: the least m / −ln(1 − α).
+    pub dealt_once: f64,
+    /// RMSE of a single ensemble, as expected: σ₁.
+    pub expected_of_one: f64,
+    /// RMSE that is left however many ensembles there are, since how many points lie on a pixel is left to chance: for one plane
+    /// of color C before B it is (1 − α)·√(e^(ln²(1 − α) / m) − 1)·|C − B|.
+    pub expected_floor: f64,
+    /// The same as measured: RMSE of the reference, the limit of ever more ensembles of these points.
+    pub floor: f64,
+    /// RMSE over L of the settings up to [`Analytic::dealt_once`], if there are two of them: −1/2 is expected.
+    pub slope: Option<PowerLaw>,
+}
+
+impl Analytic {
+    /// RMSE as expected of so many ensembles: √(σ₁²/L) while no point is dealt twice, and then what the points leave besides,
+    /// which any two ensembles have in common that are not of one pass through them. Of planes whose passes differ a little more
+    /// than there is.
+    pub fn expected(&self, ensembles: f64) -> f64 {
+        let shared = (1.0 - self.dealt_once / ensembles).max(0.0);
+        (self.expected_of_one.powi(2) / ensembles + shared * self.expected_floor.powi(2)).sqrt()
+    }
+}
+
 /// All that was measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tradeoff {
@@ -171,6 +206,8 @@ pub struct Tradeoff {
     pub sittings: u32,
     /// What the errors are against.
     pub reference: Reference,
+    /// Of ensembles of planes that fill the image.
+    pub analytic: Option<Analytic>,
     /// What was measured, in the order of the settings' ladder.
     pub rows: Vec<Row>,
     /// What was not.

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::figures::{Drawn, FLIP_FLOOR, LAW_R_SQUARED, RMSE_FLOOR, bias_floor, short, signed};
 use super::pictures::Pictures;
-use super::{DIFFERENCE_GAIN, Row, Tradeoff};
+use super::{Analytic, DIFFERENCE_GAIN, Row, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, figure, grouped, page, script, sortable, sorting, table};
 
 const MIB: f64 = (1 << 20) as f64;
@@ -48,6 +48,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
         h2 { "Convergence" }
         @for drawn in of(figures, &["convergence.svg"]) { (shown(drawn, report)) }
         (convergence(report))
+        @if let Some(analytic) = &report.analytic { (blended(report, analytic)) }
         h2 { "Bias and noise" }
         @for drawn in of(figures, &["bias.svg"]) { (shown(drawn, report)) }
         (bias(report))
@@ -191,6 +192,7 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
             "Independent samples fall in parallel to the dashed line. Slopes are given where a power law explains "
             (100.0 * LAW_R_SQUARED) " % of the variance. RMSE below " (power(RMSE_FLOOR))
             " is drawn there."
+            @if report.analytic.is_some() { " The slope against alpha blending is that of settings which deal no point twice." }
         },
         _ => html! {
             b { "Noise and bias of stochastic methods. " }
@@ -231,6 +233,35 @@ fn convergence(report: &Tradeoff) -> Markup {
             }
             (table(&columns, &rows))
         }
+    }
+}
+
+/// Errors against alpha blending of planes.
+fn blended(report: &Tradeoff, analytic: &Analytic) -> Markup {
+    let columns = [
+        Column::text("setting"),
+        Column::number("ms"),
+        Column::number("RMSE against the reference"),
+        Column::number("against alpha blending"),
+        Column::number("expected"),
+    ];
+    let row = |row: &Row| {
+        let (_, count) = row.step.as_ref()?;
+        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), error(row.rmse_analytic?)];
+        Some([vec![short(&row.setting)], numbers.to_vec(), vec![error(analytic.expected(*count))]].concat())
+    };
+    let list = |values: &[f64]| values.iter().map(|value| digits(*value)).collect::<Vec<_>>().join(", ");
+    html! {
+        h3 { "Against alpha blending" }
+        p {
+            "This scene is planes that fill the image, of opacity " (list(&analytic.opacities)) " (the nearest first) and "
+            (list(&analytic.points_per_pixel)) " points on a pixel, so that its image is known: one color. Up to "
+            (digits(analytic.dealt_once)) " ensembles no point is dealt twice, and the error falls as 1/√ensembles"
+            @if let Some(law) = analytic.slope { " (slope " (signed(law.exponent, 3)) " as measured)" }
+            ". Beyond, what is left is the chance of how many points are on a pixel: " (error(analytic.floor))
+            " is the error of the reference itself, " (error(analytic.expected_floor)) " the one expected."
+        }
+        (table(&columns, &report.rows.iter().filter_map(row).collect::<Vec<_>>()))
     }
 }
 

@@ -19,6 +19,7 @@ pub(super) struct Trial {
     pub fragment_bytes: u64,
     pub errors: Errors,
     pub repeats: Option<Repeats>,
+    pub rmse_analytic: Option<f64>,
     pub picture: String,
     pub difference: String,
     /// Of a frame that found its buffers and shaders ready, on the host's clock.
@@ -111,6 +112,7 @@ mod tests {
             fragment_bytes: 0,
             errors,
             repeats: None,
+            rmse_analytic: None,
             picture: picture.to_owned(),
             difference: picture.to_owned(),
             seconds: 0.25,

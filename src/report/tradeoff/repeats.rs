@@ -10,15 +10,17 @@ pub(super) struct Seeds {
     /// Squared differences from the mean, over all channels.
     squares: f64,
     errors: Vec<Errors>,
+    /// RMSE against the analytic image, if there is one.
+    analytic: Vec<f64>,
 }
 
 impl Seeds {
     pub fn new(pixels: usize) -> Self {
-        Self { count: 0, mean: vec![0.0; 3 * pixels], squares: 0.0, errors: Vec::new() }
+        Self { count: 0, mean: vec![0.0; 3 * pixels], squares: 0.0, errors: Vec::new(), analytic: Vec::new() }
     }
 
     /// Adds an image. Sums are kept as Welford (1962) does, so that they don't cancel.
-    pub fn add(&mut self, image: &[[f32; 3]], reference: &[[f32; 3]], errors: Errors) {
+    pub fn add(&mut self, image: &[[f32; 3]], reference: &[[f32; 3]], errors: Errors, analytic: Option<f64>) {
         self.count += 1;
         let share = 1.0 / f64::from(self.count);
         let values = image.as_flattened().iter().zip(reference.as_flattened());
@@ -29,6 +31,7 @@ impl Seeds {
             self.squares += from_old * (difference - *mean);
         }
         self.errors.push(errors);
+        self.analytic.extend(analytic);
     }
 
     /// Bias and noise; at least two images.
@@ -42,6 +45,12 @@ impl Seeds {
             bias: (of_mean - noise / count).max(0.0).sqrt(),
             bias_floor: (noise / count).sqrt(),
         }
+    }
+
+    /// Root of the mean square of the RMSE against the analytic image.
+    pub fn rmse_analytic(&self) -> Option<f64> {
+        let squares: f64 = self.analytic.iter().map(|rmse| rmse * rmse).sum();
+        (!self.analytic.is_empty()).then(|| (squares / self.analytic.len() as f64).sqrt())
     }
 
     /// The errors over the seeds: root mean squares of rmse, means of the others; psnr is that of the rmse.
@@ -75,7 +84,7 @@ mod tests {
         // Differences 1 and 3 in every channel: mean 2, variance 2, so bias² = 4 − 2/2 = 3.
         let mut seeds = Seeds::new(2);
         for value in [1.5f32, 3.5] {
-            seeds.add(&[[value; 3]; 2], &[[0.5; 3]; 2], with_rmse(f64::from(value) - 0.5));
+            seeds.add(&[[value; 3]; 2], &[[0.5; 3]; 2], with_rmse(f64::from(value) - 0.5), Some(f64::from(value)));
         }
         let Repeats { seeds: count, noise, bias, bias_floor } = seeds.repeats();
         assert_eq!(count, 2);
@@ -87,6 +96,8 @@ mod tests {
         let errors = seeds.errors();
         is(errors.rmse, 5.0);
         assert_eq!(errors.max, 2.0);
+        // (1.5² + 3.5²) / 2.
+        is(seeds.rmse_analytic().unwrap(), 7.25);
         // Both together are the error: rmse² = bias² + noise².
         is(errors.rmse, bias * bias + noise * noise);
     }
@@ -95,8 +106,8 @@ mod tests {
     fn without_bias_there_is_none_below_the_floor() {
         let mut seeds = Seeds::new(1);
         for value in [-1.0f32, 1.0] {
-            seeds.add(&[[value; 3]], &[[0.0; 3]], with_rmse(1.0));
+            seeds.add(&[[value; 3]], &[[0.0; 3]], with_rmse(1.0), None);
         }
-        assert_eq!(seeds.repeats().bias, 0.0);
+        assert_eq!((seeds.repeats().bias, seeds.rmse_analytic()), (0.0, None));
     }
 }

@@ -8,6 +8,7 @@ mod builder;
 mod garden;
 mod mosaic;
 mod plane;
+mod planes;
 mod random;
 mod spheres;
 mod stack;
@@ -64,6 +65,7 @@ pub const BUILTINS: &[Builtin] = &[
     stack::BUILTIN,
     mosaic::BUILTIN,
     plane::BUILTIN,
+    planes::BUILTIN,
     spheres::BUILTIN,
 ];
 
