@@ -21,7 +21,9 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method
         match lost(surface, share) {
             Some(lost) => warnings.push(format!("{name}: {lost}")),
             // Opaque surfaces ask for all that there is.
-            None if surface.opacity < 1.0 && copies > COPIES => copied.push((copies, name.as_str())),
+            None if surface.opacity < 1.0 && copies > COPIES => {
+                copied.push((copies, noise(copies, surface.opacity), name.as_str()))
+            }
             None => {}
         }
     }
@@ -52,15 +54,23 @@ fn lost(surface: &Surface, share: &Share) -> Option<String> {
     }
 }
 
-/// The clouds of which each point is copied often, with their copies.
-fn many(copied: &[(f64, &str)], ensembles: f64) -> Option<String> {
-    let most = copied.iter().map(|(copies, _)| *copies).fold(0.0, f64::max);
-    let names: Vec<&str> = copied.iter().map(|(_, name)| *name).collect();
+/// The variance of a surface of this opacity over that of a surface whose points are dealt once: α(1 − α) of being drawn, and
+/// (1 − α)²mk of how many points lie on a pixel, m = −ln(1 − α), which copies don't change.
+fn noise(copies: f64, opacity: f32) -> f64 {
+    let opacity = f64::from(opacity);
+    1.0 + (1.0 - opacity) / opacity * -(-opacity).ln_1p() * copies
+}
+
+/// The clouds of which each point is copied often, with their copies and noise.
+fn many(copied: &[(f64, f64, &str)], ensembles: f64) -> Option<String> {
+    let most = copied.iter().map(|(copies, ..)| *copies).fold(0.0, f64::max);
+    let noise = copied.iter().map(|(_, noise, _)| *noise).fold(1.0, f64::max);
+    let names: Vec<&str> = copied.iter().map(|(.., name)| *name).collect();
     (!copied.is_empty()).then(|| {
         format!(
             "up to {most:.0} copies of each point are dealt to {ensembles} ensembles, so that there is about the noise of {:.1} \
              of them; a smaller image or more points would help, more ensembles would not: {}",
-            ensembles / most,
+            ensembles / noise,
             names.join(", ")
         )
     })
@@ -86,7 +96,9 @@ mod tests {
     fn who_loses_opacity_is_told() {
         assert_eq!(said(3.0, 0.5, 700, false), "");
         let copies = said(3.0, 0.5, 2100, false);
-        assert!(copies.contains("21 copies of each point") && copies.contains("noise of 4.8"), "{copies}");
+        assert!(copies.contains("21 copies of each point") && copies.contains("noise of 6.4"), "{copies}");
+        // 1 + 0.1 / 0.9 · 2.303 · 21 = 6.4.
+        assert!(said(3.0, 0.9, 2100, false).contains("noise of 15.7"), "{}", said(3.0, 0.9, 2100, false));
         assert!(copies.ends_with(": a.ply"), "{copies}");
         let capped = said(3.0, 0.9, 10_000, true);
         assert!(capped.starts_with("a.ply: opacity 0.900 needs 9.2 times") && capped.contains("0.221"), "{capped}");

@@ -22,6 +22,7 @@ tr:nth-child(even) td { background: #f6f6f6; }
 sup { line-height: 0; }
 summary { cursor: pointer; font-weight: 600; margin: .3rem 0; }
 [hidden] { display: none !important; }
+.sentences td { white-space: normal; vertical-align: top; min-width: 5rem; }
 .sortable th { position: relative; }
 .sortable th button { all: unset; cursor: pointer; white-space: nowrap; }
 .sortable th button:hover { text-decoration: underline; }

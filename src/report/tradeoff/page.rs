@@ -149,7 +149,8 @@ fn findings(report: &Tradeoff) -> Markup {
         let holds = finding.holds.map_or("", |holds| if holds { "yes" } else { "no" });
         vec![finding.claim.clone(), finding.measured.clone(), holds.to_owned()]
     };
-    table(&columns, &report.findings.iter().map(row).collect::<Vec<_>>())
+    let rows: Vec<_> = report.findings.iter().map(row).collect();
+    html! { div.sentences { (table(&columns, &rows)) } }
 }
 
 /// A share in percent, to the thousandth.
