@@ -22,7 +22,7 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method
             Some(lost) => warnings.push(format!("{name}: {lost}")),
             // Opaque surfaces ask for all that there is.
             None if surface.opacity < 1.0 && copies > COPIES => {
-                copied.push((copies, noise(copies, surface.opacity), name.as_str()))
+                copied.push((copies, noise(copies, surface.opacity), name.as_str()));
             }
             None => {}
         }
