@@ -74,6 +74,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
         seed: 0,
     };

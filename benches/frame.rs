@@ -133,6 +133,7 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
     };
     let mut renderer = Renderer::new(device)?;
@@ -281,6 +282,7 @@ fn frame(method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
     }
 }

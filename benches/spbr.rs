@@ -217,6 +217,7 @@ fn frame(method: Method, perspective: bool) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
     }
 }

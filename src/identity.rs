@@ -22,6 +22,7 @@ pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str,
         stop,
         seed,
         max_error: _,
+        shadows,
         factors,
     } = frame;
     let mut hasher = blake3::Hasher::new();
@@ -41,7 +42,7 @@ pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str,
     // Debug output of floats is exact.
     let surfaces = arranged.surfaces();
     let settings = format!(
-        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {factors:?} {background:?} {surfaces:?}"
+        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {shadows:?} {factors:?} {background:?} {surfaces:?}"
     );
     let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
     for text in [&settings, formation, &program] {

@@ -52,6 +52,7 @@
 //!     stop: Stop::Exact,
 //!     seed: 0,
 //!     max_error: None,
+//!     shadows: None,
 //!     factors: Factors::default(),
 //! };
 //! let rendered = renderer.render(&mut cloud, &frame)?;

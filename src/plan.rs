@@ -107,6 +107,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         }
         Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
         Method::Spbr(_) | Method::SpbrSimplified(_) => {}
+        Method::ImageSpace(_) | Method::PeelLayers(_) => {}
         Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
             plan.soft_spheres(device, frame, facts, soft.threshold, why);
         }

@@ -54,6 +54,7 @@ impl Subject {
             fragments: false,
             stop: Stop::Exact,
             max_error: None,
+            shadows: None,
             factors: Factors::default(),
             seed: 0,
         };

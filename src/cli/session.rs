@@ -67,6 +67,7 @@ impl Session {
             stop,
             seed: resolved.seed,
             max_error: None,
+            shadows: resolved.scene.shadows,
             factors: Factors::default(),
         };
         let renderer = Renderer::new(&device)?;

@@ -113,6 +113,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
         seed: resolved.seed,
     };

@@ -175,6 +175,7 @@ fn frame(side: u32, method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        shadows: None,
         factors: Factors::default(),
     }
 }

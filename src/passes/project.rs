@@ -576,6 +576,15 @@ impl DeviceCloud {
         self.depth_origin
     }
 
+    /// Diagonal of the points' box in world units; 0 without points.
+    pub fn diagonal(&self) -> f64 {
+        let (min, max) = self
+            .corners
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), corner| (min.min(*corner), max.max(*corner)));
+        min.distance(max)
+    }
+
     /// The largest radius of all points, as uploaded.
     pub fn most_radius(&self) -> f32 {
         self.most_radius

@@ -33,7 +33,8 @@ const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];
 const BLENDED: &[&str] = &["size", "max_pixel_radius", "blend_depth"];
 const DISCS: &[&str] = &["shape", "falloff", "raster"];
 const LISTS: &[&str] = &["long_lists"];
-const FILTERS: &[&str] = &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance"];
+const FILTERS: &[&str] =
+    &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance", "cull"];
 const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells", "pixels_per_shell", "layout"];
 
 /// Every method of the contract with groups of keys of its own; `name` is everyone's.

@@ -3,9 +3,9 @@
 use super::error::{Error, nearest};
 use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
 use super::settings::{
-    BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, MAX_ENSEMBLES,
-    MAX_K, MAX_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer, Peel, Raster, ScreenSplats, Shells, Soft, SoftLayout,
-    Spbr, SpbrSimplified, SplatShape, Stochastic,
+    BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, LongLists,
+    MAX_ENSEMBLES, MAX_ITERATIONS, MAX_K, MAX_LAYERS, MAX_POINT_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer,
+    Peel, PeelLayers, Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
 };
 use super::table::{Range, Table};
 use super::tree::Value;
@@ -44,6 +44,8 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "soft-concentric" => Method::SoftConcentric(soft(table)?),
         "soft-express" => Method::SoftExpress(soft(table)?),
         "one-layer" => Method::OneLayer(one_layer(table)?),
+        "image-space" => Method::ImageSpace(filters(table, ImageSpace::default())?),
+        "peel-layers" => Method::PeelLayers(peel_layers(table)?),
         "spbr" => Method::Spbr(spbr(table)?),
         "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
         _ => Method::Auto(discs(table)?),
@@ -160,6 +162,27 @@ fn one_layer(table: &Table<'_>) -> Result<OneLayer, Error> {
     Ok(OneLayer {
         threshold: table.number32("threshold", Range::UNIT)?.unwrap_or(default.threshold),
         softness: table.number32("softness", Range::UNIT)?.unwrap_or(default.softness),
+    })
+}
+
+fn filters(table: &Table<'_>, default: ImageSpace) -> Result<ImageSpace, Error> {
+    let iterations = |key, default| Ok::<_, Error>(table.integer(key, 0, MAX_ITERATIONS)?.unwrap_or(default));
+    Ok(ImageSpace {
+        fill: iterations("fill", default.fill)?,
+        occlusion: iterations("occlusion", default.occlusion)?,
+        smooth: iterations("smooth", default.smooth)?,
+        antialias: table.boolean("antialias")?.unwrap_or(default.antialias),
+        antialias_threshold: table.number32("antialias_threshold", Range::UNIT)?.unwrap_or(default.antialias_threshold),
+        min_layer_distance: table.number32("min_layer_distance", Range::POSITIVE)?,
+        cull: table.boolean("cull")?.unwrap_or(default.cull),
+    })
+}
+
+fn peel_layers(table: &Table<'_>) -> Result<PeelLayers, Error> {
+    let default = PeelLayers::default();
+    Ok(PeelLayers {
+        filters: filters(table, default.filters)?,
+        layers: table.integer("layers", 1, MAX_POINT_LAYERS)?.unwrap_or(default.layers),
     })
 }
 

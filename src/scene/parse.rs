@@ -100,12 +100,12 @@ fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     if !method.needs_field() {
         table.tables("cloud")?.iter().for_each(|cloud| warn_of_fields(cloud, &method, &mut warnings));
     }
-    shadows(&table, &mut warnings)?;
+    let shadows = shadows(&table, &mut warnings)?;
     if clouds.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
     }
-    Ok(Scene { image, camera, shading, clouds, method, warnings, settings: root.value.to_json().to_string() })
+    Ok(Scene { image, camera, shading, clouds, method, shadows, warnings, settings: root.value.to_json().to_string() })
 }
 
 fn image(table: &Table<'_>) -> Result<ImageSettings, Error> {
@@ -274,16 +274,20 @@ fn field(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Field>,
     }))
 }
 
-fn shadows(root: &Table<'_>, warnings: &mut Vec<String>) -> Result<(), Error> {
+/// `[shadows]`; what can't have any leaves a warning.
+fn shadows(root: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Shadows>, Error> {
     let table = root.table("shadows")?;
     table.refuse_unknown(&["method", "samples", "light_radius", "resolution", "min_layer_distance"])?;
     table.choice("method", &[("texture", ())])?;
-    table.integer("samples", 1, u32::MAX)?;
-    table.number("light_radius", Range::NOT_NEGATIVE)?;
-    table.integer("resolution", 1, MAX_SIDE)?;
-    table.number("min_layer_distance", Range::POSITIVE)?;
+    let default = Shadows::default();
+    let _shadows = Shadows {
+        samples: table.integer("samples", 1, MAX_SHADOW_SAMPLES)?.unwrap_or(default.samples),
+        light_radius: table.number32("light_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.light_radius),
+        resolution: table.integer("resolution", 1, MAX_SIDE)?.unwrap_or(default.resolution),
+        min_layer_distance: table.number32("min_layer_distance", Range::POSITIVE)?,
+    };
     if root.get("shadows").is_some() {
         warnings.push(format!("{}: this version casts no shadows; [shadows] has no effect", table.place));
     }
-    Ok(())
+    Ok(None)
 }

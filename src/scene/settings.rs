@@ -53,6 +53,28 @@ pub struct CameraSettings {
     pub view: View,
 }
 
+/// `[shadows]`: one share of light per point (Dobrev et al. 2010, Section 6).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shadows {
+    /// `samples` M: lights that stand for an area light, from 1 to [`MAX_SHADOW_SAMPLES`].
+    pub samples: u32,
+    /// `light_radius`: degrees around a direction, world units around a position; 0: hard shadows.
+    pub light_radius: f32,
+    /// `resolution`: columns and rows of the light's image, from 1 to [`MAX_SIDE`].
+    pub resolution: u32,
+    /// `min_layer_distance` d̃ in world units; `None`: 1% of the scene's diagonal.
+    pub min_layer_distance: Option<f32>,
+}
+
+impl Default for Shadows {
+    fn default() -> Self {
+        Self { samples: 1, light_radius: 0.0, resolution: 1024, min_layer_distance: None }
+    }
+}
+
+/// Most samples of an area light.
+pub const MAX_SHADOW_SAMPLES: u32 = 65_536;
+
 /// `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CloudSettings {
@@ -90,6 +112,8 @@ pub struct Scene {
     pub clouds: Vec<CloudSettings>,
     /// `[method]`.
     pub method: Method,
+    /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
+    pub shadows: Option<Shadows>,
     /// What was given but has no effect, one sentence each.
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
@@ -403,6 +427,60 @@ pub enum Relief {
     Sphere = 3,
 }
 
+/// Settings of `image-space` (Dobrev et al. 2010, Section 3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageSpace {
+    /// `fill`: iterations of the filter that fills background pixels, at most [`MAX_ITERATIONS`].
+    pub fill: u32,
+    /// `occlusion`: iterations of the filter that replaces what is seen through holes, at most [`MAX_ITERATIONS`].
+    pub occlusion: u32,
+    /// `smooth`: iterations of the low-pass filter, at most [`MAX_ITERATIONS`].
+    pub smooth: u32,
+    /// `antialias`: whether edges of depth are blended with their neighbors.
+    pub antialias: bool,
+    /// `antialias_threshold`: the share of an edge from which they are, in [0, 1].
+    pub antialias_threshold: f32,
+    /// `min_layer_distance` d̃ in world units along z; `None`: 1% of the scene's diagonal.
+    pub min_layer_distance: Option<f32>,
+    /// `cull`: whether points that face away from the viewer are left out, where there are normals.
+    pub cull: bool,
+}
+
+impl Default for ImageSpace {
+    fn default() -> Self {
+        Self {
+            fill: 1,
+            occlusion: 1,
+            smooth: 1,
+            antialias: true,
+            antialias_threshold: 0.25,
+            min_layer_distance: None,
+            cull: true,
+        }
+    }
+}
+
+/// Iterations of an image filter at most.
+pub const MAX_ITERATIONS: u32 = 256;
+
+/// Settings of `peel-layers` (Dobrev et al. 2010, Sections 4 and 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PeelLayers {
+    /// What each layer goes through. Back faces are parts of surfaces too, so that they are not culled unless asked for.
+    pub filters: ImageSpace,
+    /// `layers`: how many are blended at most, the nearest ones, from 1 to [`MAX_POINT_LAYERS`].
+    pub layers: u32,
+}
+
+impl Default for PeelLayers {
+    fn default() -> Self {
+        Self { filters: ImageSpace { cull: false, ..ImageSpace::default() }, layers: 4 }
+    }
+}
+
+/// Layers of point surfaces at most, since each of them visits every point.
+pub const MAX_POINT_LAYERS: u32 = 1024;
+
 /// Settings of `spbr`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spbr {
@@ -496,6 +574,10 @@ pub enum Method {
     SoftExpress(Soft),
     /// The first layer transparent, the rest opaque.
     OneLayer(OneLayer),
+    /// 1-pixel points whose holes are filled by filters of the image (Dobrev et al. 2010).
+    ImageSpace(ImageSpace),
+    /// Layers of such points, blended front to back.
+    PeelLayers(PeelLayers),
     /// The mean of opaque images of random parts of the points (Tanaka et al. 2016), with a surface's opacity given.
     Spbr(Spbr),
     /// The same with all points, each in one part (Uchida et al. 2020, Section 3.4).
@@ -544,6 +626,8 @@ impl Method {
             Self::SoftConcentric(_) => "soft-concentric",
             Self::SoftExpress(_) => "soft-express",
             Self::OneLayer(_) => "one-layer",
+            Self::ImageSpace(_) => "image-space",
+            Self::PeelLayers(_) => "peel-layers",
             Self::Spbr(_) => "spbr",
             Self::SpbrSimplified(_) => "spbr-simplified",
         }
@@ -574,6 +658,8 @@ impl Method {
             | Self::SoftConcentric(_)
             | Self::SoftExpress(_)
             | Self::OneLayer(_)
+            | Self::ImageSpace(_)
+            | Self::PeelLayers(_)
             | Self::Spbr(_)
             | Self::SpbrSimplified(_) => None,
         }
@@ -635,7 +721,32 @@ impl Method {
 
     /// Whether the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
-        !matches!(self, Self::Points) && !self.is_dealt()
+        !matches!(self, Self::Points | Self::ImageSpace(_) | Self::PeelLayers(_)) && !self.is_dealt()
+    }
+
+    /// The filters of the image, of methods that have some.
+    pub fn filters(&self) -> Option<&ImageSpace> {
+        match self {
+            Self::ImageSpace(filters) | Self::PeelLayers(PeelLayers { filters, .. }) => Some(filters),
+            _ => None,
+        }
+    }
+
+    /// Whether `[shadows]` applies to it.
+    pub fn takes_shadows(&self) -> bool {
+        matches!(
+            self,
+            Self::Points
+                | Self::Squares(_)
+                | Self::Circles(_)
+                | Self::Paraboloid(_)
+                | Self::Cone(_)
+                | Self::Sphere(_)
+                | Self::Hqs(_)
+                | Self::Splats(_)
+                | Self::ImageSpace(_)
+                | Self::PeelLayers(_)
+        )
     }
 
     /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).

@@ -76,6 +76,7 @@ impl Stage {
             stop: Stop::Exact,
             seed: self.seed,
             max_error: None,
+            shadows: None,
             factors: Factors::default(),
         }
     }

@@ -39,7 +39,7 @@ use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{
     ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats,
-    Shading, SplatShape, Stochastic,
+    Shading, Shadows, SplatShape, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -51,6 +51,8 @@ pub struct Frame {
     pub size: [u32; 2],
     /// Shading of points with normals.
     pub shading: Shading,
+    /// Shadows of the light, of methods that take some ([`Method::takes_shadows`]) where shading has a light that casts them.
+    pub shadows: Option<Shadows>,
     /// In which space colors are blended.
     pub color: ColorSpace,
     /// The method; [`Method::Auto`] must have been resolved (see [`crate::plan::resolve`]).
@@ -570,6 +572,7 @@ impl Renderer {
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
+            Method::ImageSpace(_) | Method::PeelLayers(_) => unreachable!("not yet"),
             Method::Spbr(_) | Method::SpbrSimplified(_) => return self.dealt(cloud, frame, work),
             _ => {}
         }
@@ -617,6 +620,7 @@ impl Renderer {
             Method::SoftBase(_) | Method::SoftConcentric(_) | Method::SoftExpress(_) => unreachable!("see Self::soft"),
             Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
             Method::Spbr(_) | Method::SpbrSimplified(_) => unreachable!("rendered by ensembles"),
+            Method::ImageSpace(_) | Method::PeelLayers(_) => unreachable!("rendered in layers"),
             Method::Auto(_)
             | Method::Points
             | Method::Squares(_)

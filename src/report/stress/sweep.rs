@@ -73,6 +73,7 @@ impl Place {
             stop: Stop::Exact,
             seed: 0,
             max_error: None,
+            shadows: None,
             factors: Factors::default(),
             memory_budget: settings.memory_budget,
             fragments: false,
