@@ -38,7 +38,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "weighted" => Method::Weighted(discs(table)?),
         "average" => Method::Average(discs(table)?),
         "unsorted" => Method::Unsorted(discs(table)?),
-        "hqs" => Method::Hqs(blended(table)?),
+        "hqs" => Method::Hqs(BlendedSplats { shape: outline(table)?, ..blended(table)? }),
         "splats" => Method::Splats(blended(table)?),
         "soft-base" => Method::SoftBase(soft(table)?),
         "soft-concentric" => Method::SoftConcentric(soft(table)?),
@@ -50,8 +50,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
         _ => Method::Auto(discs(table)?),
     };
-    let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
-    let in_vain = hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    let in_vain = method.raster() == Raster::Hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
     if let (true, Some(node)) = (in_vain, table.get("raster")) {
         let place = &node.place;
         warnings.push(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));
@@ -80,23 +79,32 @@ fn splats(table: &Table<'_>) -> Result<ScreenSplats, Error> {
     Ok(ScreenSplats {
         size: table.number32("size", Range::NOT_NEGATIVE)?.unwrap_or(default.size),
         max_pixel_radius: table.number32("max_pixel_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.max_pixel_radius),
+        raster: raster(table)?,
     })
 }
 
 fn interpolated(table: &Table<'_>) -> Result<Interpolated, Error> {
+    Ok(Interpolated { splats: splats(table)?, shape: outline(table)? })
+}
+
+fn outline(table: &Table<'_>) -> Result<SplatShape, Error> {
     let shapes = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
-    Ok(Interpolated { splats: splats(table)?, shape: table.choice("shape", &shapes)?.unwrap_or_default() })
+    Ok(table.choice("shape", &shapes)?.unwrap_or_default())
+}
+
+fn raster(table: &Table<'_>) -> Result<Raster, Error> {
+    let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
+    Ok(table.choice("raster", &rasters)?.unwrap_or_default())
 }
 
 fn discs(table: &Table<'_>) -> Result<Discs, Error> {
     let shapes = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
     let falloffs = [("flat", Falloff::Flat), ("gaussian", Falloff::Gaussian)];
-    let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
     let long_lists = [("merge", LongLists::Merge), ("in-place", LongLists::InPlace)];
     Ok(Discs {
         shape: table.choice("shape", &shapes)?.unwrap_or_default(),
         falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
-        raster: table.choice("raster", &rasters)?.unwrap_or_default(),
+        raster: raster(table)?,
         long_lists: table.choice("long_lists", &long_lists)?.unwrap_or_default(),
     })
 }
@@ -121,7 +129,7 @@ fn hybrid(table: &Table<'_>) -> Result<Hybrid, Error> {
 fn blended(table: &Table<'_>) -> Result<BlendedSplats, Error> {
     let default = BlendedSplats::default();
     let blend_depth = table.number32("blend_depth", Range::NOT_NEGATIVE)?.unwrap_or(default.blend_depth);
-    Ok(BlendedSplats { splats: splats(table)?, blend_depth })
+    Ok(BlendedSplats { splats: splats(table)?, blend_depth, ..default })
 }
 
 fn soft(table: &Table<'_>) -> Result<Soft, Error> {
