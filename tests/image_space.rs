@@ -48,8 +48,9 @@ const SHADED: Shading = Shading {
 /// The reference, and what it is for points that roundings have moved and settings next to those given.
 fn references(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> (Picture, Vec<Picture>) {
     let colors = reference::shading::shade(points, camera, &frame.shading, frame.color);
-    let render =
-        |points: &Points, filters| reference::image_space::render(camera, frame.size, points, &colors, filters);
+    let render = |points: &Points, filters: ImageSpace| {
+        reference::image_space::render(camera, frame.size, points, &colors, &filters)
+    };
     let distance = reference::image_space::layer_distance(filters.min_layer_distance, points) as f32;
     let others = (0..6).map(|seed| {
         let factor = [1.0 - 1e-5, 1.0 + 1e-5][seed as usize % 2];
@@ -58,9 +59,9 @@ fn references(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSp
             antialias_threshold: filters.antialias_threshold * factor,
             ..*filters
         };
-        render(&jittered(points, camera, seed), &near)
+        render(&jittered(points, camera, seed), near)
     });
-    (render(points, filters), others.collect())
+    (render(points, *filters), others.collect())
 }
 
 #[test]

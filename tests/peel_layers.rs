@@ -46,8 +46,8 @@ fn layers(filters: ImageSpace, layers: u32) -> PeelLayers {
 /// The reference, and what it is for points that roundings have moved and settings next to those given.
 fn references(points: &Points, frame: &Frame, settings: &PeelLayers) -> (Picture, Vec<Picture>) {
     let colors = reference::shading::shade(points, &frame.camera, &frame.shading, frame.color);
-    let render = |points: &Points, settings| {
-        reference::peel_layers::render(&frame.camera, frame.size, points, &colors, settings)
+    let render = |points: &Points, settings: PeelLayers| {
+        reference::peel_layers::render(&frame.camera, frame.size, points, &colors, &settings)
     };
     let filters = &settings.filters;
     let distance = reference::image_space::layer_distance(filters.min_layer_distance, points) as f32;
@@ -58,9 +58,9 @@ fn references(points: &Points, frame: &Frame, settings: &PeelLayers) -> (Picture
             antialias_threshold: filters.antialias_threshold * factor,
             ..*filters
         };
-        render(&jittered(points, &frame.camera, seed), &PeelLayers { filters: near, ..*settings })
+        render(&jittered(points, &frame.camera, seed), PeelLayers { filters: near, ..*settings })
     });
-    (render(points, settings), others.collect())
+    (render(points, *settings), others.collect())
 }
 
 /// As [`compare_steady`]; the counts of layers too, where the depths do not depend on roundings.
