@@ -8,7 +8,7 @@ use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::{Arranged, Points};
-use crate::prepare::{ensembles, layer_distance};
+use crate::prepare::ensembles;
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
@@ -52,24 +52,6 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
         notes.into_iter().map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(of).collect()
-}
-
-/// Says if the default of `method.min_layer_distance`, where that is in force, differs from what the points' spacing suggests
-/// ([`layer_distance::suggest`]) by a factor of more than 3.
-pub fn note_of_layers(scene: &Scene, points: &Points) -> Option<String> {
-    scene.method.filters().filter(|filters| filters.min_layer_distance.is_none())?;
-    let default = 0.01 * points.bounds()?.diagonal();
-    let suggested = layer_distance::suggest(points)?;
-    let is_near = (suggested / 3.0..=suggested * 3.0).contains(&default);
-    let (default, suggested) = (two_digits(default), two_digits(suggested));
-    let says = "method.min_layer_distance is 1% of the scene's diagonal";
-    (!is_near).then(|| format!("{says}, {default}; the points' spacing suggests {suggested}"))
-}
-
-/// A positive number to two significant digits.
-fn two_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if (1e-4..1e6).contains(&rounded) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 /// What a scene wants to know of a cloud's points.
