@@ -101,8 +101,8 @@ pub enum Error {
     },
     /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
     #[error(
-        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
-        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: a larger --memory-budget would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available)
     )]
     HaloOverBudget {
         /// Pixels that are rendered on each side of a window.
@@ -111,8 +111,6 @@ pub enum Error {
         needed: u64,
         /// Bytes that are there for a window.
         available: u64,
-        /// The budget that would do.
-        budget: u64,
     },
     /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
     #[error(
