@@ -135,7 +135,7 @@ const LID: f64 = 50.0;
 fn a_square_casts_its_shadow_and_no_other() {
     with_device(|device| {
         let size = [64, 64];
-        let far = 1e6;
+        let far = 2e4;
         for normal in [Vec3::ZERO, Vec3::Z] {
             let points = [floor(size, normal, |_, _| FLOOR), lid(20.0..44.0, 16.0..40.0, LID, 0.25)].concat();
             for (degrees, turn) in [(0.0, 0.0), (20.0, 0.0), (15.0, 120.0)] {
@@ -472,7 +472,7 @@ fn what_is_dark_keeps_its_ambient_light() {
     with_device(|device| {
         let size = [32, 32];
         let normal = Vec3::new(0.3, 0.1, 1.0).normalize();
-        let points = scene(&[floor(size, normal, |_, _| FLOOR), lid(-4.0..20.0, -4.0..36.0, LID, 0.5)].concat());
+        let points = scene(&[floor(size, normal, |_, _| FLOOR), lid(-4.0..20.0, -4.0..60.0, LID, 0.5)].concat());
         let shading = Shading {
             model: ShadingModel::Phong,
             ambient: 0.25,
