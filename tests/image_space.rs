@@ -56,7 +56,6 @@ fn references(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSp
         let factor = [1.0 - 1e-5, 1.0 + 1e-5][seed as usize % 2];
         let near = ImageSpace {
             min_layer_distance: Some(distance * factor),
-            // More than 1 no edge is.
             antialias_threshold: (filters.antialias_threshold * factor).min(1.0),
             ..*filters
         };
