@@ -30,7 +30,7 @@ pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
 }
 
 /// Front to back: C = Σ Tᵢ·Cᵢ with premultiplied Cᵢ and Tᵢ = Π (1 − αⱼ) of the layers before. The depth is that of the first
-/// layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that have a depth or an α there.
+/// layer with α > 0, which is +∞ on the softened rim of one; the count is the number of layers that are not background there.
 pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
     let pixels = size[0] as usize * size[1] as usize;
     let (mut rgba, mut depth, mut counts) = (Vec::new(), Vec::new(), Vec::new());
@@ -47,8 +47,7 @@ pub fn blend(size: [u32; 2], layers: &[Layer]) -> Picture {
         let seen = layers.iter().find(|layer| layer.rgba[pixel][3] > 0.0);
         rgba.push(sum);
         depth.push(seen.map_or(f64::INFINITY, |layer| layer.depth[pixel]));
-        let there = |layer: &&Layer| layer.depth[pixel].is_finite() || layer.rgba[pixel][3] > 0.0;
-        counts.push(layers.iter().filter(there).count() as u32);
+        counts.push(layers.iter().filter(|layer| layer.depth[pixel].is_finite()).count() as u32);
     }
     Picture { width: size[0], height: size[1], rgba, depth, counts }
 }
