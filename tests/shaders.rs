@@ -8,7 +8,7 @@ use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
-    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+    abuffer, approximate, linked_list, one_layer, peel, points, shadows, sorted, splat, splats, stochastic,
 };
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
@@ -40,7 +40,7 @@ fn relief_variants() -> Vec<Variant> {
 /// All ways to shade.
 fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
-    let of = |model, color, part| {
+    let of = |model, color, part, lit| {
         let shading = Shading { model, ..Shading::default() };
         Projecting {
             footprint,
@@ -51,13 +51,17 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
             relative_depth: footprint == Footprint::Sphere,
             shading,
             color,
+            lit,
         }
     };
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
     let colors = [ColorSpace::Linear, ColorSpace::Encoded];
-    let all = models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
-    all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
+    let all = || models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
+    let plain = all().flat_map(|(model, color)| parts.map(|part| of(model, color, part, false)));
+    // Only shaded points of opaque methods have shares of light, and these take all points.
+    let lit = all().filter(|(model, _)| *model != ShadingModel::None);
+    plain.chain(lit.map(|(model, color)| of(model, color, Part::All, true))).collect()
 }
 
 fn point_variants() -> Vec<Variant> {
@@ -240,6 +244,11 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);
     check::<points::NearestId>(&mut seen, [points::nearest_variant()]);
     check::<points::Resolve>(&mut seen, point_variants());
+    check::<shadows::Start>(&mut seen, [false, true].map(shadows::start_variant));
+    check::<shadows::Nearest>(&mut seen, [points::nearest_variant()]);
+    check::<shadows::Fill>(&mut seen, [shadows::fill_variant()]);
+    check::<shadows::Lit>(&mut seen, [false, true].map(shadows::lit_variant));
+    check::<shadows::Share>(&mut seen, [Variant::plain()]);
     check::<peel::Count>(&mut seen, raster_variants());
     check::<peel::Nearest>(&mut seen, raster_variants());
     check::<peel::NearestDepth>(&mut seen, raster_variants());
