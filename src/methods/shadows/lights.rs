@@ -118,7 +118,9 @@ fn from(position: DVec3, bounds: &Bounds, margin: f64) -> Option<LightView> {
     if near <= 0.0 {
         return None;
     }
-    let widest = corners.iter().map(|corner| corner.x.abs().max(corner.y.abs()) / corner.z).fold(1e-3, f64::max);
+    // Of a single point, or a line along the light: anything.
+    let least = 1e-3 * if bounds.diagonal() > 0.0 { bounds.diagonal() / far } else { 1.0 };
+    let widest = corners.iter().map(|corner| corner.x.abs().max(corner.y.abs()) / corner.z).fold(least, f64::max);
     let fov_y = 2.0 * (widest * margin).atan();
     let projection = Projection::Perspective { fov_y };
     let camera = Camera { eye: position, right, up, forward, projection, near: 0.99 * near, far: 1.01 * far };
@@ -187,6 +189,18 @@ mod tests {
         }
         for near in [DVec3::ZERO, DVec3::new(0.3, 0.9, -0.5), DVec3::new(0.0, 1.2, 0.0)] {
             assert_eq!(assert_holds(Light::Position(near), &unit_box(), 64).len(), 6);
+        }
+    }
+
+    #[test]
+    fn images_are_no_larger_than_the_points_need() {
+        // The box from above: two units of 64 pixels, but for the margin; so far away that perspective is none.
+        let pixel = |light| {
+            let camera = views(light, &unit_box(), 64)[0].camera;
+            camera.pixels_per_unit(camera.to_view(DVec3::ZERO).z, 64)
+        };
+        for light in [Light::Direction(DVec3::NEG_Y), Light::Position(DVec3::new(0.0, 1e5, 0.0))] {
+            assert!((29.0..32.0).contains(&pixel(light)), "{light:?}: {}", pixel(light));
         }
     }
 
