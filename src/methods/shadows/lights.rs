@@ -162,7 +162,9 @@ mod tests {
     fn assert_holds(light: Light, bounds: &Bounds, resolution: u32) -> Vec<LightView> {
         let views = views(light, bounds, resolution);
         let side = f64::from(resolution);
-        for point in bounds.corners().into_iter().chain([bounds.center()]) {
+        // Nothing can be said of a point at the light's own place.
+        let points = bounds.corners().into_iter().chain([bounds.center()]).filter(|p| light != Light::Position(*p));
+        for point in points {
             let holds = |view: &&LightView| {
                 let camera = &view.camera;
                 let (at, z) = camera.project(point, [resolution; 2]);
