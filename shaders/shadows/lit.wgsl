@@ -1,5 +1,5 @@
 // shadows/lit: every point again; those that lie behind what a light sees lose it (Dobrev et al. 2010, Section 6).
-#import points
+#import every_point
 
 struct Light {
     // Smallest distance of surfaces.

@@ -103,9 +103,14 @@ pub fn fill_variant() -> Variant {
     Variant::plain().with("RUN", FILL_ROWS as u32)
 }
 
+/// The variant of `shadows/nearest`.
+pub fn walk_variant() -> Variant {
+    Variant::plain().with("RUN", points::RUN as u32)
+}
+
 /// The variant of `shadows/lit`, with one image of a light or with six.
 pub fn lit_variant(cube: bool) -> Variant {
-    points::nearest_variant().with("CUBE", u32::from(cube))
+    walk_variant().with("CUBE", u32::from(cube))
 }
 
 /// Why a frame has no shadows; `None` if it has.
@@ -232,12 +237,12 @@ impl LightImage {
     ) -> Result<(), Error> {
         let walk = |chunk: usize, (first, count): (u64, u64)| {
             let push = points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
-            Run::new(Dispatch::Invocations(count.div_ceil(points::RUN))).push(&push)
+            Run::new(points::nearest_dispatch(count)).push(&push)
         };
         recorder.fill("shadows/clear", self.nearest.all(), u32::MAX)?;
         for (chunk, range) in cloud.chunks().enumerate() {
             let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: self.nearest.all() };
-            recorder.run(&nearest, &walk(chunk, range).variant(points::nearest_variant()))?;
+            recorder.run(&nearest, &walk(chunk, range).variant(walk_variant()))?;
         }
         let fill = Fill { nearest: self.nearest.all().cast(), depths: self.depths.all().cast() };
         let (columns, rows) = (pitch(self.resolution) / 4, u64::from(self.resolution));
