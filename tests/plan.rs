@@ -38,7 +38,10 @@ fn half_soft(points: Points) -> Points {
 fn auto_takes_the_cheapest_method_that_is_exact() {
     let (method, why) = resolve(Method::default(), &scene(&with_opacities(&[1.0, 1.0])));
     // Not clamped: the image is that of the exact method.
-    assert!(matches!(method, Method::Circles(ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX })), "{method:?}");
+    assert!(
+        matches!(method, Method::Circles(ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, .. })),
+        "{method:?}"
+    );
     assert!(why.contains("every point is opaque"), "{why}");
     for opacities in [[1.0, 0.999], [0.0, 0.0], [0.5, 1.0]] {
         let transparent = opacities.iter().filter(|a| **a < 1.0).count();

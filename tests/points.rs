@@ -9,11 +9,11 @@ use pellucid::camera::{Camera, Projection};
 use pellucid::gpu::Device;
 use pellucid::methods::{Frame, Renderer};
 use pellucid::points::Points;
-use pellucid::scene::{ColorSpace, Light, Method, ScreenSplats, Shading, ShadingModel};
+use pellucid::scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
 use rand::RngExt;
 
 /// Discs of radius 0: one pixel each, by way of splats.
-const DOTS: Method = Method::Circles(ScreenSplats { size: 0.0, max_pixel_radius: 25.0 });
+const DOTS: Method = Method::Circles(ScreenSplats { size: 0.0, max_pixel_radius: 25.0, raster: Raster::Auto });
 
 /// Asserts that points and dots give the same bytes, with both kinds of atomics; how many pixels were drawn.
 #[track_caller]

@@ -201,7 +201,7 @@ fn layers_to_peel_are_a_whole_number_within_the_limit() {
 #[test]
 fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
     let scene = with_cloud("[method]\nname = \"circles\"\nsize = 2.0\nlayers = 4");
-    assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, max_pixel_radius: 25.0 }));
+    assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, ..ScreenSplats::default() }));
     let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
     assert!(
         warning.contains(":4:1: method \"circles\" does not use `layers` (a key of peel, peel-layers)"),
@@ -212,10 +212,30 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
     let scene = with_cloud("[method]\nname = \"sorted\"\nraster = \"hardware\"");
     let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
     assert!(warning.contains("method \"sorted\" always works in compute shaders: `raster` has no effect"), "{warning}");
-    let with_hardware = ["abuffer", "stochastic"].map(|name| format!("name = \"{name}\"\nraster = \"hardware\""));
+    let with_hardware =
+        ["abuffer", "stochastic", "circles", "cone"].map(|name| format!("name = \"{name}\"\nraster = \"hardware\""));
     for rest in with_hardware.into_iter().chain(["name = \"sorted\"\nraster = \"auto\"".to_owned()]) {
         assert_eq!(with_cloud(&format!("[method]\n{rest}")).warnings, [""; 0]);
     }
+}
+
+#[test]
+fn outlines_of_opaque_splats_are_read() {
+    let shape = |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method;
+    assert!(matches!(shape("hqs"), Method::Hqs(of) if of.shape == SplatShape::Square));
+    assert!(matches!(shape("cone"), Method::Cone(of) if of.shape == SplatShape::Square));
+    // Oriented splats and spheres are round.
+    for name in ["splats", "sphere"] {
+        let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\""));
+        assert!(scene.warnings[0].contains("does not use `shape`"), "{:?}", scene.warnings);
+    }
+    // A file whose method was changed by an option.
+    for (name, other) in [("hqs", "oriented"), ("cone", "flat"), ("abuffer", "square"), ("auto", "circle")] {
+        let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = {other:?}"));
+        assert!(scene.warnings[0].contains("this `shape` is of other methods"), "{:?}", scene.warnings);
+        assert_eq!(scene.method, with_cloud(&format!("[method]\nname = {name:?}")).method);
+    }
+    assert!(refused(&format!("[method]\nname = \"hqs\"\nshape = \"round\"\n{CLOUD}")).contains("`method.shape`"));
 }
 
 #[test]

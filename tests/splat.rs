@@ -9,7 +9,7 @@ use pellucid::image::Image;
 use pellucid::methods::{Frame, Renderer};
 use pellucid::points::Points;
 use pellucid::reference::{self, coverage::Shape};
-use pellucid::scene::{Interpolated, Method, ScreenSplats, SplatShape};
+use pellucid::scene::{Interpolated, Method, Raster, ScreenSplats, SplatShape};
 use rand::seq::SliceRandom;
 
 /// Renders with 64-bit atomics where the device has them, and with two passes of 32 bits: the bytes must be the same.
@@ -20,12 +20,32 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
     renderer.wide_atomics = false;
     let narrow = renderer.render(&mut cloud, frame).expect("renders").image;
     assert!(bits(&native) == bits(&narrow), "the two kinds of atomics differ");
+    if let Some(method) = rasterised(frame.method) {
+        for wide in [device.info().int64_atomics, false] {
+            renderer.wide_atomics = wide;
+            let drawn = renderer.render(&mut cloud, &Frame { method, ..*frame }).expect("renders").image;
+            assert!(bits(&native) == bits(&drawn), "{method:?}: the rasteriser finds other fragments");
+        }
+    }
     native
 }
 
+/// The same method with the rasteriser to visit its splats' pixels; `None` where there are no splats.
+fn rasterised(method: Method) -> Option<Method> {
+    let splats = ScreenSplats { raster: Raster::Hardware, ..*method.nearest_splats()? };
+    Some(match method {
+        Method::Squares(_) => Method::Squares(splats),
+        Method::Circles(_) => Method::Circles(splats),
+        Method::Sphere(_) => Method::Sphere(splats),
+        Method::Paraboloid(of) => Method::Paraboloid(Interpolated { splats, ..of }),
+        Method::Cone(of) => Method::Cone(Interpolated { splats, ..of }),
+        method => unreachable!("{method:?} has no splats of which the nearest wins"),
+    })
+}
+
 const METHODS: [(Method, Shape, ScreenSplats); 9] = {
-    let plain = ScreenSplats { size: 1.0, max_pixel_radius: 25.0 };
-    let other = ScreenSplats { size: 1.7, max_pixel_radius: 4.0 };
+    let plain = ScreenSplats { size: 1.0, max_pixel_radius: 25.0, raster: Raster::Auto };
+    let other = ScreenSplats { size: 1.7, max_pixel_radius: 4.0, raster: Raster::Auto };
     [
         (Method::Points, Shape::Point, plain),
         (Method::Squares(plain), Shape::Square, plain),

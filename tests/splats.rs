@@ -13,17 +13,22 @@ use pellucid::points::Points;
 use pellucid::reference::coverage::{Shape, margin_px};
 use pellucid::reference::splats::{self, Fragment};
 use pellucid::reference::{self, Picture};
-use pellucid::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel};
+use pellucid::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
 use rand::seq::SliceRandom;
 
-const SHAPES: [Shape; 2] = [Shape::Disc, Shape::Oriented];
+const SHAPES: [Shape; 3] = [Shape::Disc, Shape::Square, Shape::Oriented];
 
 fn method(shape: Shape, settings: BlendedSplats) -> Method {
-    if shape == Shape::Oriented { Method::Splats(settings) } else { Method::Hqs(settings) }
+    match shape {
+        Shape::Oriented => Method::Splats(settings),
+        Shape::Square => Method::Hqs(BlendedSplats { shape: SplatShape::Square, ..settings }),
+        _ => Method::Hqs(settings),
+    }
 }
 
 fn blended(size: f32, max_pixel_radius: f32, blend_depth: f32) -> BlendedSplats {
-    BlendedSplats { splats: ScreenSplats { size, max_pixel_radius }, blend_depth }
+    let splats = ScreenSplats { size, max_pixel_radius, ..ScreenSplats::default() };
+    BlendedSplats { splats, blend_depth, shape: SplatShape::Circle }
 }
 
 fn colors(points: &Points) -> Vec<DVec3> {
@@ -49,7 +54,7 @@ fn clear(points: &[P], camera: &Camera, size: [u32; 2], shape: Shape, settings: 
 
 /// Relative errors of depths in float32: a few roundings of a flat disc's, to which a tilted one adds its slope.
 fn depth_error(shape: Shape) -> f64 {
-    if shape == Shape::Disc { 1e-6 } else { 4e-5 }
+    if shape == Shape::Oriented { 4e-5 } else { 1e-6 }
 }
 
 /// Compares an image with the reference where it is clear in float32 which fragments count; the share of other pixels.
@@ -84,7 +89,7 @@ fn margins(lists: &[Vec<Fragment>], blend_depth: f32) -> Vec<f64> {
 
 /// The bound of [`compare`]: weights come from ρ, which tilts make less precise, and an exponential.
 fn color_error(shape: Shape) -> f64 {
-    if shape == Shape::Disc { 2e-5 } else { 1e-4 }
+    if shape == Shape::Oriented { 1e-4 } else { 2e-5 }
 }
 
 #[test]

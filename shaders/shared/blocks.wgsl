@@ -31,13 +31,21 @@ fn reach_of(splat: Splat, view: View) -> f32 {
     return select(1e9, stretched, of_depth < 0.9);
 }
 
+// Whether a screen-aligned splat reaches so far out, give or take rounding; `middle` is what it rounds with. The pixel of the
+// centre, always covered, lies at most 0.71 away.
+fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
+    let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
+    if SHAPE == SHAPE_SQUARE {
+        return all(outside <= vec2<f32>(reach));
+    }
+    return dot(outside, outside) <= reach * reach;
+}
+
 // Whether a splat may touch a block, give or take rounding.
 fn touches(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * f32(SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
     let radius = reach_of(splat, view);
-    // The pixel of the centre lies at most 0.71 away.
-    let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
-    return dot(outside, outside) <= reach * reach;
+    return reaches(outside, radius, middle);
 }

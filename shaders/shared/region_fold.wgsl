@@ -38,7 +38,7 @@ struct Fragment {
     // The splat's, in canonical order: what breaks ties of depth.
     index: u32,
     hit: bool,
-    // Distance from the splat's centre over its radius, at most 1; and that radius in world units.
+    // Distance from the splat's centre over its radius, at most 1 but in a square's corners; and that radius in world units.
     rho: f32,
     radius: f32,
 }
@@ -96,9 +96,7 @@ fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
     let half = 0.5 * vec2<f32>(REGION - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
-    // The pixel of the centre lies at most 0.71 away.
-    let reach = max(splat.radius, 0.75) + 1e-5 * (splat.radius + abs(middle.x) + abs(middle.y));
-    return dot(outside, outside) <= reach * reach;
+    return reaches(outside, splat.radius, middle);
 }
 
 // The picked splats to the pixels of one region.

@@ -46,7 +46,7 @@ alias Bounds = vec2<u32>;
 struct Coverage {
     hit: bool,
     depth: f32,
-    // Distance from the centre over the radius, at most 1.
+    // Distance from the centre over the radius, at most 1 but in a square's corners.
     rho: f32,
 }
 
@@ -129,7 +129,7 @@ fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
         // The rim counts where only the centre's own pixel is covered.
         let relative = select(1.0, dot(offset, offset) / (splat.radius * splat.radius), inside && splat.radius > 0.0);
-        return Coverage(inside || in_center, moved_depth(splat, relative, view), 1.0);
+        return Coverage(inside || in_center, moved_depth(splat, relative, view), sqrt(relative));
     }
     let squared = dot(offset, offset);
     let inside = squared <= splat.radius * splat.radius;

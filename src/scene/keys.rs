@@ -31,8 +31,8 @@ pub const METHODS: &[&str] = &[
 ];
 
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];
-const SHAPED: &[&str] = &["size", "max_pixel_radius", "shape"];
-const BLENDED: &[&str] = &["size", "max_pixel_radius", "blend_depth"];
+const NEAREST: &[&str] = &["raster"];
+const BLENDED: &[&str] = &["blend_depth"];
 const DISCS: &[&str] = &["shape", "falloff", "raster"];
 const LISTS: &[&str] = &["long_lists"];
 const FILTERS: &[&str] =
@@ -43,13 +43,13 @@ const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells
 pub(crate) const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
     ("auto", &[DISCS]),
     ("points", &[]),
-    ("squares", &[SPLATS]),
-    ("circles", &[SPLATS]),
-    ("paraboloid", &[SHAPED]),
-    ("cone", &[SHAPED]),
-    ("sphere", &[SPLATS]),
-    ("hqs", &[BLENDED]),
-    ("splats", &[BLENDED]),
+    ("squares", &[SPLATS, NEAREST]),
+    ("circles", &[SPLATS, NEAREST]),
+    ("paraboloid", &[SPLATS, NEAREST, &["shape"]]),
+    ("cone", &[SPLATS, NEAREST, &["shape"]]),
+    ("sphere", &[SPLATS, NEAREST]),
+    ("hqs", &[SPLATS, BLENDED, &["shape"]]),
+    ("splats", &[SPLATS, BLENDED]),
     ("image-space", &[FILTERS]),
     ("abuffer", &[DISCS, LISTS]),
     ("linked-list", &[DISCS, LISTS]),

@@ -38,7 +38,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "weighted" => Method::Weighted(discs(table)?),
         "average" => Method::Average(discs(table)?),
         "unsorted" => Method::Unsorted(discs(table)?),
-        "hqs" => Method::Hqs(blended(table)?),
+        "hqs" => Method::Hqs(BlendedSplats { shape: outline(table)?, ..blended(table)? }),
         "splats" => Method::Splats(blended(table)?),
         "soft-base" => Method::SoftBase(soft(table)?),
         "soft-concentric" => Method::SoftConcentric(soft(table)?),
@@ -50,8 +50,8 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
         _ => Method::Auto(discs(table)?),
     };
-    let hardware = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware);
-    let in_vain = hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    warn_of_shape(table, &method, warnings);
+    let in_vain = method.raster() == Raster::Hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
     if let (true, Some(node)) = (in_vain, table.get("raster")) {
         let place = &node.place;
         warnings.push(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));
@@ -80,23 +80,61 @@ fn splats(table: &Table<'_>) -> Result<ScreenSplats, Error> {
     Ok(ScreenSplats {
         size: table.number32("size", Range::NOT_NEGATIVE)?.unwrap_or(default.size),
         max_pixel_radius: table.number32("max_pixel_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.max_pixel_radius),
+        raster: raster(table)?,
     })
 }
 
 fn interpolated(table: &Table<'_>) -> Result<Interpolated, Error> {
-    let shapes = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
-    Ok(Interpolated { splats: splats(table)?, shape: table.choice("shape", &shapes)?.unwrap_or_default() })
+    Ok(Interpolated { splats: splats(table)?, shape: outline(table)? })
+}
+
+fn outline(table: &Table<'_>) -> Result<SplatShape, Error> {
+    shape(table, &OUTLINES, &DISC_SHAPES)
+}
+
+/// `shape` as opaque splats have it, and as transparent discs.
+const OUTLINES: [(&str, SplatShape); 2] = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
+const DISC_SHAPES: [(&str, DiscShape); 2] = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
+
+/// A shape of the method in force; the default for one of the others, which is what a file has whose method was changed.
+fn shape<T: Copy + Default, U>(table: &Table<'_>, own: &[(&str, T)], others: &[(&str, U)]) -> Result<T, Error> {
+    if is_word(table, others) {
+        return Ok(T::default());
+    }
+    Ok(table.choice("shape", own)?.unwrap_or_default())
+}
+
+fn is_word<T>(table: &Table<'_>, words: &[(&str, T)]) -> bool {
+    match table.get("shape").map(|node| &node.value) {
+        Some(Value::String(found)) => words.iter().any(|(word, _)| word == found),
+        _ => false,
+    }
+}
+
+/// Warns of a shape that only others have.
+fn warn_of_shape(table: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {
+    let outlined = matches!(method, Method::Paraboloid(_) | Method::Cone(_) | Method::Hqs(_));
+    let discs = method.discs().is_some() || matches!(method, Method::Auto(_));
+    let foreign = (outlined && is_word(table, &DISC_SHAPES)) || (discs && is_word(table, &OUTLINES));
+    if let (true, Some(node)) = (foreign, table.get("shape")) {
+        let (place, name) = (&node.place, method.name());
+        let own = if outlined { "\"circle\" and \"square\"" } else { "\"flat\" and \"oriented\"" };
+        warnings.push(format!("{place}: this `shape` is of other methods: {name:?} has {own}, and takes the first"));
+    }
+}
+
+fn raster(table: &Table<'_>) -> Result<Raster, Error> {
+    let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
+    Ok(table.choice("raster", &rasters)?.unwrap_or_default())
 }
 
 fn discs(table: &Table<'_>) -> Result<Discs, Error> {
-    let shapes = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
     let falloffs = [("flat", Falloff::Flat), ("gaussian", Falloff::Gaussian)];
-    let rasters = [("auto", Raster::Auto), ("compute", Raster::Compute), ("hardware", Raster::Hardware)];
     let long_lists = [("merge", LongLists::Merge), ("in-place", LongLists::InPlace)];
     Ok(Discs {
-        shape: table.choice("shape", &shapes)?.unwrap_or_default(),
+        shape: shape(table, &DISC_SHAPES, &OUTLINES)?,
         falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
-        raster: table.choice("raster", &rasters)?.unwrap_or_default(),
+        raster: raster(table)?,
         long_lists: table.choice("long_lists", &long_lists)?.unwrap_or_default(),
     })
 }
@@ -121,7 +159,7 @@ fn hybrid(table: &Table<'_>) -> Result<Hybrid, Error> {
 fn blended(table: &Table<'_>) -> Result<BlendedSplats, Error> {
     let default = BlendedSplats::default();
     let blend_depth = table.number32("blend_depth", Range::NOT_NEGATIVE)?.unwrap_or(default.blend_depth);
-    Ok(BlendedSplats { splats: splats(table)?, blend_depth })
+    Ok(BlendedSplats { splats: splats(table)?, blend_depth, ..default })
 }
 
 fn soft(table: &Table<'_>) -> Result<Soft, Error> {

@@ -293,11 +293,13 @@ pub struct ScreenSplats {
     pub size: f32,
     /// Largest pixel radius.
     pub max_pixel_radius: f32,
+    /// `raster`, of splats of which the nearest wins; those that are blended go through tiles in compute shaders.
+    pub raster: Raster,
 }
 
 impl Default for ScreenSplats {
     fn default() -> Self {
-        Self { size: 1.0, max_pixel_radius: 25.0 }
+        Self { size: 1.0, max_pixel_radius: 25.0, raster: Raster::default() }
     }
 }
 
@@ -308,11 +310,13 @@ pub struct BlendedSplats {
     pub splats: ScreenSplats,
     /// `blend_depth`: what lies up to so many radii behind the nearest is blended with it, at least 0.
     pub blend_depth: f32,
+    /// `shape`, of `hqs`.
+    pub shape: SplatShape,
 }
 
 impl Default for BlendedSplats {
     fn default() -> Self {
-        Self { splats: ScreenSplats::default(), blend_depth: 1.0 }
+        Self { splats: ScreenSplats::default(), blend_depth: 1.0, shape: SplatShape::default() }
     }
 }
 
@@ -671,6 +675,24 @@ impl Method {
             Self::ABuffer(discs) | Self::LinkedList(discs) => Some(discs),
             _ => None,
         }
+    }
+
+    /// The splats of which the nearest one wins on each pixel; `None` for other methods.
+    pub fn nearest_splats(&self) -> Option<&ScreenSplats> {
+        match self {
+            Self::Squares(splats)
+            | Self::Circles(splats)
+            | Self::Sphere(splats)
+            | Self::Paraboloid(Interpolated { splats, .. })
+            | Self::Cone(Interpolated { splats, .. }) => Some(splats),
+            _ => None,
+        }
+    }
+
+    /// Who shall visit the pixels of its splats.
+    pub fn raster(&self) -> Raster {
+        let nearest = self.nearest_splats().map(|splats| splats.raster);
+        nearest.or(self.discs().map(|discs| discs.raster)).unwrap_or_default()
     }
 
     /// How far its fragments move toward the viewer.

@@ -83,7 +83,7 @@ fn the_drawn_radius_is_scaled_and_clamped_in_the_world() {
     for (size, most, wanted, pixels) in
         [(1.0, 25.0, 2.0625, 29), (0.5, 25.0, 1.03125, 9), (1.0, 1.5, 1.0, 9), (4.0, 1.5, 1.0, 9), (0.0, 25.0, 0.0, 1)]
     {
-        let settings = ScreenSplats { size, max_pixel_radius: most };
+        let settings = ScreenSplats { size, max_pixel_radius: most, ..ScreenSplats::default() };
         for shape in [Shape::Disc, Shape::Oriented] {
             let drawn = splats::splat(&perspective(), SIZE, &one, 0, shape, &settings);
             assert_close(drawn.radius, wanted, ROUNDING);

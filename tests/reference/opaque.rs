@@ -32,7 +32,8 @@ fn nearest_wins_then_the_smaller_index() {
 #[test]
 fn size_scales_and_the_clamp_follows() {
     let drawn = |shape, size, max_pixel_radius| {
-        let picture = render(&[-5.0 * DVec3::Z], shape, ScreenSplats { size, max_pixel_radius });
+        let picture =
+            render(&[-5.0 * DVec3::Z], shape, ScreenSplats { size, max_pixel_radius, ..ScreenSplats::default() });
         picture.counts.iter().sum::<u32>()
     };
     // Radius 2: 13 pixels of a disc (see `disc_around_a_pixel_centre`), 25 of a square; 0.6·2 = 1.2: 5 and 9.

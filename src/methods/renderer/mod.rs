@@ -630,7 +630,7 @@ impl Renderer {
         // What goes through tiles needs no lists: those are counted only where their lengths are asked for.
         let tiled = frame.method.is_tiled();
         let listed = frame.fragments || !tiled;
-        let asked = frame.method.discs().filter(|_| !tiled).map_or(Raster::Auto, |discs| discs.raster);
+        let asked = if tiled { Raster::Auto } else { frame.method.raster() };
         let walker = match frame.method {
             Method::Stochastic(settings) => self.sampling_walker(settings.discs.raster, window)?,
             _ => self.walker(asked, window)?,
@@ -1047,13 +1047,20 @@ fn projecting(frame: &Frame, cloud: &DeviceCloud) -> Projecting {
         (Method::Squares(splats), _) => (Footprint::Square, splats),
         (Method::Circles(splats) | Method::Sphere(splats), _) => (Footprint::Disc, splats),
         (Method::Paraboloid(Interpolated { splats, shape }) | Method::Cone(Interpolated { splats, shape }), _) => {
-            (if shape == SplatShape::Square { Footprint::Square } else { Footprint::Disc }, splats)
+            (outlined(shape), splats)
         }
-        (Method::Hqs(blended), _) => (Footprint::Disc, blended.splats),
+        (Method::Hqs(blended), _) => (outlined(blended.shape), blended.splats),
         (Method::Splats(blended), _) => (Footprint::Oriented, blended.splats),
         _ => (Footprint::Point, UNCLAMPED),
     };
     projecting_of(frame, cloud, footprint, settings, Part::All)
+}
+
+fn outlined(shape: SplatShape) -> Footprint {
+    match shape {
+        SplatShape::Circle => Footprint::Disc,
+        SplatShape::Square => Footprint::Square,
+    }
 }
 
 fn projecting_of(
@@ -1079,4 +1086,4 @@ fn projecting_of(
 }
 
 /// Radii as they are.
-const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX };
+const UNCLAMPED: ScreenSplats = ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, raster: Raster::Auto };
