@@ -12,6 +12,7 @@ pub mod peel;
 pub mod peel_layers;
 pub mod points;
 pub mod renderer;
+pub mod shadows;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;
@@ -166,6 +167,23 @@ pub enum Error {
         /// What is missing.
         needed: String,
     },
+    /// A light's image doesn't fit a binding or the budget.
+    #[error(
+        "shadows.resolution = {resolution} needs {} of device memory in two parts; the budget leaves {}, and a part may have {}: {}",
+        ByteSize(*.needed), ByteSize(*.budget), ByteSize(*.binding), smaller_image(*.largest)
+    )]
+    ShadowImage {
+        /// Columns and rows of the image.
+        resolution: u32,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that the budget leaves.
+        budget: u64,
+        /// Bytes that a binding may have, which is half of the image.
+        binding: u64,
+        /// The largest resolution that would do; 0 if none would.
+        largest: u32,
+    },
     /// The image is empty or too large.
     #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::scene::MAX_SIDE)]
     ImageSize {
@@ -174,6 +192,13 @@ pub enum Error {
         /// Height in pixels.
         height: u32,
     },
+}
+
+fn smaller_image(largest: u32) -> String {
+    match largest {
+        0 => "a larger --memory-budget would help".to_owned(),
+        _ => format!("up to {largest} would do"),
+    }
 }
 
 impl Error {
