@@ -137,6 +137,8 @@ mod tests {
             errors: Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: rmse, above_1_255: 0.0 },
             repeats: None,
             rmse_analytic: None,
+            holes: None,
+            thinning: 1,
             front: false,
             picture: String::new(),
             difference: String::new(),

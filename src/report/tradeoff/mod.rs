@@ -13,6 +13,7 @@ pub(crate) mod renderers;
 mod repeats;
 pub mod settings;
 mod summary;
+mod surfaces;
 
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,8 @@ pub struct Row {
     pub setting: String,
     /// What is turned, and how far, as in `("samples", 64.0)`; `None` for a method without a ladder.
     pub step: Option<(String, f64)>,
+    /// One point of so many was drawn; 1: all.
+    pub thinning: u32,
     /// Whether the image depends on the seed.
     pub stochastic: bool,
     /// Device time of all passes, frames of all settings taken in turns.
@@ -83,6 +86,9 @@ pub struct Row {
     pub repeats: Option<Repeats>,
     /// RMSE against the analytic image ([`Tradeoff::analytic`]), where there is one: root of the mean square over the seeds.
     pub rmse_analytic: Option<f64>,
+    /// Of opaque points: share of the pixels inside the surfaces' silhouette ([`Surveyed::silhouette`]) on which nothing is
+    /// drawn.
+    pub holes: Option<f64>,
     /// Whether no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute
@@ -179,6 +185,18 @@ impl Analytic {
     }
 }
 
+/// What opaque points are held against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Surveyed {
+    /// Samples across a pixel of the reference: so many times so many are averaged.
+    pub samples_across: u32,
+    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors. One
+    /// pixel off the rim, since splats reach over it by a part of their radius.
+    pub silhouette: u64,
+    /// Each cloud that was drawn: one point of how many, and how many that are.
+    pub clouds: Vec<(u32, u64)>,
+}
+
 /// All that was measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tradeoff {
@@ -208,6 +226,8 @@ pub struct Tradeoff {
     pub reference: Reference,
     /// Of ensembles of planes that fill the image.
     pub analytic: Option<Analytic>,
+    /// Of opaque points.
+    pub surveyed: Option<Surveyed>,
     /// What was measured, in the order of the settings' ladder.
     pub rows: Vec<Row>,
     /// What was not.

@@ -20,6 +20,7 @@ pub(super) struct Trial {
     pub errors: Errors,
     pub repeats: Option<Repeats>,
     pub rmse_analytic: Option<f64>,
+    pub holes: Option<f64>,
     pub picture: String,
     pub difference: String,
     /// Of a frame that found its buffers and shaders ready, on the host's clock.
@@ -113,6 +114,7 @@ mod tests {
             errors,
             repeats: None,
             rmse_analytic: None,
+            holes: None,
             picture: picture.to_owned(),
             difference: picture.to_owned(),
             seconds: 0.25,

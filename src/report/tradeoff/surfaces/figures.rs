@@ -1,0 +1,81 @@
+//! Figures of opaque points: a panel for each cloud, with all points and with fewer.
+
+use crate::report::plot::{Axis, Figure, Panel, Point, Series, Steps};
+use crate::report::tradeoff::{Row, Surveyed};
+
+/// Width of all panels together and height of each, in pixels.
+const SIZE: [u32; 2] = [1140, 430];
+/// Device time below is drawn here, in ms.
+const TIME_FLOOR: f64 = 1e-3;
+
+/// What is shown over the size of splats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Over {
+    Time,
+    Holes,
+    Error,
+}
+
+/// Time, holes or error over the size factor; `None` if no splats were measured. What has no size is a line across.
+pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over) -> Option<Figure> {
+    let has_size = |row: &&Row| row.step.as_ref().is_some_and(|(key, _)| key == "size");
+    let sized: Vec<&Row> = rows.iter().filter(has_size).collect();
+    let names = names(sized.iter().copied());
+    let value = |row: &Row| match over {
+        Over::Time => row.gpu_ms.median,
+        Over::Holes => row.holes.unwrap_or(f64::NAN),
+        Over::Error => row.errors.rmse,
+    };
+    let point = |row: &&Row| {
+        let size = row.step.as_ref().map_or(f64::NAN, |(_, size)| *size);
+        let y = value(row);
+        let range_y = if over == Over::Time { [row.gpu_ms.min, row.gpu_ms.max] } else { [y; 2] };
+        Point { range_y, ..Point::new(size, y) }
+    };
+    let panel = |(thinning, points): &(u32, u64)| {
+        let series = names.iter().enumerate().map(|(name, method)| {
+            let rows = sized.iter().filter(|row| row.thinning == *thinning && row.method == *method);
+            Series { name, points: rows.map(point).collect(), note: String::new() }
+        });
+        Panel { title: title(*thinning, *points), series: series.collect(), front: Vec::new(), is_guided: false }
+    };
+    let y = match over {
+        Over::Time => Axis { label: "device time in ms", floor: TIME_FLOOR, steps: Steps::Tens },
+        Over::Holes => Axis { label: "share of holes", floor: holes_floor(surveyed), steps: Steps::Tens },
+        Over::Error => Axis { label: "RMSE", floor: 0.0, steps: Steps::Even },
+    };
+    let panels: Vec<Panel> = surveyed.clouds.iter().map(panel).collect();
+    let x = Axis { label: "size factor", floor: 0.0, steps: Steps::Even };
+    (!sized.is_empty()).then(|| side_by_side(names, x, y, panels))
+}
+
+/// Half a pixel of the silhouette: where no holes at all are drawn.
+pub(in super::super) fn holes_floor(surveyed: &Surveyed) -> f64 {
+    0.5 / surveyed.silhouette.max(1) as f64
+}
+
+/// What a panel of a cloud is called.
+pub(in super::super) fn title(thinning: u32, points: u64) -> String {
+    match thinning {
+        1 => format!("all {points} points"),
+        one_of => format!("1 of {one_of}: {points} points"),
+    }
+}
+
+/// Methods in the order of their rows.
+pub(in super::super) fn names<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.method) {
+            names.push(row.method.clone());
+        }
+    }
+    names
+}
+
+/// A figure of panels in a row.
+pub(in super::super) fn side_by_side(names: Vec<String>, x: Axis, y: Axis, panels: Vec<Panel>) -> Figure {
+    let columns = panels.len().clamp(1, 3);
+    let panel = [SIZE[0] / columns as u32, SIZE[1]];
+    Figure { x, y, names, guide: None, front: "Pareto front of the cloud", panel, columns, panels }
+}
