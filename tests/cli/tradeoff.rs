@@ -227,7 +227,8 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
     }
     let folder = folder();
     let scene = builtin(&folder, "tori", &["points=12000"]);
-    let args = ["tradeoff", &scene, "-q", "--size", "64x48", "-o", "report", "--quick", "--json", "--method", "cone"];
+    let start = ["tradeoff", &scene, "-q", "--size", "64x48", "-o", "report", "--quick", "--json"];
+    let args = [&start[..], &["--method", "cone", "--set", "method.shape=circle"]].concat();
     let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     assert_eq!(Some(&report), json(&folder, "report/tradeoff.json").as_ref());
     let reference = text(&report["reference"], "method");
@@ -269,7 +270,7 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
 
     // The seed says which points are left out, and radii are there though the method asks for none.
     let other = ["--only", "circles", "--seed", "2", "--method", "points"];
-    let again: Value = serde_json::from_str(&done(&folder, &[&args[..9], &other].concat())).unwrap();
+    let again: Value = serde_json::from_str(&done(&folder, &[&start[..], &other].concat())).unwrap();
     let same = |thinning: u64| {
         let of = |report: &Value| {
             let is_it =

@@ -126,6 +126,7 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
         repeats,
         rmse_analytic: None,
         holes: None,
+        rmse_inside: None,
         thinning: 1,
         front: false,
         picture: String::new(),

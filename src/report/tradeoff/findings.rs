@@ -138,6 +138,7 @@ mod tests {
             repeats: None,
             rmse_analytic: None,
             holes: None,
+            rmse_inside: None,
             thinning: 1,
             front: false,
             picture: String::new(),

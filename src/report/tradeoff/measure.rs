@@ -288,7 +288,9 @@ impl Run<'_> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
         let image = self.linear(&first.image);
-        let holes = self.made.silhouette.as_ref().and_then(|silhouette| silhouette.holes(&first.image));
+        let silhouette = self.made.silhouette.as_ref();
+        let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
+        let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
         let [picture, difference] = self.pictures(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
@@ -322,6 +324,7 @@ impl Run<'_> {
             repeats,
             rmse_analytic,
             holes,
+            rmse_inside,
             picture,
             difference,
             seconds,

@@ -89,6 +89,8 @@ pub struct Row {
     /// Of opaque points: share of the pixels inside the surfaces' silhouette ([`Surveyed::silhouette`]) on which nothing is
     /// drawn.
     pub holes: Option<f64>,
+    /// RMSE of those pixels alone: what is said of a surface's detail, and not of how far splats reach over its outline.
+    pub rmse_inside: Option<f64>,
     /// Whether no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute

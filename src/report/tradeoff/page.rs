@@ -216,8 +216,9 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
             "the share of the silhouette's pixels on which nothing is drawn. None at all is drawn at half a pixel, the least value."
         },
         "size-error.svg" => html! {
-            b { "RMSE over the size factor. " }
-            "Too small, and there are holes; too large, and points hide each other: the least error is between."
+            b { "RMSE inside the silhouette over the size factor. " }
+            "Too small, and there are holes; too large, and points hide each other: the least error is between. How far splats reach "
+            "over the outline is left out here, and not in the figures above."
         },
         "error.svg" => html! {
             b { "RMSE over device time. " }
@@ -252,6 +253,7 @@ fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
         Column::text("setting"),
         Column::number("ms"),
         Column::number("RMSE"),
+        Column::number("inside"),
         Column::number("% holes"),
     ];
     let points = |row: &Row| {
@@ -259,7 +261,9 @@ fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
         cloud.map_or_else(String::new, |(_, points)| grouped(*points))
     };
     let line = |row: &Row| {
-        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), row.holes.map_or_else(String::new, percent)];
+        let inside = row.rmse_inside.map_or_else(String::new, error);
+        let holes = row.holes.map_or_else(String::new, percent);
+        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), inside, holes];
         [vec![points(row), short(&row.setting)], numbers.to_vec()].concat()
     };
     let rows: Vec<_> = report.rows.iter().filter(|row| row.method == "image-space").map(line).collect();
@@ -395,7 +399,7 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::number("% off"),
     ]
     .into_iter()
-    .chain(report.surveyed.iter().map(|_| Column::number("% holes")));
+    .chain(report.surveyed.iter().flat_map(|_| [Column::number("inside"), Column::number("% holes")]));
     let columns: Vec<_> = columns.collect();
     let line = |row: &Row| {
         let ms = |value| Cell::number(value, digits);
@@ -427,6 +431,7 @@ fn rows(report: &Tradeoff) -> Markup {
             Cell::number(errors.above_1_255, percent),
         ];
         if report.surveyed.is_some() {
+            cells.push(row.rmse_inside.map_or(Cell::text(""), small));
             cells.push(row.holes.map_or(Cell::text(""), |holes| Cell::number(holes, percent)));
         }
         Line { cells, is_marked: row.front }
@@ -615,7 +620,7 @@ fn about_surfaces(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
         p {
             b { "Holes. " } "The silhouette are the " (grouped(surveyed.silhouette)) " pixels of which the reference covers all samples, and "
             "those of the eight pixels around. A pixel of it on which nothing is drawn is a hole. Where a farther surface shows through, there "
-            "is none by that count; the error tells."
+            "is none by that count; the error tells. “Inside” is the RMSE of the silhouette's pixels."
         }
     }
 }

@@ -21,6 +21,7 @@ pub(super) struct Trial {
     pub repeats: Option<Repeats>,
     pub rmse_analytic: Option<f64>,
     pub holes: Option<f64>,
+    pub rmse_inside: Option<f64>,
     pub picture: String,
     pub difference: String,
     /// Of a frame that found its buffers and shaders ready, on the host's clock.
@@ -115,6 +116,7 @@ mod tests {
             repeats: None,
             rmse_analytic: None,
             holes: None,
+            rmse_inside: None,
             picture: picture.to_owned(),
             difference: picture.to_owned(),
             seconds: 0.25,

@@ -24,7 +24,7 @@ pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over)
     let value = |row: &Row| match over {
         Over::Time => row.gpu_ms.median,
         Over::Holes => row.holes.unwrap_or(f64::NAN),
-        Over::Error => row.errors.rmse,
+        Over::Error => row.rmse_inside.unwrap_or(f64::NAN),
     };
     let point = |row: &&Row| {
         let size = row.step.as_ref().map_or(f64::NAN, |(_, size)| *size);
@@ -42,7 +42,7 @@ pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over)
     let y = match over {
         Over::Time => Axis { label: "device time in ms", floor: TIME_FLOOR, steps: Steps::Tens },
         Over::Holes => Axis { label: "share of holes", floor: holes_floor(surveyed), steps: Steps::Tens },
-        Over::Error => Axis { label: "RMSE", floor: 0.0, steps: Steps::Even },
+        Over::Error => Axis { label: "RMSE inside the silhouette", floor: 0.0, steps: Steps::Even },
     };
     let panels: Vec<Panel> = surveyed.clouds.iter().map(panel).collect();
     let x = Axis { label: "size factor", floor: 0.0, steps: Steps::Even };

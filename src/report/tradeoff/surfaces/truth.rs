@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::image::Image;
 use crate::methods::{Error, Frame, Renderer};
+use crate::metrics::rmse;
 use crate::output::{LinearImage, linear};
 use crate::passes::project::DeviceCloud;
 use crate::scene::{BlendedSplats, MAX_SIDE, Method, ScreenSplats};
@@ -123,6 +124,15 @@ impl Silhouette {
         let holes = pixels.filter(|(inside, depth)| **inside && !depth.is_finite()).count();
         (self.pixels > 0).then(|| holes as f64 / self.pixels as f64)
     }
+
+    /// RMSE of these pixels of an image against the reference. `None` if there is no pixel inside.
+    pub fn rmse(&self, reference: &LinearImage, image: &LinearImage) -> Option<f64> {
+        let inside = |image: &LinearImage| -> Vec<[f32; 3]> {
+            let pixels = image.pixels.iter().zip(&self.inside).filter(|(_, inside)| **inside);
+            pixels.map(|(pixel, _)| *pixel).collect()
+        };
+        (self.pixels > 0).then(|| rmse(&inside(reference), &inside(image)))
+    }
 }
 
 #[cfg(test)]
@@ -161,6 +171,18 @@ mod tests {
         assert_eq!(silhouette.holes(&open), Some(0.1));
         assert_eq!(silhouette.holes(&image(6, 4, |_, _| 0.0)), Some(1.0));
         assert_eq!(Silhouette::of(&image(12, 8, |_, _| 0.0), 2).holes(&open), None);
+    }
+
+    #[test]
+    fn only_what_is_inside_counts() {
+        let silhouette = Silhouette { inside: vec![true, false, true], pixels: 2 };
+        let of = |values: [f32; 3]| LinearImage { width: 3, height: 1, pixels: values.map(|v| [v; 3]).into() };
+        let rmse = |values| silhouette.rmse(&of([0.5; 3]), &of(values)).unwrap();
+        assert_eq!(rmse([0.5, 9.0, 0.5]), 0.0);
+        // One of two pixels is off by 0.5.
+        assert!((rmse([0.5, 9.0, 1.0]) - 0.125f64.sqrt()).abs() < 1e-12);
+        let nowhere = Silhouette { inside: vec![false; 3], pixels: 0 };
+        assert_eq!(nowhere.rmse(&of([0.0; 3]), &of([1.0; 3])), None);
     }
 
     #[test]
