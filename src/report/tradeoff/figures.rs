@@ -108,7 +108,11 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
             label: point_label(row, place == 0, rest),
             ..Point::new(row.gpu_ms.median, error(&row.errors))
         };
-        let points = ladder.rows.iter().enumerate().map(point).collect();
+        let mut points: Vec<Point> = ladder.rows.iter().enumerate().map(point).collect();
+        // There are many ladders in a small panel: their ends are enough to follow them.
+        if let (Some(_), [_, between @ .., _]) = (&report.surveyed, points.as_mut_slice()) {
+            between.iter_mut().for_each(|point| point.label.clear());
+        }
         Series { name: index(&names, &ladder.rows[0].method), points, note: String::new() }
     };
     let all = ladders(report);
@@ -126,8 +130,7 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
     if let Some(surveyed) = &report.surveyed {
         let of_cloud = |(thinning, points): &(u32, u64)| panel(surfaces::title(*thinning, *points), Some(*thinning));
         let panels = surveyed.clouds.iter().map(of_cloud).collect();
-        // Images of one sample in a pixel are off at every edge: errors of one power of ten.
-        let y = Axis { label, floor: 0.0, steps: Steps::Even };
+        let y = Axis { label, floor, steps: Steps::Tens };
         return surfaces::side_by_side(names.clone(), x, y, panels);
     }
     let panel = panel(String::new(), None);

@@ -200,7 +200,7 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
         "error.svg" if report.surveyed.is_some() => html! {
             b { "RMSE over device time. " }
             "Down and left is better. A panel for each cloud, each with its own front; the first point of a ladder names what is "
-            "turned. No image with one sample in a pixel is as smooth at edges as the reference: 0 is out of reach."
+            "turned, the last one says how far. No image with one sample in a pixel is as smooth at edges as the reference: 0 is out of reach."
         },
         "flip.svg" if report.surveyed.is_some() => html! {
             b { "FLIP over device time, " }
@@ -209,7 +209,8 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
         "size-time.svg" => html! {
             b { "Device time over the size factor, " }
             "as in Fig. 8 of Schütz and Wimmer (2015), but times instead of frames per second: down is better. Size 0 draws one pixel, "
-            "1 the radius that the points have. Bars reach from the least to the greatest time."
+            "1 the radius that the points have. Points of one pixel, and image-space with one iteration of its filters, have no size: "
+            "lines across. Bars reach from the least to the greatest time."
         },
         "size-holes.svg" => html! {
             b { "Holes over the size factor: " }

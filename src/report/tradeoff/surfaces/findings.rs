@@ -110,12 +110,13 @@ fn quality(rows: &[Row]) -> Option<Finding> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in super::super) mod tests {
     use super::*;
     use crate::report::stress::Spread;
     use crate::report::tradeoff::Errors;
 
-    fn made(method: &str, thinning: u32, size: f64, ms: f64, rmse: f64, holes: f64) -> Row {
+    /// A row of splats, made up.
+    pub fn made(method: &str, thinning: u32, size: f64, ms: f64, rmse: f64, holes: f64) -> Row {
         let spread = Spread { min: ms, median: ms, max: ms };
         Row {
             method: method.into(),
