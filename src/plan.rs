@@ -1,5 +1,7 @@
 //! Facts of a scene to passes on or off, each with its reason; and the method that `auto` stands for.
 
+mod filtered;
+
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
@@ -79,14 +81,17 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     } else {
         plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     }
-    let direct = matches!(frame.method, Method::Points | Method::Auto(_));
+    let filters = frame.method.filters();
+    let direct = matches!(frame.method, Method::Points | Method::Auto(_)) || filters.is_some();
     let project = if direct || frame.method.is_dealt() {
         "a point is one pixel or a square: no splats".to_owned()
     } else {
         format!("{} points; {shading}", facts.points)
     };
     plan.add("splat/project", facts.points > 0 && !direct && !frame.method.is_dealt(), project);
-    if direct {
+    if let Some(filters) = filters {
+        plan.filtered_points(device, frame, facts, wide_atomics, filters, why);
+    } else if direct {
         plan.nearest(device, POINTS, facts.points > 0, wide_atomics, why);
     }
     if !frame.method.is_dealt() {
@@ -107,7 +112,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         }
         Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
         Method::Spbr(_) | Method::SpbrSimplified(_) => {}
-        Method::ImageSpace(_) | Method::PeelLayers(_) => {}
+        Method::ImageSpace(filters) => plan.filters(frame, facts, &filters, None, shading),
+        Method::PeelLayers(peel) => plan.filters(frame, facts, &peel.filters, Some(peel.layers), shading),
         Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
             plan.soft_spheres(device, frame, facts, soft.threshold, why);
         }
@@ -137,6 +143,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&["image/clear"], &without("every pixel is written"));
     plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
     plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
+    plan.rest(&filtered::PASSES, &format!("no filters of the image: {why}"));
+    plan.rest(&filtered::LAYERS, &format!("no layers of point surfaces: {why}"));
     plan.rest(&SPLATS, &format!("no opaque splats: {why}"));
     plan.rest(&["splat/resolve"], &format!("no opaque splats: {why}"));
     plan.rest(&POINTS, &format!("no 1-pixel points: {why}"));

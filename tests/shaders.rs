@@ -3,12 +3,14 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::image_space::Filter;
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
-    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, sorted, splat, splats,
+    stochastic,
 };
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
@@ -60,10 +62,11 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
     all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
 }
 
-fn point_variants() -> Vec<Variant> {
+/// The variants of a pass that shades the points it found.
+fn point_variants(of: impl Fn(Cut, &Projecting, bool) -> Variant) -> Vec<Variant> {
     let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
     let all = projectings(Footprint::Point);
-    all.iter().flat_map(|how| cuts.map(|cut| points::resolve_variant(cut, how, true))).collect()
+    all.iter().flat_map(|how| cuts.map(|cut| of(cut, how, true))).collect()
 }
 
 fn compose_variants() -> Vec<Variant> {
@@ -236,10 +239,22 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<splat::NearestDepth>(&mut seen, relief_variants());
     check::<splat::NearestId>(&mut seen, relief_variants());
     check::<splat::Resolve>(&mut seen, compose_variants());
-    check::<points::Nearest>(&mut seen, [points::nearest_variant()]);
-    check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);
-    check::<points::NearestId>(&mut seen, [points::nearest_variant()]);
-    check::<points::Resolve>(&mut seen, point_variants());
+    let nearest = || (0..4).map(|i| points::nearest_variant(i & 1 != 0, i & 2 != 0));
+    check::<points::Nearest>(&mut seen, nearest());
+    check::<points::NearestDepth>(&mut seen, nearest());
+    check::<points::NearestId>(&mut seen, nearest());
+    check::<points::Resolve>(&mut seen, point_variants(points::resolve_variant));
+    for transparent in [false, true] {
+        let of = |cut: Cut, how: &Projecting, normals| image_space::resolve_variant(cut, how, normals, transparent);
+        check::<image_space::Resolve>(&mut seen, point_variants(of));
+    }
+    check::<image_space::List>(&mut seen, Filter::ALL.map(Filter::list_variant));
+    check::<image_space::Fill>(&mut seen, [Variant::plain()]);
+    check::<image_space::Occlusion>(&mut seen, [Variant::plain()]);
+    check::<image_space::Smooth>(&mut seen, [Variant::plain()]);
+    check::<image_space::Antialias>(&mut seen, [Variant::plain()]);
+    check::<image_space::Deliver>(&mut seen, [Variant::plain()]);
+    check::<peel_layers::Blend>(&mut seen, [false, true].map(peel_layers::blend_variant));
     check::<peel::Count>(&mut seen, raster_variants());
     check::<peel::Nearest>(&mut seen, raster_variants());
     check::<peel::NearestDepth>(&mut seen, raster_variants());

@@ -17,7 +17,15 @@ struct Push {
 @group(0) @binding(1) var<storage, read> points_hi: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> points_lo: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> stats: array<Stats>;
+// A single element each unless CULL or LIMITED.
+@group(0) @binding(4) var<storage, read> normals: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> limits: array<u32>;
 var<immediate> push: Push;
+
+// 1: without points that face away from the viewer; those without a normal stay.
+override CULL: u32 = 0u;
+// 1: without points nearer than the pixel's limit, a depth key. Points were counted with an earlier layer.
+override LIMITED: u32 = 0u;
 
 // Points of one invocation, at most 32.
 override RUN: u32 = 8u;
@@ -37,13 +45,31 @@ struct Hit {
     pixel: u32,
 }
 
+// Whether a point is one of those asked for, wherever it shows; its place relative to the eye, in world axes.
+fn is_kept(i: u32, place: vec3<f32>) -> bool {
+    if CULL == 0u {
+        return true;
+    }
+    let normal = normals[i].xyz;
+    let facing = select(-dot3(normal, place), -dot3(normal, view.forward.xyz), view.orthographic != 0u);
+    return facing > 0.0 || all(normal == vec3<f32>(0.0));
+}
+
+fn is_behind(hit: Hit) -> bool {
+    if LIMITED == 0u {
+        return true;
+    }
+    return hit.key >= limits[hit.pixel];
+}
+
 // Where a point shows, and how near, without doubt.
 fn exact_hit(i: u32) -> Hit {
     let point = locate(points_hi[i].xyz, points_lo[i].xyz);
     let pixel = vec2<i32>(point.column.pixel, point.row.pixel);
     let window = vec4<i32>(view.window);
     let inside = point.drawn && all(pixel >= window.xy) && all(pixel < window.zw);
-    return Hit(inside, false, depth_key(point.place[2].x), window_index(vec2<u32>(pixel), view.window));
+    let kept = is_kept(i, rounded(minus_eye(points_hi[i].xyz, points_lo[i].xyz)));
+    return Hit(inside && kept, false, depth_key(point.place[2].x), window_index(vec2<u32>(pixel), view.window));
 }
 
 // The same in less time for most points: only the depth takes two-float arithmetic, as in locate.
@@ -67,7 +93,7 @@ fn quick_hit(i: u32) -> Hit {
     let sure = all(fraction > vec2<f32>(error)) && all(fraction < vec2<f32>(1.0 - error));
     let inside = all(whole >= low) && all(whole < high);
     let pixel = vec2<u32>(vec2<i32>(whole)) + middle;
-    let seen = within && inside && sure;
+    let seen = within && inside && sure && is_kept(i, place);
     return Hit(seen, within && !outside && !sure, depth_key(depth), window_index(pixel, view.window));
 }
 
@@ -90,7 +116,7 @@ fn main(
         let i = start + k * WG_SIZE;
         if i < push.count {
             let hit = quick_hit(i);
-            if hit.seen {
+            if hit.seen && is_behind(hit) {
                 visible += visit(push.first + i, hit);
             }
             unsure |= u32(hit.unsure) << k;
@@ -99,12 +125,12 @@ fn main(
     while unsure != 0u {
         let i = start + firstTrailingBit(unsure) * WG_SIZE;
         let hit = exact_hit(i);
-        if hit.seen {
+        if hit.seen && is_behind(hit) {
             visible += visit(push.first + i, hit);
         }
         unsure &= unsure - 1u;
     }
-    if visible > 0u {
+    if LIMITED == 0u && visible > 0u {
         atomicAdd(&stats[push.chunk].visible, visible);
     }
 }

@@ -214,6 +214,7 @@ impl Loaded {
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
         let (camera, warnings) = match given {
             Some(camera) => (camera, Vec::new()),
             None => scene::camera(&scene, arranged.points(), up)?,

@@ -5,9 +5,11 @@ pub mod approximate;
 pub mod bands;
 pub mod brightness;
 pub mod cost;
+pub mod image_space;
 pub mod linked_list;
 pub mod one_layer;
 pub mod peel;
+pub mod peel_layers;
 pub mod points;
 pub mod renderer;
 pub mod soft;
@@ -96,6 +98,33 @@ pub enum Error {
     TooManyLayers {
         /// Layers that were peeled.
         limit: u32,
+    },
+    /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+    )]
+    HaloOverBudget {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Bytes that the smallest window takes.
+        needed: u64,
+        /// Bytes that are there for a window.
+        available: u64,
+        /// The budget that would do.
+        budget: u64,
+    },
+    /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which has {tiles} tiles of 16 × 16 pixels at least; this device allows {limit}: fewer layers or iterations would do"
+    )]
+    HaloTooLarge {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Tiles of the smallest window.
+        tiles: u64,
+        /// Tiles that can be bound.
+        limit: u64,
     },
     /// The cloud is longer than the device can address.
     #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]

@@ -5,6 +5,7 @@ pub mod axes;
 mod density;
 pub mod ensembles;
 pub mod field;
+pub mod layer_distance;
 mod morton;
 mod neighbors;
 mod normal;

@@ -6,7 +6,7 @@ use super::parts::splatting_bytes;
 use super::{Facts, Frame, PassProfile};
 use crate::gpu::PassTime;
 use crate::methods::stochastic::hardware;
-use crate::methods::{abuffer, approximate, linked_list, peel, spbr, splats, stochastic};
+use crate::methods::{abuffer, approximate, image_space, linked_list, peel, spbr, splats, stochastic};
 use crate::passes::bin;
 use crate::passes::project::DeviceCloud;
 use crate::scene::{DiscShape, Method, Stochastic};
@@ -51,6 +51,9 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
+    if let Some(filters) = frame.method.filters().filter(|_| !name.starts_with("image/")) {
+        return image_space::least_bytes(name, facts, cloud, filters.cull);
+    }
     match name {
         "splat/project" => {
             Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))

@@ -2,6 +2,7 @@
 
 mod arranged;
 mod bytes;
+mod filtered;
 mod parts;
 
 use std::time::{Duration, Instant};
@@ -16,7 +17,9 @@ use super::abuffer::{ABuffer, Lists, Storing};
 use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
+use super::image_space::{self, Filterer};
 use super::peel::Peeler;
+use super::peel_layers::LayerPeeler;
 use super::soft::express::SoftDiscs;
 use super::soft::{self, Interior, Layer};
 use super::sorted::{self, Stop};
@@ -38,8 +41,8 @@ use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats,
-    Shading, Shadows, SplatShape, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, PeelLayers, Raster,
+    ScreenSplats, Shading, Shadows, SplatShape, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -137,6 +140,10 @@ pub struct Facts {
     pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
+    /// Tiles of 16 × 16 pixels of all images that filters had, layer by layer and window by window.
+    pub image_tiles: u64,
+    /// Those that each filter ran over: background fill, occlusion fill, smoothing, antialiasing; all iterations.
+    pub filtered_tiles: [u64; 4],
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
     /// Ensembles that were drawn.
@@ -328,6 +335,8 @@ pub struct Renderer {
     opaque: Opaque,
     splatter: Splatter,
     peeler: Peeler,
+    filterer: Filterer,
+    layer_peeler: LayerPeeler,
     sampler: Sampler,
     ensembles: Ensembles,
     /// Ensembles of a round of frames that stop at an error, if fewer than the method's.
@@ -364,6 +373,8 @@ impl Renderer {
             opaque: Opaque::default(),
             splatter: Splatter::default(),
             peeler: Peeler::new(device)?,
+            filterer: Filterer::new(device)?,
+            layer_peeler: LayerPeeler::new(device)?,
             sampler: Sampler::new(),
             ensembles: Ensembles::default(),
             drawn: None,
@@ -421,7 +432,7 @@ impl Renderer {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
         let budget = self.budget(cloud, frame);
-        let windows = initial_windows(frame, budget);
+        let windows = initial_windows(frame, budget)?;
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
@@ -538,7 +549,7 @@ impl Renderer {
         }
         self.drawn = None;
         let budget = self.budget(cloud, frame);
-        let mut windows = initial_windows(frame, budget);
+        let mut windows = initial_windows(frame, budget)?;
         let mut facts = Facts { points: cloud.len(), ..Default::default() };
         while let Some(window) = windows.pop() {
             let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
@@ -572,7 +583,8 @@ impl Renderer {
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
-            Method::ImageSpace(_) | Method::PeelLayers(_) => unreachable!("not yet"),
+            Method::ImageSpace(filters) => return self.filtered(cloud, frame, filters, work),
+            Method::PeelLayers(peel) => return self.layered(cloud, frame, peel, work),
             Method::Spbr(_) | Method::SpbrSimplified(_) => return self.dealt(cloud, frame, work),
             _ => {}
         }
@@ -836,6 +848,8 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
+        } else if let Some(layers) = &mut image.layers {
+            place_counts(frame, window, &self.layer_peeler.read_layers(window)?, layers);
         } else if let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.soft()) {
             match Interior::of(&frame.method).filter(|_| self.soft_counted) {
                 Some(interior) => {
@@ -882,20 +896,19 @@ fn place_counts<T: Copy>(frame: &Frame, window: Window, counts: &[T], image: &mu
 }
 
 /// The windows of a frame, the first one last.
-fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
+fn initial_windows(frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
     let listed = if frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
     let pixel_bytes = match frame.method {
         Method::Stochastic(_) => {
             let bytes = listed + bin::PIXEL_BYTES + stochastic::pixel_bytes(frame.spread());
             let most = stochastic::window_pixels(budget, bytes, frame.spread());
-            let mut windows = bands::windows(frame.size, most);
-            windows.reverse();
-            return windows;
+            return Ok(last_first(bands::windows(frame.size, most)));
         }
         method if method.is_dealt() => {
-            let mut windows = bands::windows(frame.size, spbr::window_pixels(budget, frame.spread()));
-            windows.reverse();
-            return windows;
+            return Ok(last_first(bands::windows(frame.size, spbr::window_pixels(budget, frame.spread()))));
+        }
+        Method::ImageSpace(filters) | Method::PeelLayers(PeelLayers { filters, .. }) => {
+            return Ok(last_first(image_space::frame_windows(frame, &filters, budget)?));
         }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
@@ -910,7 +923,10 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         }
         _ => splat::PIXEL_BYTES,
     };
-    let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
+    Ok(last_first(bands::windows(frame.size, budget.window_pixels(pixel_bytes))))
+}
+
+fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
     windows.reverse();
     windows
 }
@@ -975,7 +991,8 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let pixels = width as usize * height as usize;
     let listed = frame.method.discs().is_some() || frame.method.soft().is_some();
     let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
-    let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
+    let layers =
+        (frame.fragments && matches!(frame.method, Method::Peel(_) | Method::PeelLayers(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
         Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, stderr, ..image },
