@@ -11,7 +11,7 @@ use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Stop};
 use pellucid::points::Points;
 use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
-use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
+use pellucid::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Subject, Tradeoff};
 use pellucid::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 
 use super::DeviceArgs;
@@ -32,7 +32,8 @@ measured.
 
 If it is one of opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, image-space), all of them are \
 compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters, on all points, a quarter and a 16th of them \
-(\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too.
+(\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too. Under \
+[shadows] with a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
 
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
 on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
@@ -111,7 +112,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = read(&args.input, talk, &progress)?.resolve_with_radii(talk, &progress)?;
-    settings::compared(&resolved.scene.method, resolved.points())?;
+    let formation = settings::compared(&resolved.scene.method, resolved.points())?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -126,7 +127,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
-        shadows: None,
+        shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
         factors: Factors::default(),
         seed: resolved.seed,
     };
@@ -196,7 +197,13 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         None => "",
     };
     let findings = report.findings.iter().map(|f| format!("{}\n  {}{}\n", f.claim, holds(f.holds), f.measured));
-    let findings: String = findings.collect();
+    let mut findings: String = findings.collect();
+    if let Some(shaded) = &report.shaded {
+        let step = |step: &ShadedStep| format!("{}: {:.2} ms, RMSE {:.2e}", step.samples, step.ms.median, step.rmse);
+        let steps: Vec<_> = shaded.steps.iter().map(step).collect();
+        let Shaded { method, reference_samples, .. } = shaded;
+        findings += &format!("shadows with {method} by samples, against {reference_samples}\n  {}\n", steps.join("; "));
+    }
     format!(
         "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\
          {} settings measured, {} skipped; why, and all figures: {}\n",

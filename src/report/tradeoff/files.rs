@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pictures::Pictures;
-use super::{Row, Skipped, Tradeoff, figures, page};
+use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, figures, page};
 use crate::output::{self, write_atomically};
 
 /// A line of `tradeoff.csv`. What was skipped has its reason in place of figures.
@@ -88,6 +88,21 @@ impl<'a> Line<'a> {
         }
     }
 
+    /// Times are those of the passes of shadows, errors are against the same method's image with many samples.
+    fn shaded(method: &'a str, setting: &'a str, step: &ShadedStep) -> Self {
+        Self {
+            method,
+            setting,
+            key: "shadows.samples",
+            step: Some(step.samples.into()),
+            gpu_ms_min: Some(step.ms.min),
+            gpu_ms_median: Some(step.ms.median),
+            gpu_ms_max: Some(step.ms.max),
+            rmse: Some(step.rmse),
+            ..Self::default()
+        }
+    }
+
     fn skipped(skipped: &'a Skipped) -> Self {
         let Skipped { method, setting, reason } = skipped;
         Self { method, setting, skipped: reason, ..Self::default() }
@@ -97,7 +112,13 @@ impl<'a> Line<'a> {
 fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(file);
     let measured = report.rows.iter().map(Line::measured);
-    for line in measured.chain(report.skipped.iter().map(Line::skipped)) {
+    // By names that live as long as the lines do.
+    let settings =
+        |shaded: &Shaded| shaded.steps.iter().map(|step| format!("shadows.samples={}", step.samples)).collect();
+    let settings: Vec<String> = report.shaded.as_ref().map_or_else(Vec::new, settings);
+    let shaded = report.shaded.iter().flat_map(|shaded| shaded.steps.iter().map(|step| (shaded.method.as_str(), step)));
+    let shaded = shaded.zip(&settings).map(|((method, step), setting)| Line::shaded(method, setting, step));
+    for line in measured.chain(report.skipped.iter().map(Line::skipped)).chain(shaded) {
         writer.serialize(line).map_err(io::Error::other)?;
     }
     writer.flush()

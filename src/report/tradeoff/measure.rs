@@ -12,6 +12,7 @@ use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
 use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings};
+use super::surfaces::shadows::{self, Effort};
 use super::surfaces::{self, Clouds, Silhouette, supersampled};
 use super::{Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Surveyed, Tradeoff, findings, summary};
 use crate::gpu::Device;
@@ -127,6 +128,7 @@ pub fn run(
         progress.inc(1);
     }
     run.rounds(&taken)?;
+    run.shade()?;
     Ok(run.report(&taken))
 }
 
@@ -411,11 +413,31 @@ impl Run<'_> {
         Ok(self.device.check_validation()?)
     }
 
+    /// Shadows of more and fewer samples, unless an earlier run has them.
+    fn shade(&mut self) -> Result<()> {
+        if self.surveyed.is_some() && self.partial.content.shaded.is_none() {
+            self.progress.set_message("shadows");
+            let Options { ladders, rounds, seconds, .. } = self.options;
+            let effort = Effort { samples: ladders.shadow_samples, frames: *rounds, seconds: *seconds };
+            let frame = Frame { method: self.subject.frame.method, ..self.frame };
+            self.partial.content.shaded =
+                shadows::measure(self.device, &mut self.clouds, &frame, self.subject.background, effort)?;
+            self.device.check_validation()?;
+            self.partial.save()?;
+        }
+        Ok(())
+    }
+
     fn peak(&self, setting: &Setting) -> u64 {
         self.partial.content.settings[&setting.key()].trial.peak_device_bytes
     }
 
     fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
+        if !self.clouds.are_on_device(setting.thinning) {
+            // What is found once for a cloud is no part of a frame's time.
+            let rendered = self.render(renderer, setting, round as u32)?;
+            renderer.recycle(rendered.image);
+        }
         let rendered = self.render(renderer, setting, round as u32)?;
         let timed = Timed::new(&rendered.profile, self.partial.content.sittings);
         renderer.recycle(rendered.image);
@@ -468,6 +490,7 @@ impl Run<'_> {
             reference: content.reference.expect("kept before any setting was tried"),
             analytic,
             surveyed,
+            shaded: content.shaded,
             rows,
             skipped,
             convergence,

@@ -199,6 +199,28 @@ pub struct Surveyed {
     pub clouds: Vec<(u32, u64)>,
 }
 
+/// Shadows of an area light, with the scene's own method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shaded {
+    /// Its name.
+    pub method: String,
+    /// Samples of the light in the image that the others are compared with.
+    pub reference_samples: u32,
+    /// By ascending samples.
+    pub steps: Vec<ShadedStep>,
+}
+
+/// Shadows of so many samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ShadedStep {
+    /// How many.
+    pub samples: u32,
+    /// Device time of the passes that find the shadows, once for a light and a cloud.
+    pub ms: Spread,
+    /// RMSE of the image.
+    pub rmse: f64,
+}
+
 /// All that was measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tradeoff {
@@ -230,6 +252,8 @@ pub struct Tradeoff {
     pub analytic: Option<Analytic>,
     /// Of opaque points.
     pub surveyed: Option<Surveyed>,
+    /// Of opaque points in the light of an area.
+    pub shaded: Option<Shaded>,
     /// What was measured, in the order of the settings' ladder.
     pub rows: Vec<Row>,
     /// What was not.

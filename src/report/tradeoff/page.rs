@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::figures::{Drawn, FLIP_FLOOR, LAW_R_SQUARED, RMSE_FLOOR, bias_floor, short, signed};
 use super::pictures::Pictures;
-use super::{Analytic, DIFFERENCE_GAIN, Row, Surveyed, Tradeoff};
+use super::{Analytic, DIFFERENCE_GAIN, Row, Shaded, ShadedStep, Surveyed, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, figure, grouped, page, script, sortable, sorting, table};
 
 const MIB: f64 = (1 << 20) as f64;
@@ -55,6 +55,7 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             @for drawn in of(figures, &["size-time.svg", "size-holes.svg", "size-error.svg"]) { (shown(drawn, report)) }
             h2 { "Filters of the image" }
             (iterations(report, surveyed))
+            @if let Some(found) = &report.shaded { (shaded(found)) }
         } @else {
             h2 { "Convergence" }
             @for drawn in of(figures, &["convergence.svg"]) { (shown(drawn, report)) }
@@ -276,6 +277,30 @@ fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
             }
             (table(&columns, &rows))
         }
+    }
+}
+
+/// Soft shadows of more and fewer samples.
+fn shaded(found: &Shaded) -> Markup {
+    let columns = [
+        Column::number("samples of the light"),
+        Column::number("ms"),
+        Column::number("from–to"),
+        Column::number("RMSE"),
+        Column::number("RMSE · √samples"),
+    ];
+    let row = |step: &ShadedStep| {
+        let scaled = step.rmse * f64::from(step.samples).sqrt();
+        let range = format!("{}–{}", digits(step.ms.min), digits(step.ms.max));
+        vec![step.samples.to_string(), digits(step.ms.median), range, error(step.rmse), error(scaled)]
+    };
+    html! {
+        h2 { "Shadows" }
+        p {
+            "With " code { (found.method) } ", against an image with " (found.reference_samples) " samples. The time is that of the passes "
+            "that find the shadows, which a cloud keeps as long as light and points stay."
+        }
+        (table(&columns, &found.steps.iter().map(row).collect::<Vec<_>>()))
     }
 }
 

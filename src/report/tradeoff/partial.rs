@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Reference, Repeats};
+use super::{Errors, Reference, Repeats, Shaded};
 use crate::output::{self, write_atomically};
 
 const NAME: &str = "tradeoff.partial.json";
@@ -53,6 +53,7 @@ pub(super) struct Content {
     /// Runs of the command so far.
     pub sittings: u32,
     pub reference: Option<Reference>,
+    pub shaded: Option<Shaded>,
     /// By [`super::settings::Setting::key`].
     pub settings: BTreeMap<String, Measured>,
 }

@@ -33,12 +33,22 @@ impl<'a> Clouds<'a> {
         self.thinned.get(&thinning).unwrap_or(self.arranged.points()).len() as u64
     }
 
+    /// Whether those are on the device.
+    pub fn are_on_device(&self, thinning: u32) -> bool {
+        self.on_device.as_ref().is_some_and(|(there, _)| *there == thinning)
+    }
+
+    /// Takes everything off the device, what was found for the points included.
+    pub fn forget(&mut self) {
+        self.on_device = None;
+    }
+
     /// Those on the device, uploaded unless they are there.
     ///
     /// # Errors
     /// What uploading says.
     pub fn of(&mut self, renderer: &Renderer, thinning: u32) -> Result<&mut DeviceCloud, Error> {
-        if self.on_device.as_ref().is_none_or(|(there, _)| *there != thinning) {
+        if !self.are_on_device(thinning) {
             // The memory of the others first.
             self.on_device = None;
             let cloud = match self.thinned.get(&thinning) {

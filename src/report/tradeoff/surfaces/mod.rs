@@ -4,6 +4,7 @@ mod clouds;
 pub(super) mod figures;
 pub(super) mod findings;
 pub(super) mod ladder;
+pub(super) mod shadows;
 mod truth;
 
 pub(super) use clouds::Clouds;
