@@ -7,7 +7,7 @@ use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
 use crate::methods::spbr::Form;
 use crate::methods::splats::PASSES as SPLATTED;
-use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
+use crate::methods::{Facts, Frame, Renderer, cost, shadows, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
@@ -76,6 +76,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Lambert => "Lambert shading where there are normals",
         ShadingModel::Phong => "Phong shading where there are normals",
     };
+    plan.shadows(frame, facts);
     if frame.method.is_dealt() {
         plan.dealt(device, frame, facts, why);
     } else {
@@ -274,6 +275,33 @@ impl Plan {
             if self.steps.iter().all(|step| step.name != *name) {
                 self.add(name, false, reason);
             }
+        }
+    }
+
+    /// The light of each point, which later frames don't find again.
+    fn shadows(&mut self, frame: &Frame, facts: &Facts) {
+        let views = facts.light_views;
+        let refusal = shadows::refusal(frame);
+        let stored = "the light of each point is with the cloud";
+        let shadows = frame.shadows.unwrap_or_default();
+        let samples = if shadows.light_radius == 0.0 { 1 } else { shadows.samples };
+        let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
+        for (name, reason) in shadows::PASSES.into_iter().zip([
+            format!("{} points, lit by all lights at first; later frames take what this one finds", facts.points),
+            format!("{images}: nothing is there yet"),
+            format!("{images}: the nearest depths"),
+            "holes in surfaces are closed, so that no light falls through".to_owned(),
+            format!("{} points are compared with the nearest depths of each light", facts.points),
+            format!("number of lights to share of {samples}"),
+        ]) {
+            let reason = match &refusal {
+                Some(refusal) => refusal.clone(),
+                None if views == 0 => stored.to_owned(),
+                None if name == "shadows/share" && samples == 1 => "of one light there is all or nothing".to_owned(),
+                None => reason,
+            };
+            let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
+            self.add(name, on, reason);
         }
     }
 

@@ -13,6 +13,7 @@ mod cli {
     mod measure;
     mod prepare;
     mod render;
+    mod shadows;
     mod stress;
     mod tradeoff;
 }

@@ -56,7 +56,7 @@ fn references(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSp
         let factor = [1.0 - 1e-5, 1.0 + 1e-5][seed as usize % 2];
         let near = ImageSpace {
             min_layer_distance: Some(distance * factor),
-            antialias_threshold: filters.antialias_threshold * factor,
+            antialias_threshold: (filters.antialias_threshold * factor).min(1.0),
             ..*filters
         };
         render(&jittered(points, camera, seed), near)

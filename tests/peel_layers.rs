@@ -55,7 +55,7 @@ fn references(points: &Points, frame: &Frame, settings: &PeelLayers) -> (Picture
         let factor = [1.0 - 1e-5, 1.0 + 1e-5][seed as usize % 2];
         let near = ImageSpace {
             min_layer_distance: Some(distance * factor),
-            antialias_threshold: filters.antialias_threshold * factor,
+            antialias_threshold: (filters.antialias_threshold * factor).min(1.0),
             ..*filters
         };
         render(&jittered(points, &frame.camera, seed), PeelLayers { filters: near, ..*settings })

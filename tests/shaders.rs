@@ -9,8 +9,8 @@ use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
-    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, sorted, splat, splats,
-    stochastic,
+    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, shadows, sorted, splat,
+    splats, stochastic,
 };
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
@@ -42,7 +42,7 @@ fn relief_variants() -> Vec<Variant> {
 /// All ways to shade.
 fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
-    let of = |model, color, part| {
+    let of = |model, color, part, lit| {
         let shading = Shading { model, ..Shading::default() };
         Projecting {
             footprint,
@@ -53,13 +53,17 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
             relative_depth: footprint == Footprint::Sphere,
             shading,
             color,
+            lit,
         }
     };
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
     let colors = [ColorSpace::Linear, ColorSpace::Encoded];
-    let all = models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
-    all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
+    let all = || models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
+    let plain = all().flat_map(|(model, color)| parts.map(|part| of(model, color, part, false)));
+    // Only shaded points of opaque methods have shares of light, and these take all points.
+    let lit = all().filter(|(model, _)| *model != ShadingModel::None);
+    plain.chain(lit.map(|(model, color)| of(model, color, Part::All, true))).collect()
 }
 
 /// The variants of a pass that shades the points it found.
@@ -255,6 +259,11 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<image_space::Antialias>(&mut seen, [Variant::plain()]);
     check::<image_space::Deliver>(&mut seen, [Variant::plain()]);
     check::<peel_layers::Blend>(&mut seen, [false, true].map(peel_layers::blend_variant));
+    check::<shadows::Start>(&mut seen, [false, true].map(shadows::start_variant));
+    check::<shadows::Nearest>(&mut seen, [shadows::walk_variant()]);
+    check::<shadows::Fill>(&mut seen, [shadows::fill_variant()]);
+    check::<shadows::Lit>(&mut seen, [false, true].map(shadows::lit_variant));
+    check::<shadows::Share>(&mut seen, [Variant::plain()]);
     check::<peel::Count>(&mut seen, raster_variants());
     check::<peel::Nearest>(&mut seen, raster_variants());
     check::<peel::NearestDepth>(&mut seen, raster_variants());

@@ -135,7 +135,7 @@ const LID: f64 = 50.0;
 fn a_square_casts_its_shadow_and_no_other() {
     with_device(|device| {
         let size = [64, 64];
-        let far = 1e6;
+        let far = 2e4;
         for normal in [Vec3::ZERO, Vec3::Z] {
             let points = [floor(size, normal, |_, _| FLOOR), lid(20.0..44.0, 16.0..40.0, LID, 0.25)].concat();
             for (degrees, turn) in [(0.0, 0.0), (20.0, 0.0), (15.0, 120.0)] {
@@ -156,7 +156,8 @@ fn a_square_casts_its_shadow_and_no_other() {
                             continue;
                         }
                         let wanted = if inside > 0.0 { 0.0 } else { full };
-                        assert!((f64::from(*red) - wanted).abs() < 1e-5, "{degrees}° {light:?}: {pixel}, {red}");
+                        // Seen from the lamp the floor is some thousandths wide.
+                        assert!((f64::from(*red) - wanted).abs() < 2e-3, "{degrees}° {light:?}: {pixel}, {red}");
                         dark += usize::from(inside > 0.0);
                     }
                     assert!(dark > 400, "{dark}");
@@ -472,7 +473,7 @@ fn what_is_dark_keeps_its_ambient_light() {
     with_device(|device| {
         let size = [32, 32];
         let normal = Vec3::new(0.3, 0.1, 1.0).normalize();
-        let points = scene(&[floor(size, normal, |_, _| FLOOR), lid(-4.0..20.0, -4.0..36.0, LID, 0.5)].concat());
+        let points = scene(&[floor(size, normal, |_, _| FLOOR), lid(-4.0..20.0, -4.0..60.0, LID, 0.5)].concat());
         let shading = Shading {
             model: ShadingModel::Phong,
             ambient: 0.25,

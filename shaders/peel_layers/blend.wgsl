@@ -65,6 +65,6 @@ fn main(
     }
     image[q] = front + (1.0 - front.a) * layer.color;
     if COUNTED == 1u {
-        layers[q] += select(0u, 1u, !background || layer.color.a > 0.0);
+        layers[q] += select(1u, 0u, background);
     }
 }

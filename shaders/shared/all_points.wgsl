@@ -63,16 +63,17 @@ fn color_at(i: u32) -> vec3<f32> {
     }
 }
 
-fn normal_at(i: u32) -> vec3<f32> {
+// The normal, and the share of light.
+fn normal_at(i: u32) -> vec4<f32> {
     if PARTS == 1u {
-        return normals_0[i].xyz;
+        return normals_0[i];
     }
     let k = i % PART_LENGTH;
     switch i / PART_LENGTH {
-        case 0u: { return normals_0[k].xyz; }
-        case 1u: { return normals_1[k].xyz; }
-        case 2u: { return normals_2[k].xyz; }
-        default: { return normals_3[k].xyz; }
+        case 0u: { return normals_0[k]; }
+        case 1u: { return normals_1[k]; }
+        case 2u: { return normals_2[k]; }
+        default: { return normals_3[k]; }
     }
 }
 
@@ -82,5 +83,6 @@ fn color_of(i: u32) -> vec3<f32> {
         return blended_color(color, vec3<f32>(0.0), vec3<f32>(0.0));
     }
     let position = rounded(in_camera(minus_eye(hi_at(i), lo_at(i).xyz)));
-    return blended_color(color, position, rounded(turned(normal_at(i))));
+    let normal = normal_at(i);
+    return lit_color(color, position, rounded(turned(normal.xyz)), normal.w);
 }

@@ -8,6 +8,7 @@ use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
 use pellucid::points::{Arranged, Points};
+use pellucid::prepare::shadows::ShadowTexture;
 use pellucid::scene::{self, Method, Overrides, Scene, ScreenSplats, View, ViewName, procedural};
 
 use super::talk::Talk;
@@ -74,6 +75,8 @@ pub struct Resolved {
     pub scene: Scene,
     /// All points, in the order that the method wants.
     pub arranged: Arranged,
+    /// The shadows of the scene that were stored with its cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
     /// The camera, given or automatic.
     pub camera: Camera,
     /// `--seed`.
@@ -212,6 +215,8 @@ impl Loaded {
     pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
+        note.iter().for_each(|note| talk.note(note));
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
@@ -222,7 +227,7 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             talk.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, camera, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
     }
 }
 

@@ -12,6 +12,7 @@ pub mod peel;
 pub mod peel_layers;
 pub mod points;
 pub mod renderer;
+pub mod shadows;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;
@@ -101,8 +102,8 @@ pub enum Error {
     },
     /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
     #[error(
-        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
-        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: a larger --memory-budget would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available)
     )]
     HaloOverBudget {
         /// Pixels that are rendered on each side of a window.
@@ -111,8 +112,6 @@ pub enum Error {
         needed: u64,
         /// Bytes that are there for a window.
         available: u64,
-        /// The budget that would do.
-        budget: u64,
     },
     /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
     #[error(
@@ -168,6 +167,23 @@ pub enum Error {
         /// What is missing.
         needed: String,
     },
+    /// A light's image doesn't fit a binding or the budget.
+    #[error(
+        "shadows.resolution = {resolution} needs {} of device memory in two parts; the budget leaves {}, and a part may have {}: {}",
+        ByteSize(*.needed), ByteSize(*.budget), ByteSize(*.binding), smaller_image(*.largest)
+    )]
+    ShadowImage {
+        /// Columns and rows of the image.
+        resolution: u32,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that the budget leaves.
+        budget: u64,
+        /// Bytes that a binding may have, which is half of the image.
+        binding: u64,
+        /// The largest resolution that would do; 0 if none would.
+        largest: u32,
+    },
     /// The image is empty or too large.
     #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::scene::MAX_SIDE)]
     ImageSize {
@@ -176,6 +192,13 @@ pub enum Error {
         /// Height in pixels.
         height: u32,
     },
+}
+
+fn smaller_image(largest: u32) -> String {
+    match largest {
+        0 => "a larger --memory-budget would help".to_owned(),
+        _ => format!("up to {largest} would do"),
+    }
 }
 
 impl Error {

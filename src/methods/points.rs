@@ -67,7 +67,7 @@ pass! {
 
 /// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
 /// such ends.
-const RUN: u64 = 16;
+pub(super) const RUN: u64 = 16;
 
 /// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without those
 /// nearer than their pixel's limit.

@@ -18,7 +18,7 @@ mod table;
 mod tree;
 mod view;
 
-pub use assemble::{arrange, assemble, load_clouds, notes, take_generated, up_axis};
+pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
 pub use framing::camera;

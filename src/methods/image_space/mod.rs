@@ -62,15 +62,16 @@ pub fn frame_windows(frame: &Frame, filters: &ImageSpace, budget: Budget) -> Res
     let layers = layers(&frame.method);
     let tile_bytes = TILE_BYTES + AREA * (PIXEL_BYTES + if layers.is_some() { LAYER_BYTES } else { 0 });
     let bound = (budget.binding / size_of::<[f32; 4]>() as u64).saturating_sub(1) / (2 * AREA);
-    let most = (budget.bytes / 2 / tile_bytes).min(bound).min(MOST_TILES).max(1);
+    let limit = bound.min(MOST_TILES);
     let halo = halo(filters, layers.unwrap_or(1));
-    windows::windows(frame.size, most, halo).ok_or_else(|| {
+    let within = |bytes: u64| windows::windows(frame.size, (bytes / tile_bytes).min(limit).max(1), halo);
+    // Half of it, unless only all of it will do.
+    within(budget.bytes / 2).or_else(|| within(budget.bytes)).ok_or_else(|| {
         let tiles = windows::fewest_tiles(frame.size, halo);
-        if tiles > bound.min(MOST_TILES) {
-            return Error::HaloTooLarge { halo, tiles, limit: bound.min(MOST_TILES) };
+        if tiles > limit {
+            return Error::HaloTooLarge { halo, tiles, limit };
         }
-        let (needed, available) = (tiles * tile_bytes, budget.bytes / 2);
-        Error::HaloOverBudget { halo, needed, available, budget: 2 * needed }
+        Error::HaloOverBudget { halo, needed: tiles * tile_bytes, available: budget.bytes }
     })
 }
 

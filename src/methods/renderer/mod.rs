@@ -28,7 +28,7 @@ use super::splat::Opaque;
 use super::splats::{Pixels, Splatter};
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::{Error, Outcome, abuffer, peel, splat, stochastic};
+use super::{Error, Outcome, abuffer, peel, shadows, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -40,6 +40,7 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
+use crate::prepare::shadows::Casting;
 use crate::scene::{
     ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, PeelLayers, Raster,
     ScreenSplats, Shading, Shadows, SplatShape, Stochastic,
@@ -177,6 +178,8 @@ pub struct Facts {
     pub splatted: u64,
     /// Windows of `one-layer` in which a layer of soft points lies over what is opaque.
     pub layered: u64,
+    /// Images through the eyes of a light that were made for shadows: 0 without shadows, and where the cloud has them.
+    pub light_views: u64,
     /// Windows of the image.
     pub windows: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
@@ -431,13 +434,15 @@ impl Renderer {
         {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
+        let mut timeline = Timeline::default();
+        let light_views = self.light_views(cloud, frame);
+        self.cast_shadows(cloud, frame, &mut timeline)?;
         let budget = self.budget(cloud, frame);
         let windows = initial_windows(frame, budget)?;
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
         let mut image = blank(self.spare.take(), frame);
-        let mut timeline = Timeline::default();
         let mut facts = match (frame.samples(), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
@@ -457,6 +462,7 @@ impl Renderer {
             }
         };
         image.stderr = image.stderr.filter(|_| frame.fragments);
+        facts.light_views = light_views;
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
@@ -498,6 +504,34 @@ impl Renderer {
     fn streamed(&self, cloud: &DeviceCloud, frame: &Frame) -> Option<u64> {
         let dealt = frame.method.is_dealt();
         dealt.then(|| stream::window_points(&self.device, cloud, frame.memory_budget)).flatten()
+    }
+
+    /// Images through the eyes of a light that a frame of a cloud needs.
+    fn light_views(&self, cloud: &DeviceCloud, frame: &Frame) -> u64 {
+        let casting = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting));
+        casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
+    }
+
+    /// Finds the light of each point for the shadows of a frame, unless it has none or the cloud has them already. Whatever the
+    /// camera and the method, they stay those of the cloud until other ones are cast.
+    fn cast_shadows(&self, cloud: &mut DeviceCloud, frame: &Frame, timeline: &mut Timeline) -> Result<(), Error> {
+        let Some(casting) = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting)) else {
+            return Ok(());
+        };
+        let how = projecting_of(frame, cloud, Footprint::Point, UNCLAMPED, Part::All);
+        let budget = self.budget(cloud, frame).bytes;
+        shadows::cast(&self.device, cloud, (&casting, &how), budget, &self.progress, timeline)
+    }
+
+    /// Finds the shadow texture that frames like this one take, without rendering any; the cloud then has it
+    /// ([`DeviceCloud::lit`]). What it belongs to, or `None` if such frames have no shadows.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`].
+    pub fn cast(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Casting>, Error> {
+        self.place(cloud, frame)?;
+        self.cast_shadows(cloud, frame, &mut Timeline::default())?;
+        Ok(shadows::casting(frame, cloud))
     }
 
     /// Renders windows, of which the last one comes first, into an image.
@@ -550,7 +584,8 @@ impl Renderer {
         self.drawn = None;
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget)?;
-        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        let light_views = self.light_views(cloud, frame);
+        let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
         while let Some(window) = windows.pop() {
             let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
             if let Outcome::Overflow = self.work(cloud, frame, &mut work)? {
@@ -1046,6 +1081,7 @@ fn projecting_of(
         relative_depth: Interior::of(&frame.method).is_some(),
         shading: frame.shading,
         color: frame.color,
+        lit: cloud.casting().is_some() && cloud.casting() == shadows::casting(frame, cloud).as_ref(),
     }
 }
 
