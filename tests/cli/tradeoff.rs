@@ -280,6 +280,22 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
         of(&report) == of(&again)
     };
     assert!(same(1) && !same(16), "{again}");
+    assert!(report["shaded"].is_null() && again["shaded"].is_null());
+
+    // Soft shadows have a ladder of their own.
+    let light =
+        ["--set", "shading.light=[0.5, 0.3, -1]", "--set", "shadows.light_radius=8", "--set", "shadows.resolution=64"];
+    let args = [&start[..], &["--only", "points", "--method", "points", "--time", "5"], &light].concat();
+    let shaded: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
+    let shaded = &shaded["shaded"];
+    assert_eq!(shaded["method"], "points");
+    assert!(number(shaded, "reference_samples") >= 100.0, "{shaded}");
+    let steps = shaded["steps"].as_array().unwrap();
+    assert_eq!(steps.iter().map(|step| number(step, "samples")).collect::<Vec<_>>(), [1.0, 5.0]);
+    assert!(number(&steps[0], "rmse") > number(&steps[1], "rmse") && number(&steps[1], "rmse") > 0.0, "{shaded}");
+    assert!(steps.iter().all(|step| number(&step["ms"], "min") > 0.0), "{shaded}");
+    let table = fs::read_to_string(inside_report(&folder, "tradeoff.csv")).unwrap();
+    assert!(table.contains("points,shadows.samples=5,shadows.samples,5.0,"), "{table}");
 }
 
 fn inside_report(folder: &TempDir, name: &str) -> std::path::PathBuf {
