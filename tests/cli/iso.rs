@@ -25,10 +25,11 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
     let load = |name: &str| io::load(&inside(&folder, name), &indicatif::ProgressBar::hidden()).unwrap();
     let [outer, inner] = ["a/surface-1.ply", "a/surface-2.ply"].map(load);
     assert!(outer.len() + inner.len() == 500 && outer.len() > inner.len());
-    // From −1 to 1 over eight cells: a radius of √10.5 and one of √4.5, to a tenth of a cell.
-    for (cloud, radius) in [(outer, 10.5f64.sqrt()), (inner, 4.5f64.sqrt())] {
-        let off = cloud.positions.iter().map(|p| (4.0 * p.length() - radius).abs()).fold(0.0, f64::max);
-        assert!(off < 0.1, "{off}");
+    // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the surface lies
+    // where the squared distance is up to ¾ below the value.
+    for (cloud, value) in [(outer, 10.5), (inner, 4.5)] {
+        let squares = cloud.positions.iter().map(|p| 16.0 * p.length_squared());
+        assert!(squares.into_iter().all(|square| (value - 0.7501..value + 1e-4).contains(&square)));
     }
     let (code, plan, _) = run(&folder, &["plan", "a/scene.toml", "-q"]);
     assert!(code == 0 && plan.contains("on "), "{plan}");
