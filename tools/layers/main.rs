@@ -20,7 +20,7 @@ use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
-use pellucid::profile::median;
+use pellucid::report::stress::Spread;
 use pellucid::scene::{ColorSpace, ImageSpace, Method, PeelLayers, Shadows};
 
 use scenes::Subject;
@@ -150,7 +150,7 @@ impl Stage {
                 times.push(rendered.profile.gpu().as_secs_f64() * 1e3);
             }
         }
-        Ok(median(times))
+        Ok(Spread::of(times).median)
     }
 
     /// How time grows with layers and with points, of the tori.

@@ -59,13 +59,14 @@ impl<'a> Field<'a> {
     pub fn enclosing(&self, share: f64) -> Option<f64> {
         let count = self.sorted.len();
         let inside = (share * count as f64).round().clamp(1.0, count.max(2) as f64 - 1.0) as usize;
-        let at = if self.rises { inside } else { count.checked_sub(inside)? };
-        let upper = *self.sorted.get(at)?;
-        let first = self.sorted.partition_point(|value| *value < upper);
-        // At the least value itself there is nothing below.
-        let first = if first > 0 { first } else { self.sorted.partition_point(|value| *value <= upper) };
-        let [lower, upper] = [*self.sorted.get(first.checked_sub(1)?)?, *self.sorted.get(first)?];
-        Some(0.5 * (f64::from(lower) + f64::from(upper)))
+        let last_inside = if self.rises { inside - 1 } else { count.checked_sub(inside)? };
+        let value = self.sorted.get(last_inside)?;
+        // Its equals are inside too, unless that is all there is.
+        let [below, up_to] = [self.sorted.partition_point(|v| v < value), self.sorted.partition_point(|v| v <= value)];
+        let up_to_it = if self.rises { up_to < count } else { below == 0 };
+        let edge = if up_to_it { up_to } else { below };
+        let [lower, upper] = [self.sorted.get(edge.checked_sub(1)?)?, self.sorted.get(edge)?];
+        Some(0.5 * (f64::from(*lower) + f64::from(*upper)))
     }
 
     /// Cells along x, y and z: one less than numbers.

@@ -31,7 +31,7 @@ pub const MAX_SURFACES: usize = 8;
 /// squared, those between over what lies between: a ninth, 1/49, 1/121.
 const DIVISORS: [f64; 2] = [3.0, 11.0];
 /// The share of a single one.
-const ENCLOSED_BY_ONE: f64 = 0.04;
+const ENCLOSED_BY_ONE: f64 = 0.08;
 
 /// From the innermost to the outermost; those of three are as in Fig. 19's neighbor, Fig. 17.
 const COLORS: [Rgb; MAX_SURFACES] = [
@@ -143,11 +143,11 @@ fn header(surfaces: usize, spacing: f64) -> String {
     format!(
         r#"# Surfaces of equal value in a volume after Dobrev et al., Figs. 18 and 19.
 [image]
-size = [768, 768]
+size = [640, 640]
 background = [1.0, 1.0, 1.0]
 
 [camera]
-eye = [2.4, 1.9, 3.6]
+eye = [2.1, 1.6, 3.15]
 target = [0.0, 0.0, 0.0]
 up = [0.0, 1.0, 0.0]
 fov_y = 30.0
@@ -162,8 +162,8 @@ shininess = 32.0
 [method]
 name = "peel-layers"
 layers = {layers}
-fill = 2
-occlusion = 2
+fill = 3
+occlusion = 3
 min_layer_distance = {min_layer_distance:?}
 "#
     )
