@@ -25,6 +25,7 @@ fn small(name: &str, seed: u64) -> Generated {
         "plane" => make(name, &[("points", 20_000.0), ("tilt", 30.0)], seed),
         "planes" => make(name, &[("planes", 3.0), ("points", 2000.0)], seed),
         "spheres" => make(name, &[("count", 50.0)], seed),
+        "sign" => make(name, &[("points", 4000.0)], seed),
         _ => make(name, &[], seed),
     }
 }
@@ -63,7 +64,7 @@ fn defaults_lie_within_their_ranges() {
 #[test]
 fn point_counts_are_near_those_asked_for() {
     for points in [1000.0, 20_000.0, 300_000.0] {
-        for name in ["garden", "tori", "plane"] {
+        for name in ["garden", "tori", "plane", "sign"] {
             let count = total(&make(name, &[("points", points)], 3)) as f64;
             // The grids are rounded to whole rows, the scan thins at random: a few per cent on small clouds.
             let tolerance = if points < 10_000.0 { 0.15 } else { 0.03 };
@@ -274,6 +275,26 @@ fn plane_is_a_tilted_square() {
     }
     let flat = make("plane", &[("points", 5000.0)], 11);
     assert!(flat.clouds[0].1.positions.iter().all(|p| p.z == 0.0));
+}
+
+#[test]
+fn a_sign_is_noisy_paper_with_ink_in_a_red_frame() {
+    let scene = make("sign", &[("points", 50_000.0), ("noise", 2.0)], 8);
+    let (_, cloud) = &scene.clouds[0];
+    let spacing = (2.4 * 1.6 / 50_000f64).sqrt();
+    let depths = cloud.positions.iter().map(|p| p.z);
+    let variance = depths.map(|z| z * z).sum::<f64>() / cloud.len() as f64;
+    // Five standard errors of the variance of that many numbers.
+    assert!((variance / (2.0 * spacing).powi(2) - 1.0).abs() < 5.0 * (2.0 / 50_000f64).sqrt(), "{variance}");
+    // Red at the rim, and nowhere else; dark and light inside.
+    let colors = cloud.colors.as_ref().unwrap();
+    for (position, color) in cloud.positions.iter().zip(colors) {
+        let margin = (1.2 - position.x.abs()).min(0.8 - position.y.abs());
+        let red = color.x > 2.0 * color.z && color.x > 2.0 * color.y;
+        assert!(red == (margin < 0.03) || (margin - 0.03).abs() < 1e-6, "{position}: {color}");
+    }
+    let inked = colors.iter().filter(|color| color.max_element() < 0.1).count() as f64 / cloud.len() as f64;
+    assert!((0.1..0.3).contains(&inked), "{inked}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod mosaic;
 mod plane;
 mod planes;
 mod random;
+mod sign;
 mod spheres;
 mod stack;
 mod tori;
@@ -68,6 +69,7 @@ pub const BUILTINS: &[Builtin] = &[
     plane::BUILTIN,
     planes::BUILTIN,
     spheres::BUILTIN,
+    sign::BUILTIN,
 ];
 
 /// A generated scene: its clouds and the scene file that shows them.
