@@ -10,6 +10,7 @@ mod cli {
     mod dealt;
     mod failures;
     mod frames;
+    mod iso;
     mod measure;
     mod prepare;
     mod render;

@@ -9,7 +9,7 @@ use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
 use pellucid::points::{Arranged, Points};
 use pellucid::prepare::shadows::ShadowTexture;
-use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
+use pellucid::scene::{self, Method, Overrides, Scene, ScreenSplats, View, ViewName, procedural};
 
 use super::talk::Talk;
 
@@ -198,6 +198,18 @@ impl Loaded {
         scene.clouds.truncate(count);
         clouds.truncate(count);
         Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+    }
+
+    /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
+    pub fn resolve_with_radii(mut self, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let method = self.scene.method;
+        if matches!(method, Method::Points | Method::ImageSpace(_)) {
+            // Like these two it wants the points in canonical order, and nothing else of them.
+            self.scene.method = Method::Circles(ScreenSplats::default());
+        }
+        let mut resolved = self.resolve(None, talk, progress)?;
+        resolved.scene.method = method;
+        Ok(resolved)
     }
 
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.

@@ -4,6 +4,7 @@ mod decoder;
 mod las;
 pub mod photo;
 pub mod ply;
+pub mod volume;
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
