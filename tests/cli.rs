@@ -172,7 +172,7 @@ fn wrong_scene_files_exit_with_2_and_name_line_and_column() {
             "s.toml:3:1: unknown key `cloud.0.opactiy`; did you mean `opacity`?",
         ),
         ("[[cloud]]\npath = \"a.ply\"\nopacity = 2\n", "s.toml:3:11: `cloud.0.opacity` must be a number"),
-        ("[method]\nname = \"peel-layers\"\n", "s.toml:2:8: method \"peel-layers\" is not in this version"),
+        ("[method]\nname = \"abufer\"\n", "did you mean `abuffer`?"),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n", "s.toml:3:10: "),
         ("[image]\nsize = [8, 8]\n", "there is no cloud"),
     ];
