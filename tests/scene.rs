@@ -179,11 +179,43 @@ fn syntax_errors_name_line_and_column() {
 }
 
 #[test]
-fn methods_of_the_contract_that_are_missing_are_named() {
-    let message = refused(&format!("[method]\nname = \"peel-layers\"\n{CLOUD}"));
-    let expected = format!("method \"peel-layers\" is not in this version; it has: {}", METHODS.join(", "));
-    assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
+fn unknown_methods_are_named_with_what_may_be_meant() {
+    let message = refused(&format!("[method]\nname = \"photons\"\n{CLOUD}"));
+    assert!(message.starts_with("dir/s.toml:2:8: unknown method \"photons\""), "{message}");
+    assert!(METHODS.iter().all(|name| message.contains(name)), "{message}");
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
+}
+
+#[test]
+fn every_method_is_read_by_its_name() {
+    for name in METHODS {
+        assert_eq!(with_cloud(&format!("[method]\nname = \"{name}\"")).method.name(), *name);
+    }
+}
+
+#[test]
+fn filters_have_their_defaults_and_limits() {
+    let of = |keys: &str| with_cloud(&format!("[method]\n{keys}")).method;
+    assert_eq!(of("name = \"image-space\""), Method::ImageSpace(ImageSpace::default()));
+    assert_eq!(of("name = \"peel-layers\""), Method::PeelLayers(PeelLayers::default()));
+    let filters = ImageSpace {
+        fill: 0,
+        occlusion: 256,
+        smooth: 2,
+        antialias: false,
+        antialias_threshold: 0.5,
+        min_layer_distance: Some(0.25),
+        cull: true,
+    };
+    let keys = "fill = 0\nocclusion = 256\nsmooth = 2\nantialias = false\nantialias_threshold = 0.5\n\
+                min_layer_distance = 0.25\ncull = true";
+    assert_eq!(of(&format!("name = \"image-space\"\n{keys}")), Method::ImageSpace(filters));
+    let layers = format!("name = \"peel-layers\"\nlayers = 1024\n{keys}");
+    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024 }));
+    for wrong in ["fill = 257", "smooth = -1", "antialias_threshold = 1.5", "min_layer_distance = 0", "layers = 0"] {
+        let message = refused(&format!("[method]\nname = \"peel-layers\"\n{wrong}\n{CLOUD}"));
+        assert!(message.starts_with("dir/s.toml:3:"), "{wrong}: {message}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
-use pellucid::methods::image_space::Filter;
+use pellucid::methods::image_space::{Filter, Listed};
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::spbr::{self, Stage};
@@ -252,7 +252,9 @@ fn every_shader_matches_its_pass_in_every_variant() {
         let of = |cut: Cut, how: &Projecting, normals| image_space::resolve_variant(cut, how, normals, transparent);
         check::<image_space::Resolve>(&mut seen, point_variants(of));
     }
-    check::<image_space::List>(&mut seen, Filter::ALL.map(Filter::list_variant));
+    check::<image_space::Measure>(&mut seen, [Variant::plain()]);
+    let listed = Filter::ALL.map(Listed::Filter).into_iter().chain([Listed::Resolve, Listed::Deliver]);
+    check::<image_space::List>(&mut seen, listed.map(Listed::variant));
     check::<image_space::Fill>(&mut seen, [Variant::plain()]);
     check::<image_space::Occlusion>(&mut seen, [Variant::plain()]);
     check::<image_space::Smooth>(&mut seen, [Variant::plain()]);

@@ -11,8 +11,11 @@ use glam::{DVec3, Vec3};
 use pellucid::camera::Camera;
 use pellucid::gpu::Device;
 use pellucid::image::Image;
+use pellucid::methods::shadows::lights;
 use pellucid::methods::{Frame, Renderer};
+use pellucid::points::Points;
 use pellucid::reference;
+use pellucid::reference::shadows::Frames;
 use pellucid::scene::{
     BlendedSplats, Discs, ImageSpace, Interpolated, Light, Method, PeelLayers, ScreenSplats, Shading, ShadingModel,
     Shadows,
@@ -135,15 +138,14 @@ const LID: f64 = 50.0;
 fn a_square_casts_its_shadow_and_no_other() {
     with_device(|device| {
         let size = [64, 64];
-        let far = 2e4;
         for normal in [Vec3::ZERO, Vec3::Z] {
             let points = [floor(size, normal, |_, _| FLOOR), lid(20.0..44.0, 16.0..40.0, LID, 0.25)].concat();
             for (degrees, turn) in [(0.0, 0.0), (20.0, 0.0), (15.0, 120.0)] {
                 let direction = slanted(degrees, turn);
                 // How far the shadow moves on the way down; y is down in the image.
                 let shift = direction * (FLOOR - LID) / -direction.z;
-                let distant = Light::Position(DVec3::new(32.0, -28.0, -LID) - far * direction);
-                for light in [Light::Direction(direction), distant] {
+                let distant = |far: f64| Light::Position(DVec3::new(32.0, -28.0, -LID) - far * direction);
+                for light in [Light::Direction(direction), distant(2e4), distant(1e6)] {
                     let frame = lit_frame(camera(size, 70.0), size, light, hard(256, 5.0));
                     let reds = reds(&render(device, &scene(&points), &frame));
                     let full = if normal == Vec3::ZERO { 1.0 } else { -direction.z };
@@ -317,6 +319,59 @@ fn a_light_among_the_points_shines_in_all_directions() {
                     }
                 }
                 assert!(seen > 250);
+            }
+        }
+    });
+}
+
+/// m of all points as the device finds it, and as the reference does with the same lights.
+fn textures(device: &Device, points: &Points, light: Light, shadows: Shadows, seed: u64) -> [Vec<f64>; 2] {
+    let mut renderer = Renderer::new(device).expect("a renderer");
+    let mut cloud = renderer.upload(points).expect("fits");
+    let frame = Frame { seed, ..lit_frame(perspective(), [8, 8], light, shadows) };
+    let casting = renderer.cast(&mut cloud, &frame).expect("casts").expect("there are shadows");
+    let found = cloud.lit().expect("it can be read").into_iter().map(f64::from);
+    let bounds = points.bounds().expect("there are points");
+    let cameras = |i: u32| -> Frames {
+        let views = lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution);
+        views.iter().map(|view| view.camera).collect()
+    };
+    let cameras: Vec<Frames> = (0..casting.samples).map(cameras).collect();
+    let distance = f64::from(casting.min_layer_distance);
+    [found.collect(), reference::shadows::shares(&cameras, casting.resolution, points, distance)]
+}
+
+/// How many points have another m.
+fn different(a: &[f64], b: &[f64]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-6).count()
+}
+
+#[test]
+fn the_share_of_each_point_equals_the_reference() {
+    with_device(|device| {
+        for normals in [true, false] {
+            let points = scene(&jumble(normals));
+            for light in [
+                SUN,
+                Light::Direction(DVec3::NEG_Y),
+                Light::Position(DVec3::new(3.0, 6.0, 1.0)),
+                Light::Position(DVec3::new(0.1, 0.2, -0.1)),
+                Light::Position(DVec3::new(0.3, 1.2, 0.0)),
+            ] {
+                for shadows in [hard(48, 0.1), hard(150, 0.03), AREA, Shadows { min_layer_distance: None, ..AREA }] {
+                    let [found, wanted] = textures(device, &points, light, shadows, 3);
+                    let lit = wanted.iter().sum::<f64>() / wanted.len() as f64;
+                    assert!((0.02..0.98).contains(&lit), "{light:?}: {lit} of the light arrives");
+                    // A point on the border of a pixel, or at the very end of d̃, may fall on its other side.
+                    let off = different(&found, &wanted);
+                    assert!(off <= 6, "{light:?} {shadows:?}, normals {normals}: {off} points");
+                    // The comparison can fail.
+                    let distance = shadows.min_layer_distance.unwrap_or(0.035);
+                    let other = Shadows { min_layer_distance: Some(3.0 * distance), ..shadows };
+                    let changed = different(&found, &textures(device, &points, light, other, 3)[1]);
+                    assert!(changed > 30, "{light:?} {shadows:?}, normals {normals}: {changed} points");
+                }
             }
         }
     });

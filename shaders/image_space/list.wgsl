@@ -1,5 +1,5 @@
-// image-space/list: the tiles that a filter may change into its work list, none left out; their number is the first word
-// of the filter's dispatch. One invocation per tile.
+// image-space/list: the tiles that a filter may change into its work list, none left out, or those that another pass goes
+// through; their number is the first word of its dispatch. One invocation per tile.
 #import tiled
 #import dispatch
 
@@ -7,6 +7,9 @@ const FILL = 0u;
 const OCCLUSION = 1u;
 const SMOOTH = 2u;
 const ANTIALIAS = 3u;
+// Not filters: what has to be shaded, and what has to be put into the window.
+const RESOLVE = 4u;
+const DELIVER = 5u;
 override FILTER: u32 = 0u;
 
 struct Push {
@@ -42,7 +45,9 @@ fn is_listed(own: Tile, around: Around) -> bool {
     switch FILTER {
         case FILL: { return (own.z & HAS_BACKGROUND) != 0u && any_around; }
         case OCCLUSION: { return any_own && bitcast<f32>(own.y) - push.distance >= around.low; }
-        case SMOOTH: { return any_own; }
+        case SMOOTH, RESOLVE: { return any_own; }
+        // Antialiasing gives colors to tiles of background alone.
+        case DELIVER: { return any_own || (own.z & COLOR_SIDE) != 0u; }
         default: {
             // |4 d - sum| is at most four times the range; the rest stands for rounding.
             let range = around.high - around.low + 2e-6 * max(abs(around.low), abs(around.high));
@@ -83,10 +88,13 @@ fn main(
         around.changed = around.changed || near.w == push.before;
         let sides = select(0u, 1u << ENTRY_DEPTHS, (near.z & DEPTH_SIDE) != 0u)
             | select(0u, 1u << ENTRY_COLORS, (near.z & COLOR_SIDE) != 0u);
-        bits |= select(0u, (1u | sides) << k, inside);
+        let any_near = inside && bitcast<u32>(near.x) != INFINITY_BITS;
+        bits |= select(0u, sides << k, inside) | select(0u, 1u << k, any_near);
     }
     if is_listed(own, around) && (push.before == 0u || around.changed) {
         entries[atomicAdd(&arguments[slot], 1u)] = Entry(t, bits);
-        atomicAdd(&totals[FILTER], 1u);
+        if FILTER <= ANTIALIAS {
+            atomicAdd(&totals[FILTER], 1u);
+        }
     }
 }

@@ -1,10 +1,8 @@
-// image-space/resolve: index of each pixel's nearest point to its color, shaded here and not before, and depth; what its
-// tile holds. One workgroup per tile, one invocation per column and STRIP of rows.
+// image-space/resolve: index of each pixel's nearest point to its color, shaded here and not before, and depth. One
+// workgroup per listed tile, one invocation per column and STRIP of rows.
 #import all_points
 #import tiled
-#import tile_range
 #import dispatch
-#import peel_work
 
 struct Push {
     // Columns of tiles.
@@ -16,14 +14,15 @@ struct Push {
 
 // Index and depth key.
 @group(0) @binding(17) var<storage, read> nearest: array<vec2<u32>>;
-@group(0) @binding(18) var<storage, read_write> tiles: array<vec4<u32>>;
+@group(0) @binding(18) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(19) var<storage, read_write> depths: array<f32>;
 @group(0) @binding(20) var<storage, read_write> colors: array<vec4<f32>>;
-@group(0) @binding(21) var<storage, read_write> work: PeelWork;
 var<immediate> push: Push;
 
 // 1: colors are premultiplied by the points' opacities; else they are opaque.
 override TRANSPARENT: u32 = 0u;
+
+const NOTHING = 0xffffffffu;
 
 fn opacity_of(i: u32) -> f32 {
     if TRANSPARENT == 0u {
@@ -40,38 +39,23 @@ fn main(
 ) {
     view = camera;
     let size = vec2<u32>(push.width, push.height);
-    let tile = workgroup_index(workgroup, groups);
+    let tile = entries[workgroup_index(workgroup, groups)].x;
     let corner = vec2<u32>(tile % push.columns, tile / push.columns) * TILE;
     let column = local % TILE;
     let first_row = local / TILE * STRIP;
-    begin_range(local);
-    var low = NO_KEY;
-    var high = 0u;
-    var marked = 0u;
     for (var i = 0u; i < STRIP; i++) {
         let at = vec2<u32>(column, first_row + i);
         let pixel = corner + at;
         let inside = all(pixel < size);
         let found = nearest[select(0u, pixel.y * size.x + pixel.x, inside)];
-        let hit = inside && found.y != NO_KEY;
+        let hit = inside && found.y != NOTHING;
         var color = vec4<f32>(BACKGROUND_ALPHA);
         if hit {
             let alpha = opacity_of(found.x);
             color = vec4<f32>(alpha * color_of(found.x), alpha);
-            low = min(low, found.y);
-            high = max(high, found.y);
         }
-        marked |= select(0u, HAS_BACKGROUND, inside && !hit);
         let place = tile * AREA + at.y * TILE + at.x;
         colors[place] = color;
         depths[place] = select(infinity(), key_depth(found.y), hit);
-    }
-    add_range(low, high, marked);
-    if local == 0u {
-        let range = found_tile(atomicLoad(&marks), 0u);
-        tiles[tile] = range;
-        if range.x != INFINITY_BITS {
-            atomicStore(&work.found, 1u);
-        }
     }
 }

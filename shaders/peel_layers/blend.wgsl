@@ -1,5 +1,6 @@
 // peel-layers/blend: a filtered layer behind what is in the image already, and the depths that points of the next layer
-// must have at least. One invocation per pixel of the rectangle in work; what lies outside of the window only gets those.
+// must have at least. One workgroup per listed tile, one invocation per column and STRIP of rows; what lies outside of
+// the window only gets those depths. Pixels of tiles that are not listed have no point, nor will they have one.
 // Reference: reference::peel_layers.
 #import tiled
 #import dispatch
@@ -21,7 +22,7 @@ struct Push {
     distance: f32,
 }
 
-@group(0) @binding(0) var<storage, read> tiles: array<vec4<u32>>;
+@group(0) @binding(0) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(1) var<storage, read> depths: array<f32>;
 @group(0) @binding(2) var<storage, read> colors: array<vec4<f32>>;
 // Index and depth key; made ready for the next layer.
@@ -42,29 +43,36 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let p = invocation_index(workgroup, groups, local);
-    if p >= push.outer_width * push.outer_height {
-        return;
-    }
-    let pixel = vec2<u32>(p % push.outer_width, p / push.outer_width);
-    let layer = filtered_pixel(pixel, push.columns, push.tiles);
-    let background = is_background(layer.depth);
-    nearest[p] = vec2<u32>(NOTHING);
-    // No point has the largest key: what is background has no further layer.
-    limits[p] = select(depth_key(layer.depth + push.distance), NOTHING, background);
-    let corner = vec2<u32>(push.left, push.top);
-    let size = vec2<u32>(push.width, push.height);
-    let within = pixel - corner;
-    if any(pixel < corner) || any(within >= size) {
-        return;
-    }
-    let q = within.y * size.x + within.x;
-    let front = image[q];
-    if front.a == 0.0 && layer.color.a > 0.0 {
-        image_depths[q] = layer.depth;
-    }
-    image[q] = front + (1.0 - front.a) * layer.color;
-    if COUNTED == 1u {
-        layers[q] += select(1u, 0u, background);
+    let p = push;
+    let entry = entries[workgroup_index(workgroup, groups)];
+    let x = local % TILE;
+    let first_row = local / TILE * STRIP;
+    let corner = vec2<u32>(entry.x % p.columns, entry.x / p.columns) * TILE;
+    let outer_size = vec2<u32>(p.outer_width, p.outer_height);
+    let size = vec2<u32>(p.width, p.height);
+    for (var i = 0u; i < STRIP; i++) {
+        let y = first_row + i;
+        let pixel = corner + vec2<u32>(x, y);
+        let layer = filtered_pixel(entry, p.tiles, x, y);
+        let background = is_background(layer.depth);
+        if all(pixel < outer_size) {
+            let at = pixel.y * outer_size.x + pixel.x;
+            nearest[at] = vec2<u32>(NOTHING);
+            // No point has the largest key: what is background has no further layer.
+            limits[at] = select(depth_key(layer.depth + p.distance), NOTHING, background);
+        }
+        // Beyond the left and upper border it wraps to what is larger than any window.
+        let within = pixel - vec2<u32>(p.left, p.top);
+        if all(within < size) {
+            let q = within.y * size.x + within.x;
+            let front = image[q];
+            if front.a == 0.0 && layer.color.a > 0.0 {
+                image_depths[q] = layer.depth;
+            }
+            image[q] = front + (1.0 - front.a) * layer.color;
+            if COUNTED == 1u {
+                layers[q] += select(1u, 0u, background);
+            }
+        }
     }
 }

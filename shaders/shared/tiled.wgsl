@@ -20,7 +20,8 @@ const DEPTH_SIDE = 2u;
 const COLOR_SIDE = 4u;
 
 // A tile of a work list: its number, and a bit for each of the 3 × 3 tiles around it, row by row: whether there is such a
-// tile, from ENTRY_DEPTHS on the side of its depths, from ENTRY_COLORS on that of its colors.
+// tile with anything in it, from ENTRY_DEPTHS on the side of its depths, from ENTRY_COLORS on that of its colors. What a
+// tile of background alone has in memory nobody reads.
 alias Entry = vec2<u32>;
 const ENTRY_DEPTHS = 9u;
 const ENTRY_COLORS = 18u;

@@ -22,9 +22,10 @@ pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds, or pictures that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles. By default the scene file's, else auto: the cheapest one that is exact for the scene
-    /// (`plan` says which, and why).
+    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
+    /// filters of the image close), peel-layers (such surfaces one behind the other), or one of the approximations
+    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles.
+    /// By default the scene file's, else auto: the cheapest one that is exact for the scene (`plan` says which, and why).
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
     /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.

@@ -31,8 +31,9 @@ pub struct RenderArgs {
     /// quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel the layers that
-    /// were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
+    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
+    /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
+    /// `stderr.G`, `stderr.B`.
     #[arg(long)]
     aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)

@@ -37,7 +37,7 @@ gpu_struct! {
 pass! {
     /// A filtered layer behind what is there.
     pub Blend(BlendPush) = "peel-layers/blend" in "peel_layers/blend" {
-        tiles: Read<[u32; 4]>,
+        entries: Read<[u32; 2]>,
         depths: Read<f32>,
         colors: Read<[f32; 4]>,
         nearest: ReadWrite<[u32; 2]>,
@@ -73,7 +73,8 @@ pub struct LayerPeeler {
     work_host: Buffer<PeelWork>,
 }
 
-/// The dispatches of a layer in one buffer: of each chunk's points, then of resolve, lists and blend.
+/// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none where
+/// these have none.
 #[derive(Clone, Copy)]
 struct Dispatches<'a> {
     all: Slice<'a, u32>,
@@ -86,11 +87,7 @@ impl<'a> Dispatches<'a> {
     }
 
     fn emptied(&self) -> Emptied<'a> {
-        Emptied { nearest: self.all, resolve: self.at(0), list: self.at(1) }
-    }
-
-    fn blend(&self) -> Slice<'a, u32> {
-        self.at(2)
+        Emptied { nearest: self.all, measure: self.at(0), list: self.at(1) }
     }
 }
 
@@ -151,9 +148,8 @@ impl LayerPeeler {
         for (_, count) in job.cloud.chunks() {
             words.push(of("points/nearest", super::points::nearest_dispatch(count))?);
         }
-        words.push(of("image-space/resolve", job.resolve_dispatch())?);
+        words.push(of("image-space/measure", job.measure_dispatch())?);
         words.push(of("image-space/list", job.list_dispatch())?);
-        words.push(of("peel-layers/blend", Dispatch::Invocations(bands::pixels(job.outer)))?);
         Ok(words)
     }
 
@@ -174,12 +170,12 @@ impl LayerPeeler {
             let mut recorder = device.recorder()?;
             for number in recorded..recorded + batch {
                 let limits = (number > 0).then(|| self.limits.get().all());
-                images.record_points(&mut recorder, &job.image, cut, (limits, Some(dispatches.emptied())))?;
+                images.record_points(&mut recorder, &job.image, (limits, Some(dispatches.emptied())))?;
                 // A layer without a point empties its own filters too.
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
                 recorder.run(&next, &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
-                images.record_filters(&mut recorder, &job.image, Some(dispatches.emptied()))?;
-                self.record_blend(&mut recorder, images, job, dispatches, target)?;
+                images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
+                self.record_blend(&mut recorder, images, job, target)?;
             }
             if recorded == 0 {
                 job.image.cloud.record_stats(&mut recorder)?;
@@ -200,12 +196,11 @@ impl LayerPeeler {
         recorder: &mut Recorder<'a>,
         images: &'a Filterer,
         job: &LayersJob<'a>,
-        dispatches: Dispatches<'a>,
         target: &'a Target,
     ) -> Result<(), Error> {
         let image = &job.image;
         let blend = Blend {
-            tiles: images.tiles.get().all(),
+            entries: images.entries.get().all(),
             depths: images.depths(image),
             colors: images.colors(image),
             nearest: images.nearest(image).cast(),
@@ -218,7 +213,7 @@ impl LayerPeeler {
         let [outer_width, outer_height] = image.outer_size();
         let distance = image.distance;
         let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
-        let run = Run::new(Dispatch::Indirect(dispatches.blend())).push(&push).variant(blend_variant(job.counted));
+        let run = Run::new(images.deliver_dispatch(image)).push(&push).variant(blend_variant(job.counted));
         recorder.run(&blend, &run)?;
         Ok(())
     }

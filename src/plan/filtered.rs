@@ -7,8 +7,9 @@ use crate::methods::{Facts, Frame};
 use crate::scene::ImageSpace;
 
 /// The passes of filtered images.
-pub(super) const PASSES: [&str; 9] = [
+pub(super) const PASSES: [&str; 10] = [
     "image-space/clear",
+    "image-space/measure",
     "image-space/resolve",
     "image-space/list",
     "image-space/fill",
@@ -65,15 +66,13 @@ impl Plan {
         shading: &str,
     ) {
         let tiles = facts.image_tiles;
-        self.add("image-space/resolve", true, format!("index of the nearest point to color; {shading}"));
+        self.add("image-space/measure", true, format!("what each of {tiles} tiles holds"));
         if let Some(most) = layers {
             let reason = format!("{} layers of at most {most} have points; one without empties the rest", facts.layers);
             self.add("peel-layers/next", true, reason);
         }
-        let any = Filter::ALL.iter().any(|filter| asked(*filter, filters).1 > 0);
-        let reason =
-            if any { format!("each filter gets the tiles it may change, of {tiles}") } else { NONE.to_owned() };
-        self.add("image-space/list", any, reason);
+        self.add("image-space/list", true, "each pass gets the tiles it may change");
+        self.add("image-space/resolve", true, format!("index of the nearest point to color; {shading}"));
         for (filter, listed) in Filter::ALL.into_iter().zip(facts.filtered_tiles) {
             let (name, iterations, what) = asked(filter, filters);
             let reason = match iterations {
@@ -89,10 +88,9 @@ impl Plan {
             self.add("peel-layers/summary", true, "between batches of layers the host looks whether there are more");
         } else {
             let [width, height] = frame.size;
+            self.add("image/clear", true, "tiles of background alone are not delivered");
             self.add("image-space/deliver", true, format!("from tiles to {width} × {height} pixels"));
         }
         self.rest(&PASSES, "layers are blended, not delivered by themselves");
     }
 }
-
-const NONE: &str = "every filter is switched off";

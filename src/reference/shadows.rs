@@ -138,12 +138,20 @@ pub fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f
     (0..points.len()).map(clearance).collect()
 }
 
-/// Which points one light reaches; a point in none of its images is reached.
+/// Which points one light reaches. A point belongs to that of its images that holds it farthest along the axis: images of a
+/// cube may overlap. In none of them it is reached.
 pub fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec<bool> {
     let mut lit = vec![true; points.len()];
+    let mut along = vec![f64::NEG_INFINITY; points.len()];
     for camera in light {
         let clearances = clearances(camera, resolution, points, distance);
-        lit.iter_mut().zip(clearances).for_each(|(lit, clearance)| *lit &= clearance.is_none_or(|c| c >= 0.0));
+        for (index, clearance) in clearances.into_iter().enumerate() {
+            let z = camera.to_view(points.positions[index]).z;
+            if let Some(clearance) = clearance.filter(|_| z > along[index]) {
+                along[index] = z;
+                lit[index] = clearance >= 0.0;
+            }
+        }
     }
     lit
 }

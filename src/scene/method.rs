@@ -1,7 +1,7 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
 use super::error::{Error, nearest};
-use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
+use super::keys::{METHODS, all_method_keys, belongs, owners};
 use super::settings::{
     BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, LongLists,
     MAX_ENSEMBLES, MAX_ITERATIONS, MAX_K, MAX_LAYERS, MAX_POINT_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer,
@@ -64,8 +64,6 @@ fn name<'a>(table: &Table<'a>) -> Result<&'a str, Error> {
     let place = node.place.clone();
     if METHODS.contains(&name) {
         Ok(name)
-    } else if METHOD_KEYS.iter().any(|(known, _)| *known == name) {
-        Err(Error::MethodAbsent { place, name: name.to_owned(), available: METHODS.join(", ") })
     } else {
         Err(Error::UnknownMethod {
             place,

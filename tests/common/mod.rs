@@ -224,8 +224,12 @@ pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
 /// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on which
 /// side of them the light is. In canonical order.
 pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
-    let all = scene(points);
-    picked(&all, |i| {
+    clear_of(&scene(points), camera, size, shading)
+}
+
+/// As [`clear_points`], of points in canonical order.
+pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
+    picked(all, |i| {
         let normal = all.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
         let to_light = match shading.light {
             Light::Direction(travels) => -travels.normalize(),
@@ -234,7 +238,7 @@ pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Sha
         };
         let facing = reference::image_space::facing(camera, all.positions[i], normal);
         let is_clear = |cos: f64| cos.abs() > 1e-3;
-        reference::coverage::margin_px(camera, size, &reference::image_space::splat(&all, i)) > 0.02
+        reference::coverage::margin_px(camera, size, &reference::image_space::splat(all, i)) > 0.02
             && facing.is_none_or(is_clear)
             && (to_light == DVec3::ZERO || normal == DVec3::ZERO || is_clear(normal.dot(to_light)))
     })

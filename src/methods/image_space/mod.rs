@@ -10,8 +10,8 @@ mod passes;
 pub mod windows;
 
 pub use passes::{
-    Antialias, Deliver, DeliverPush, Fill, Filter, FilterPush, List, ListPush, Occlusion, Resolve, ResolvePush, Smooth,
-    Tiled, TiledGroup, resolve_variant,
+    Antialias, Deliver, DeliverPush, Fill, Filter, FilterPush, List, ListPush, Listed, Measure, Occlusion, Resolve,
+    ResolvePush, Smooth, Tiled, TiledGroup, resolve_variant,
 };
 
 use super::Error;
@@ -132,17 +132,22 @@ impl WindowJob<'_> {
         std::array::from_fn(|i| (Filter::ALL[i], iterations[i]))
     }
 
-    fn run_count(&self) -> u32 {
-        self.runs().iter().map(|(_, iterations)| iterations).sum()
+    /// Work lists of a layer: of the resolve, of the filters' runs, numbered from 1, and of the delivery.
+    fn slot_count(&self) -> u32 {
+        self.deliver_slot() + 1
     }
 
-    /// What a layer dispatches besides the filters: its list passes and its resolve; for indirect dispatches.
+    fn deliver_slot(&self) -> u32 {
+        1 + self.runs().iter().map(|(_, iterations)| iterations).sum::<u32>()
+    }
+
+    /// How much goes through all tiles, before there are lists.
+    pub(super) fn measure_dispatch(&self) -> Dispatch<'static> {
+        Dispatch::Groups(self.tile_count())
+    }
+
     pub(super) fn list_dispatch(&self) -> Dispatch<'static> {
         Dispatch::Invocations(self.tile_count())
-    }
-
-    pub(super) fn resolve_dispatch(&self) -> Dispatch<'static> {
-        Dispatch::Groups(self.tile_count())
     }
 }
 
@@ -151,17 +156,17 @@ impl WindowJob<'_> {
 pub(super) struct Emptied<'a> {
     /// Of the passes that find the nearest points, four words for each chunk.
     pub nearest: Slice<'a, u32>,
-    pub resolve: Slice<'a, u32>,
+    pub measure: Slice<'a, u32>,
     pub list: Slice<'a, u32>,
 }
 
 /// Buffers of filtered images, kept from frame to frame.
 pub struct Filterer {
     pub(super) nearest: Kept<NearestSplat>,
-    pub(super) tiles: Kept<[u32; 4]>,
+    tiles: Kept<[u32; 4]>,
     pub(super) depths: Kept<f32>,
     pub(super) colors: Kept<[f32; 4]>,
-    entries: Kept<[u32; 2]>,
+    pub(super) entries: Kept<[u32; 2]>,
     slots: Kept<u32>,
     totals: Buffer<u32>,
     totals_host: Buffer<u32>,
@@ -197,16 +202,18 @@ impl Filterer {
         let mut recorder = device.recorder()?;
         self.record_clear(&mut recorder, job)?;
         let cut = Cut::new(device, job.cloud.len())?;
-        self.record_points(&mut recorder, job, cut, (None, None))?;
-        self.record_filters(&mut recorder, job, None)?;
+        self.record_points(&mut recorder, job, (None, None))?;
+        self.record_image(&mut recorder, job, cut, None)?;
         job.cloud.record_stats(&mut recorder)?;
         self.record_summary(&mut recorder)?;
         if let Some(target) = target {
             let pixels = bands::pixels(job.window);
-            let (tiles, depths, colors) = (self.tiles.get().all(), self.depths(job), self.colors(job));
+            recorder.fill("image/clear", target.image().first(pixels), 0)?;
+            recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+            let (entries, depths, colors) = (self.entries.get().all(), self.depths(job), self.colors(job));
             let (image, image_depths) = (target.image(), target.depths());
-            let deliver = Deliver { tiles, depths, colors, image, image_depths };
-            recorder.run(&deliver, &Run::new(Dispatch::Invocations(pixels)).push(&job.deliver_push()))?;
+            let deliver = Deliver { entries, depths, colors, image, image_depths };
+            recorder.run(&deliver, &Run::new(self.deliver_dispatch(job)).push(&job.deliver_push()))?;
             target.record_read_back(&mut recorder, pixels)?;
         }
         timeline.add(recorder.submit("points and filters")?);
@@ -221,7 +228,7 @@ impl Filterer {
         self.entries.reserve(device, tiles)?;
         self.depths.reserve(device, Self::places(job) + 1)?;
         self.colors.reserve(device, Self::places(job) + 1)?;
-        self.slots.reserve(device, 4 * u64::from(job.run_count().max(1)))?;
+        self.slots.reserve(device, 4 * u64::from(job.slot_count()))?;
         Ok(())
     }
 
@@ -274,12 +281,32 @@ impl Filterer {
         &'a self,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
-        cut: Cut,
         (limits, emptied): (Option<Slice<'a, u32>>, Option<Emptied<'a>>),
     ) -> Result<(), Error> {
         let choice = Choice { cull: job.filters.cull, limits, dispatches: emptied.map(|e| e.nearest) };
         points::record_nearest(recorder, job.cloud, self.nearest(job), job.wide, &choice)?;
+        let (nearest, tiles) = (self.nearest(job).cast(), self.tiles.get().all());
+        let dispatch = emptied.map_or(job.measure_dispatch(), |e| Dispatch::Indirect(e.measure));
+        let run = Run::new(dispatch).push(&Self::resolve_push(job));
+        recorder.run(&Measure { nearest, tiles, work: self.work.all() }, &run)?;
+        Ok(())
+    }
+
+    fn resolve_push(job: &WindowJob<'_>) -> ResolvePush {
+        let [width, height] = job.outer_size();
+        ResolvePush { columns: job.tiles()[0], width, height }
+    }
+
+    /// Records colors and depths of the points that were found.
+    fn record_resolve<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        cut: Cut,
+        emptied: Option<Emptied<'a>>,
+    ) -> Result<(), Error> {
         let cloud = job.cloud;
+        self.record_list(recorder, job, Listed::Resolve, (0, 0), emptied)?;
         let resolve = Resolve {
             camera: cloud.view(),
             points_hi: cut.of(&cloud.points_hi),
@@ -287,48 +314,54 @@ impl Filterer {
             point_colors: cut.of(&cloud.point_colors),
             normals: cut.of(&cloud.normals),
             nearest: self.nearest(job).cast(),
-            tiles: self.tiles.get().all(),
+            entries: self.entries.get().all(),
             depths: self.depths(job),
             colors: self.colors(job),
-            work: self.work.all(),
         };
-        let [width, height] = job.outer_size();
-        let push = ResolvePush { columns: job.tiles()[0], width, height };
         let variant = resolve_variant(cut, job.how, cloud.has_normals(), job.transparent);
-        let dispatch = emptied.map_or(job.resolve_dispatch(), |e| Dispatch::Indirect(e.resolve));
-        recorder.run(&resolve, &Run::new(dispatch).push(&push).variant(variant))?;
+        let run = Run::new(self.listed_dispatch(0)).push(&Self::resolve_push(job)).variant(variant);
+        recorder.run(&resolve, &run)?;
         Ok(())
     }
 
-    /// Records the filters of a layer's image.
-    pub(super) fn record_filters<'a>(
+    /// The tiles of a work list.
+    fn listed_dispatch(&self, slot: u32) -> Dispatch<'_> {
+        Dispatch::Indirect(self.slots.get().slice(4 * u64::from(slot), 3))
+    }
+
+    /// The tiles of a filtered image that are not background alone.
+    pub(super) fn deliver_dispatch(&self, job: &WindowJob<'_>) -> Dispatch<'_> {
+        self.listed_dispatch(job.deliver_slot())
+    }
+
+    /// Records the image of the points found, its filters, and the list of what is to be delivered.
+    pub(super) fn record_image<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
+        cut: Cut,
         emptied: Option<Emptied<'a>>,
     ) -> Result<(), Error> {
-        if job.run_count() == 0 {
-            return Ok(());
-        }
         recorder.fill(CLEAR, self.slots.get().all(), 0)?;
+        self.record_resolve(recorder, job, cut, emptied)?;
         let mut run = 0;
         for (filter, iterations) in job.runs() {
             for iteration in 0..iterations {
                 run += 1;
                 let before = if iteration > 0 && filter.is_settling() { run - 1 } else { 0 };
-                self.record_list(recorder, job, filter, (run, before), emptied)?;
+                self.record_list(recorder, job, Listed::Filter(filter), (run, before), emptied)?;
                 self.record_filter(recorder, job, filter, run)?;
             }
         }
-        Ok(())
+        self.record_list(recorder, job, Listed::Deliver, (job.deliver_slot(), 0), emptied)
     }
 
     fn record_list<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
         job: &WindowJob<'a>,
-        filter: Filter,
-        (run, before): (u32, u32),
+        listed: Listed,
+        (slot, before): (u32, u32),
         emptied: Option<Emptied<'a>>,
     ) -> Result<(), Error> {
         let list = List {
@@ -339,9 +372,9 @@ impl Filterer {
         };
         let [columns, rows] = job.tiles();
         let (distance, threshold) = (job.distance, job.filters.antialias_threshold);
-        let push = ListPush { columns, rows, before, slot: run - 1, distance, threshold };
+        let push = ListPush { columns, rows, before, slot, distance, threshold };
         let dispatch = emptied.map_or(job.list_dispatch(), |e| Dispatch::Indirect(e.list));
-        recorder.run(&list, &Run::new(dispatch).push(&push).variant(filter.list_variant()))?;
+        recorder.run(&list, &Run::new(dispatch).push(&push).variant(listed.variant()))?;
         Ok(())
     }
 
@@ -365,8 +398,7 @@ impl Filterer {
             far: job.far,
             threshold: job.filters.antialias_threshold,
         };
-        let arguments = self.slots.get().slice(4 * u64::from(run - 1), 3);
-        let how = Run::new(Dispatch::Indirect(arguments)).push(&push);
+        let how = Run::new(self.listed_dispatch(run)).push(&push);
         match filter {
             Filter::Fill => recorder.run(&Fill { tiled }, &how)?,
             Filter::Occlusion => recorder.run(&Occlusion { tiled }, &how)?,
@@ -389,7 +421,7 @@ pub fn least_bytes(name: &str, facts: &Facts, cloud: &DeviceCloud, cull: bool) -
         "points/nearest" if facts.layers <= 1 => {
             Some(facts.points * (32 + normals) * facts.windows.max(1) + facts.visible * 8)
         }
-        "image-space/resolve" => Some(facts.image_tiles * AREA * (8 + 16 + 20)),
+        "image-space/measure" => Some(facts.image_tiles * AREA * 8),
         "image-space/fill" => Some(fill * 2 * 20),
         "image-space/occlusion" => Some(occlusion * 2 * 20),
         "image-space/smooth" => Some(smooth * 2 * 16),

@@ -7,7 +7,7 @@ use crate::passes::project::{Projecting, View};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of `image-space/resolve`.
+    /// Push constants of `image-space/measure` and `image-space/resolve`.
     pub struct ResolvePush {
         columns: u32,
         width: u32,
@@ -54,6 +54,15 @@ gpu_struct! {
 }
 
 pass! {
+    /// What each tile holds.
+    pub Measure(ResolvePush) = "image-space/measure" in "image_space/measure" {
+        nearest: Read<[u32; 2]>,
+        tiles: ReadWrite<[u32; 4]>,
+        work: ReadWrite<PeelWork>,
+    }
+}
+
+pass! {
     /// Index of the nearest point to shaded color and depth.
     pub Resolve(ResolvePush) = "image-space/resolve" in "image_space/resolve" {
         camera: Uniform<View>,
@@ -62,15 +71,14 @@ pass! {
         point_colors: Parts<[f32; 4]>,
         normals: Parts<[f32; 4]>,
         nearest: Read<[u32; 2]>,
-        tiles: ReadWrite<[u32; 4]>,
+        entries: Read<[u32; 2]>,
         depths: ReadWrite<f32>,
         colors: ReadWrite<[f32; 4]>,
-        work: ReadWrite<PeelWork>,
     }
 }
 
 pass! {
-    /// The tiles that a filter may change.
+    /// The tiles that a filter may change, or that another pass goes through.
     pub List(ListPush) = "image-space/list" in "image_space/list" {
         tiles: Read<[u32; 4]>,
         entries: ReadWrite<[u32; 2]>,
@@ -124,7 +132,7 @@ pass! {
 pass! {
     /// The filtered image to the window.
     pub Deliver(DeliverPush) = "image-space/deliver" in "image_space/deliver" {
-        tiles: Read<[u32; 4]>,
+        entries: Read<[u32; 2]>,
         depths: Read<f32>,
         colors: Read<[f32; 4]>,
         image: ReadWrite<[f32; 4]>,
@@ -132,7 +140,7 @@ pass! {
     }
 }
 
-/// A filter; the values of `FILTER` in WGSL.
+/// A filter; its place among those that run over tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
     /// Of background.
@@ -149,14 +157,32 @@ impl Filter {
     /// In the order in which they run.
     pub const ALL: [Self; 4] = [Self::Fill, Self::Occlusion, Self::Smooth, Self::Antialias];
 
-    /// The variant of `image-space/list`.
-    pub fn list_variant(self) -> Variant {
-        Variant::plain().with("FILTER", self as u32)
-    }
-
     /// Whether a tile that it left alone stays as it is when the filter runs again, unless something around it was changed.
     pub fn is_settling(self) -> bool {
         matches!(self, Self::Fill | Self::Occlusion)
+    }
+}
+
+/// What goes through a work list; the values of `FILTER` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Listed {
+    /// A filter.
+    Filter(Filter),
+    /// Shading.
+    Resolve,
+    /// What puts a finished image into the window.
+    Deliver,
+}
+
+impl Listed {
+    /// The variant of `image-space/list`.
+    pub fn variant(self) -> Variant {
+        let value = match self {
+            Self::Filter(filter) => filter as u32,
+            Self::Resolve => 4,
+            Self::Deliver => 5,
+        };
+        Variant::plain().with("FILTER", value)
     }
 }
 
