@@ -14,7 +14,9 @@ use super::repeats::Seeds;
 use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings};
 use super::surfaces::shadows::{self, Effort};
 use super::surfaces::{self, Clouds, Silhouette, supersampled};
-use super::{Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Surveyed, Tradeoff, findings, summary};
+use super::{
+    Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Shaded, Skipped, Surveyed, Tradeoff, findings, summary,
+};
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
@@ -93,7 +95,10 @@ pub fn run(
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
     std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
     let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
-    let identity = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
+    // Shadows are measured with the scene's own method.
+    let own = frame.shadows.map(|_| subject.frame.method);
+    let formed = format!("{formation:?} {own:?}");
+    let identity = identity::of(subject.arranged, &frame, subject.background, &formed, device.info());
     let partial = Partial::open(folder, identity);
 
     let thinning = if matches!(formation, Formation::Surfaces(_)) { options.ladders.thinning } else { &[1] };
@@ -415,9 +420,10 @@ impl Run<'_> {
 
     /// Shadows of more and fewer samples, unless an earlier run has them.
     fn shade(&mut self) -> Result<()> {
-        if self.surveyed.is_some() && self.partial.content.shaded.is_none() {
+        let Options { ladders, rounds, seconds, .. } = self.options;
+        let has_all = |shaded: &Shaded| shaded.steps.iter().map(|step| &step.samples).eq(ladders.shadow_samples);
+        if self.surveyed.is_some() && !self.partial.content.shaded.as_ref().is_some_and(has_all) {
             self.progress.set_message("shadows");
-            let Options { ladders, rounds, seconds, .. } = self.options;
             let effort = Effort { samples: ladders.shadow_samples, frames: *rounds, seconds: *seconds };
             let frame = Frame { method: self.subject.frame.method, ..self.frame };
             self.partial.content.shaded =

@@ -76,11 +76,11 @@ pub(in super::super) fn measure(
     Ok(Some(Shaded { method: frame.method.name().to_owned(), reference_samples, steps }))
 }
 
-/// As many as there is time for, by the step that took longest.
+/// As many as there is time for, by the step with the most samples.
 fn reference_samples(effort: Effort, times: &[Vec<Duration>]) -> u32 {
     let least = |times: &Vec<Duration>| times.iter().map(Duration::as_secs_f64).fold(f64::INFINITY, f64::min);
-    let slowest = effort.samples.iter().zip(times).map(|(samples, times)| least(times) / f64::from(*samples));
-    let each = slowest.last().unwrap_or(0.0);
+    let most_samples = effort.samples.last().zip(times.last());
+    let each = most_samples.map_or(0.0, |(samples, times)| least(times) / f64::from(*samples));
     let [most, fewest] = REFERENCE;
     (effort.seconds / REFERENCE_SHARE / each.max(1e-9)).clamp(fewest, most) as u32
 }
