@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::Result;
 use pellucid::cloud::{Cloud, Prepared};
-use pellucid::{Result, io};
+use pellucid::io::{self, ColumnNames, Hints};
 use serde_json::{Value, json};
 
+use super::limit::usage;
 use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
@@ -17,6 +19,9 @@ pub struct InfoArgs {
     /// Point clouds, or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
     /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
     /// where quantiles has the F that so many points don't exceed. Several files: an array of these, each with `file`.
@@ -25,11 +30,14 @@ pub struct InfoArgs {
 }
 
 pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
+    let columns = args.columns.as_deref().map(ColumnNames::parse).transpose();
+    let columns = columns.map_err(|problem| usage(format!("--columns: {problem}")))?;
+    let hints = Hints { columns: columns.as_ref(), ..Hints::default() };
     let progress = talk.progress();
     let load = |file: &PathBuf| {
         progress.reset();
         progress.set_message(format!("reading {}", file.display()));
-        io::load(file, &progress)
+        io::load_with(file, hints, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
     progress.finish_and_clear();

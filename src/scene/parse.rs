@@ -223,7 +223,9 @@ fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -
 
 fn columns(table: &Table<'_>) -> Result<Option<ColumnNames>, Error> {
     let (Some(text), Some(node)) = (table.string("columns")?, table.get("columns")) else { return Ok(None) };
-    ColumnNames::parse(text).map(Some).map_err(|problem| table.error("columns", node, format!("names columns: {problem}")))
+    ColumnNames::parse(text)
+        .map(Some)
+        .map_err(|problem| table.error("columns", node, format!("names columns: {problem}")))
 }
 
 fn warn_of_fields(cloud: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {

@@ -129,7 +129,8 @@ fn check_claim(numbers: &[usize], clouds: &[PointCloud], len: u64) -> Result<(),
         let records = cloud.records;
         let place = || format!("scan {number}");
         let Some(least) = bits.iter().copied().filter(|&bits| bits > 0).min() else {
-            let cause = format!("all values of its {records} points are constants, so that any number of points is claimed");
+            let cause =
+                format!("all values of its {records} points are constants, so that any number of points is claimed");
             return Err(Problem::new(place(), cause));
         };
         let constants = bits.iter().filter(|&&bits| bits == 0).count() as u64;

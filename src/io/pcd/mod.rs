@@ -103,7 +103,8 @@ fn ascii(source: &mut Source, header: &Header, layout: &Layout, mut take: impl F
             return Err(source.truncated(format!("the file ends at line {} {announced}", at - 1)));
         }
         let text = String::from_utf8_lossy(&line);
-        let mut words = text.split(|c: char| c.is_ascii_whitespace() || c == ',').filter(|word| !word.is_empty()).peekable();
+        let mut words =
+            text.split(|c: char| c.is_ascii_whitespace() || c == ',').filter(|word| !word.is_empty()).peekable();
         if words.peek().is_none() {
             continue;
         }

@@ -33,7 +33,8 @@ impl<'a> Layout<'a> {
                 }
                 Use::Numbers if field.count == 1 => columns.push(Column::new(&field.name, field.scalar())),
                 Use::Numbers => {
-                    columns.extend((0..field.count).map(|i| Column::new(format!("{}_{i}", field.name), field.scalar())));
+                    columns
+                        .extend((0..field.count).map(|i| Column::new(format!("{}_{i}", field.name), field.scalar())));
                 }
             }
             (field, used)

@@ -31,7 +31,8 @@ impl Splats {
     /// Finds splats; `None` if the properties are those of something else.
     pub fn of(properties: &[Column]) -> Option<Self> {
         let find = |name: &str| properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
-        let three = |stem: &str| Some([find(&format!("{stem}0"))?, find(&format!("{stem}1"))?, find(&format!("{stem}2"))?]);
+        let three =
+            |stem: &str| Some([find(&format!("{stem}0"))?, find(&format!("{stem}1"))?, find(&format!("{stem}2"))?]);
         let (color, opacity, scale) = (three("f_dc_")?, find("opacity")?, three("scale_")?);
         three("rot_").and(find("rot_3"))?;
         let used = |name: &str| {

@@ -106,11 +106,14 @@ impl Delimiter {
     pub fn names(self, line: &str) -> Vec<String> {
         let mut names = Vec::new();
         if line.contains('"') {
-            let delimiter = if let Self::Char(c) = self { c as u8 } else { b' ' };
-            let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(line.as_bytes());
+            // A quote begins a field only right after the delimiter.
+            let character = if let Self::Char(c) = self { c } else { ' ' };
+            let parts = line.split(character).map(str::trim).filter(|part| self != Self::Blanks || !part.is_empty());
+            let line = parts.collect::<Vec<_>>().join(character.encode_utf8(&mut [0; 4]));
+            let mut builder = csv::ReaderBuilder::new();
+            let mut reader = builder.has_headers(false).delimiter(character as u8).from_reader(line.as_bytes());
             let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
             names.extend(record.iter().map(|name| bare(name).to_owned()));
-            names.retain(|name| self != Self::Blanks || !name.is_empty());
         } else {
             let _ = self.each(line, |name| {
                 names.push(name.to_owned());

@@ -35,7 +35,10 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
         let mut fields = None;
         for index in 0..scan.cells {
             if !lines.next(&mut line)? {
-                let what = format!("the file ends after {index} of the {} points of the scan at line {}", scan.cells, scan.line);
+                let what = format!(
+                    "the file ends after {index} of the {} points of the scan at line {}",
+                    scan.cells, scan.line
+                );
                 return Err(lines.source.truncated(what));
             }
             let delimiter = Delimiter::of(&line);

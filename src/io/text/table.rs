@@ -103,11 +103,7 @@ impl Head {
 }
 
 /// Checks that a header has the coordinates, unless the user names the columns.
-fn check_names(
-    lines: &Lines,
-    header: Option<&(u64, Vec<String>)>,
-    given: Option<&ColumnNames>,
-) -> Result<(), Error> {
+fn check_names(lines: &Lines, header: Option<&(u64, Vec<String>)>, given: Option<&ColumnNames>) -> Result<(), Error> {
     let Some((_, names)) = header.filter(|_| given.is_none()) else { return Ok(()) };
     let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
     match ["x", "y", "z"].into_iter().find(|name| !has(name)) {
@@ -183,7 +179,10 @@ impl Table {
         let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
         let found = self.points - start;
         if found < announced {
-            let what = format!("the file ends at line {} after {found} of the {announced} points that line {line} announces", lines.number);
+            let what = format!(
+                "the file ends at line {} after {found} of the {announced} points that line {line} announces",
+                lines.number
+            );
             return Err(lines.source.truncated(what));
         }
         let more = format!("line {line} announces {announced} points, but {found} follow; all of them are read");
