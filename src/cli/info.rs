@@ -16,7 +16,7 @@ use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Point clouds, or pictures that stand for clouds.
+    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.

@@ -18,7 +18,8 @@ const DEFAULT_SCENE: &str = "garden";
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// A scene file (.toml) or one or more point clouds, or pictures that stand for clouds; nothing: the built-in scene `garden`.
+    /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
+    /// that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations

@@ -98,7 +98,7 @@ fn headers_that_lie_cost_no_memory() {
         ("line.csv", vec![b'1'; 4 << 20]),
         ("fields.csv", b"x,".repeat(400_000)),
         ("constants.e57", e57(|xml| xml.replace(prototype, &format!("{prototype}{constant}")))),
-        ("bits.e57", e57(|xml| xml.replace("type=\"Float\">0</cartesianX>", bit))),
+        ("bits.e57", e57(|xml| xml.replace("Count=\"5", "Count=\"6").replace("type=\"Float\">0</cartesianX>", bit))),
         ("deep.e57", e57(|xml| xml.replace("</e57Root>", &("<a>".repeat(100_000) + "</e57Root>")))),
     ] {
         fs::write(inside(&folder, name), content).unwrap();

@@ -13,14 +13,16 @@ const HEADING: &str = "## Sample files\n";
 
 /// Where each file comes from, as the folder's README has it.
 fn sources(readme: &str) -> Vec<(&str, &str)> {
-    let cells = |line: &'_ str| line.split('|').map(str::trim).collect::<Vec<_>>();
-    let of = |line| match cells(line).as_slice() {
-        ["", file, _, _, _, _, _, _, _, source, _, ""] => Some((*file, *source)),
-        ["", file, _, source, _, _, ""] => Some((*file, *source)),
+    readme.lines().filter_map(source).collect()
+}
+
+/// File and source of a row in one of the README's two tables.
+fn source(line: &str) -> Option<(&str, &str)> {
+    let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+    match cells.as_slice() {
+        ["", file, _, _, _, _, _, _, _, source, _, ""] | ["", file, _, source, _, _, ""] => Some((file, source)),
         _ => None,
-    };
-    // Borrowed from the text: the cells are parts of its lines.
-    readme.lines().filter(|line| line.starts_with('|')).filter_map(of).collect()
+    }
 }
 
 /// What a cloud has besides positions.
@@ -34,14 +36,16 @@ fn attributes(cloud: &Cloud) -> String {
         ("intensity", cloud.intensity.is_some()),
     ];
     let usual = usual.into_iter().filter(|(_, given)| *given).map(|(name, _)| name.to_owned());
-    usual.chain(cloud.scalars.iter().map(|(name, _)| format!("`{name}`"))).collect::<Vec<_>>().join(", ")
+    let names: Vec<_> = usual.chain(cloud.scalars.iter().map(|(name, _)| format!("`{name}`"))).collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 fn row(data: &Path, file: &str, source: &str) -> String {
     let name = file.rsplit('/').next().unwrap();
     let (points, rest) = match load(&data.join(file)) {
         Ok(cloud) => {
-            let left_out = if cloud.non_finite > 0 { format!(" (+ {} left out)", cloud.non_finite) } else { String::new() };
+            let left_out =
+                if cloud.non_finite > 0 { format!(" (+ {} left out)", cloud.non_finite) } else { String::new() };
             (format!("{}{left_out}", cloud.len()), attributes(&cloud))
         }
         Err(e) => {
@@ -61,7 +65,7 @@ fn the_table_of_sample_files_is_true() {
     };
     let sources = sources(&readme);
     let mut table = String::from("| file | points | attributes, or why it is refused | source |\n|---|---|---|---|\n");
-    for folder in FOLDERS {
+    for folder in FOLDERS.into_iter().chain(["volumes"]) {
         let entries = std::fs::read_dir(data.join(folder)).unwrap();
         let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();

@@ -96,7 +96,7 @@ fn colors_intensities_and_other_fields() {
     prototype.push(integer(RecordName::IsColorInvalid, 0, 1));
     prototype.push(field(RecordName::Intensity, RecordDataType::Single { min: Some(-1.0), max: Some(3.0) }));
     prototype.push(integer(RecordName::RowIndex, 0, 10));
-    prototype.push(integer(RecordName::ReturnIndex, 0, 3));
+    prototype.push(field(RecordName::TimeStamp, RecordDataType::F32));
     prototype.push(extra("normalX", RecordDataType::F32));
     prototype.push(extra("normalY", RecordDataType::F32));
     prototype.push(extra("normalZ", RecordDataType::F32));
@@ -104,7 +104,16 @@ fn colors_intensities_and_other_fields() {
     let point = |x: f64, color: [i64; 3], invalid: i64, intensity: f32| {
         let mut point = doubles([x, 0.0, 0.0]);
         point.extend(color.map(int));
-        point.extend([int(invalid), single(intensity), int(7), int(2), single(2.0), single(0.0), single(0.0), int(6)]);
+        point.extend([
+            int(invalid),
+            single(intensity),
+            int(7),
+            single(2.0),
+            single(2.0),
+            single(0.0),
+            single(0.0),
+            int(6),
+        ]);
         point
     };
     let points = vec![point(1.0, [1023, 0, 341], 0, 0.0), point(2.0, [1, 2, 3], 1, 9.0)];
@@ -125,7 +134,7 @@ fn colors_intensities_and_other_fields() {
     assert_eq!(cloud.classification.unwrap(), [6, 6]);
     let normal = cloud.normals.unwrap()[0];
     assert!(normal.distance(Vec3::Y) < 1e-6, "turned with the scan, and made unit: {normal}");
-    assert_eq!(cloud.scalars, [("returnIndex".to_owned(), vec![2.0, 2.0])]);
+    assert_eq!(cloud.scalars, [("timeStamp".to_owned(), vec![2.0, 2.0])]);
     // Limits of the scan win over those of the type.
     let cloud = load_bytes("a.e57", file("682")).unwrap();
     assert_eq!(cloud.colors.unwrap()[0], Vec3::new(1.0, 0.0, decode_srgb(0.5)));
@@ -134,7 +143,7 @@ fn colors_intensities_and_other_fields() {
     let cloud = load_bytes("a.e57", write(vec![plain([[9.0, 9.0, 9.0]]), scan])).unwrap();
     assert_eq!((cloud.colors.unwrap()[0], cloud.normals.unwrap()[0]), (Vec3::ONE, Vec3::ZERO));
     assert_eq!((cloud.intensity.unwrap()[0], cloud.classification, cloud.scalars.len()), (0.0, None, 0));
-    assert!(cloud.warnings.iter().any(|w| w.contains("`returnIndex` is left out")), "{:?}", cloud.warnings);
+    assert!(cloud.warnings.iter().any(|w| w.contains("`timeStamp` is left out")), "{:?}", cloud.warnings);
 }
 
 #[test]
@@ -209,7 +218,7 @@ fn damaged_and_lying_files() {
     let constant = "type=\"Integer\" minimum=\"5\" maximum=\"5\"";
     assert_refused(
         "a.e57",
-        xml("type=\"Float\">", &format!("{constant}>")),
+        xml("type=\"Float\">0</cartesian", &format!("{constant}>0</cartesian")),
         &["all values of its 100 points are constants"],
     );
     let many = format!("<prototype type=\"Structure\">{}", format!("<returnCount {constant}/>").repeat(2000));

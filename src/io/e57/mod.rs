@@ -60,6 +60,11 @@ impl Problem {
 
     fn library(place: impl Into<String>, error: &::e57::Error) -> Self {
         let text = error.to_string();
+        // The library takes what it can't read for missing.
+        if let Some((_, page)) = text.split_once("invalid checksum").and_then(|(_, rest)| rest.rsplit_once("for page "))
+        {
+            return Self::new(place, format!("the file is damaged: page {page} (of 1024 bytes) has a wrong checksum"));
+        }
         let cause = ["Failed to read E57: ", "Invalid E57 content: "].iter().find_map(|known| text.strip_prefix(known));
         Self::new(place, cause.unwrap_or(&text))
     }

@@ -106,12 +106,10 @@ impl Delimiter {
     pub fn names(self, line: &str) -> Vec<String> {
         let mut names = Vec::new();
         if line.contains('"') {
-            // A quote begins a field only right after the delimiter.
-            let character = if let Self::Char(c) = self { c } else { ' ' };
-            let parts = line.split(character).map(str::trim).filter(|part| self != Self::Blanks || !part.is_empty());
-            let line = parts.collect::<Vec<_>>().join(character.encode_utf8(&mut [0; 4]));
+            let delimiter = if let Self::Char(c) = self { c } else { ' ' };
+            let line = tidy(line, delimiter);
             let mut builder = csv::ReaderBuilder::new();
-            let mut reader = builder.has_headers(false).delimiter(character as u8).from_reader(line.as_bytes());
+            let mut reader = builder.has_headers(false).delimiter(delimiter as u8).from_reader(line.as_bytes());
             let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
             names.extend(record.iter().map(|name| bare(name).to_owned()));
         } else {
@@ -156,6 +154,22 @@ impl Delimiter {
         }
         Err(Fault { column: None, cause: format!("expected {columns} values, found {}", row.len()) })
     }
+}
+
+/// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote begins
+/// a field only right behind it; and white space that delimits is a single blank.
+fn tidy(line: &str, delimiter: char) -> String {
+    let mut quoted = false;
+    let mut tidy = String::with_capacity(line.len());
+    for c in line.chars() {
+        quoted ^= c == '"';
+        let c = if !quoted && c.is_whitespace() && delimiter == ' ' { ' ' } else { c };
+        let redundant = c.is_whitespace() && c != delimiter || c == ' ' && delimiter == ' ';
+        if quoted || !(redundant && tidy.ends_with(delimiter)) {
+            tidy.push(c);
+        }
+    }
+    tidy
 }
 
 fn bare(field: &str) -> &str {
@@ -213,7 +227,8 @@ mod tests {
         let names = |line: &str| Delimiter::of(line).names(line);
         assert_eq!(names("X Y  Z"), ["X", "Y", "Z"]);
         assert_eq!(names("\"X\", \"y,z\" ,\"\","), ["X", "y,z", ""]);
-        assert_eq!(names("\"a b\" \"c\""), ["a b", "c"]);
+        assert_eq!(names("\"a b\"  \t\"c\" d"), ["a b", "c", "d"]);
+        assert_eq!(names("\"a\"\t\t \"c d\""), ["a", "", "c d"]);
         assert_eq!(names("a,,c,"), ["a", "", "c"]);
     }
 }
