@@ -54,7 +54,8 @@ fn missing_empty_and_truncated_files() {
         ("cut.ply", whole[..whole.len() - 1].to_vec(), "truncated file or wrong header"),
         ("cut.las", las(10, false)[..500].to_vec(), "truncated file or wrong header"),
         ("cut.laz", las(10, true)[..450].to_vec(), ".laz: "),
-        ("notes.txt", b"1 2 3\n".to_vec(), "known format (PLY, LAS, LAZ, COPC)"),
+        ("notes.txt", b"to do\n".to_vec(), "line 1: no column `x`, only [to, do]"),
+        ("notes.md", b"to do\n".to_vec(), "known format (PLY, LAS, LAZ, COPC, E57, PCD"),
     ] {
         fs::write(inside(&folder, name), content).unwrap();
         assert_unusable(&folder, name, &[says]);

@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(names("X Y  Z"), ["X", "Y", "Z"]);
         assert_eq!(names("\"X\", \"y,z\" ,\"\","), ["X", "y,z", ""]);
         assert_eq!(names("\"a b\"  \t\"c\" d"), ["a b", "c", "d"]);
-        assert_eq!(names("\"a\"\t\t \"c d\""), ["a", "", "c d"]);
+        assert_eq!(names("\"a\"\t\t \"c\""), ["a", "", "c"]);
         assert_eq!(names("a,,c,"), ["a", "", "c"]);
     }
 }

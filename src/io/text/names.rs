@@ -1,5 +1,7 @@
 //! What the columns of a table are: as the user says, as a header says, or as their values look.
 
+use std::collections::HashMap;
+
 use crate::io::columns::{Column, ScalarType};
 
 /// What the columns of a text file are, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
@@ -42,14 +44,13 @@ pub(super) struct Layout {
 impl Layout {
     /// The layout of named columns: `-` is none, and a name that came before gets a number.
     pub fn of(names: &[String]) -> Self {
-        let mut taken: Vec<String> = Vec::new();
+        let mut taken: HashMap<String, usize> = HashMap::new();
         let (mut columns, mut at) = (Vec::new(), Vec::new());
         for (index, name) in names.iter().enumerate().filter(|(_, name)| *name != "-") {
             let name = if name.is_empty() { format!("column_{}", index + 1) } else { canonical(name).to_owned() };
-            let same = |taken: &&String| taken.eq_ignore_ascii_case(&name);
-            let before = taken.iter().filter(same).count();
-            taken.push(name.clone());
-            let name = if before == 0 { name } else { format!("{name}_{}", before + 1) };
+            let count = taken.entry(name.to_ascii_lowercase()).or_insert(0);
+            *count += 1;
+            let name = if *count == 1 { name } else { format!("{name}_{count}") };
             columns.push(Column::new(name, ScalarType::Double));
             at.push(index);
         }
