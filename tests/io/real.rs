@@ -197,6 +197,36 @@ fn boxes_of_real_files() {
     }
 }
 
+/// What the data's README says of them.
+#[test]
+fn places_of_nasty_files() {
+    let Some(data) = data() else { return };
+    let load = |file: &str| load(&data.join("nasty").join(file)).unwrap();
+    let near = |file: &str, wanted: [f64; 3], tolerance: f64| {
+        let bounds = load(file).bounds().unwrap();
+        let size = (bounds.max - bounds.min).to_array();
+        let off = |(size, wanted): (f64, f64)| (size - wanted).abs() > tolerance * wanted;
+        assert!(!size.into_iter().zip(wanted).any(off), "{file}: {size:?}, not {wanted:?}");
+    };
+    // To half of the last digit printed there.
+    near("spurious.las", [1.006, 0.012, 55.0], 0.05);
+    near("epsg_4326_degrees.las", [0.02, 0.02, 39.0], 0.5);
+    near("single_point.laz", [0.0; 3], 0.0);
+    assert_eq!(load("issue_2421.ply").positions[0].z.round() / 1e7, 123.0);
+    for file in ["utm17.las", "utm17_comma.pcd", "utm17_tab.pcd", "utm17_space.pcd", "crlf_test.txt"] {
+        let cloud = load(file);
+        assert!(cloud.positions.iter().all(|p| p.distance(DVec3::new(289_816.0, 4_320_979.5, 170.6)) < 4.0), "{file}");
+        // Float32 would be off by up to 0.25.
+        let second = DVec3::new(289_814.64, 4_320_978.84, 170.76);
+        assert!(cloud.positions[1].distance(second) < 1e-6, "{file}: {}", cloud.positions[1]);
+    }
+    let stored_as_float32 = load("samp53_utm_float32.pcd");
+    assert!(stored_as_float32.positions.iter().all(|p| (p.y * 2.0).fract() == 0.0));
+    let spherical = load("tiny_spherical.e57");
+    let (near, far) = extremes(&spherical.positions.iter().map(|p| p.length() as f32).collect::<Vec<_>>());
+    assert!(0.0 < near && near <= far && far.is_finite(), "{near} to {far}");
+}
+
 fn extremes(values: &[f32]) -> (f32, f32) {
     values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
