@@ -52,8 +52,8 @@ fn a_scene_names_columns_and_the_option_wins() {
     fs::write(inside(&folder, "a.xyz"), TABLE).unwrap();
     fs::write(inside(&folder, "b.xyz"), "0 0 0 255 0 0\n1 2 3 0 0 255\n").unwrap();
     let scene = |name: &str, cloud: &str, columns: &str| {
-        let camera = "[image]\nsize = [32, 32]\n[camera]\neye = [0, -9, 1]\ntarget = [0, 0, 1]\nup = [0, 0, 1]\n";
-        let text = format!("{camera}[[cloud]]\npath = \"{cloud}\"\nradius = 0.5\n{columns}\n");
+        let camera = "[image]\nsize = [32, 32]\n[camera]\neye = [0, -30, 1]\ntarget = [0, 0, 1]\nup = [0, 0, 1]\n";
+        let text = format!("{camera}[[cloud]]\npath = \"{cloud}\"\nradius = 2\n{columns}\n");
         fs::write(inside(&folder, name), text).unwrap();
     };
     scene("named.toml", "a.xyz", "columns = \"-,x,y,z,r,g,b\"");
