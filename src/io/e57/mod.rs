@@ -109,11 +109,11 @@ fn points(file: impl Read + Seek, len: u64, progress: &ProgressBar) -> Result<Cl
         let place = |index: u64| format!("scan {number}{name}, point {index} of {}", cloud.records);
         let scan = Scan::new(cloud, &table).map_err(|cause| Problem::new(format!("scan {number}{name}"), cause))?;
         let values = reader.pointcloud_raw(cloud).map_err(|e| Problem::library(place(0), &e))?;
-        for (index, values) in (0..).zip(values) {
+        for (index, values) in (0u64..).zip(values) {
             let values = values.map_err(|e| Problem::library(place(index), &e))?;
             scan.row(&values, &mut row).map_err(|e| Problem::library(place(index), &e))?;
             columns.push(&row);
-            if (index + 1) % PROGRESS_STEP == 0 {
+            if (index + 1).is_multiple_of(PROGRESS_STEP) {
                 progress.inc(PROGRESS_STEP);
             }
         }

@@ -38,11 +38,11 @@ pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud,
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))
     })?;
     progress.set_length(header.points);
-    let mut taken = 0;
+    let mut taken = 0u64;
     let take = |row: &[f64]| {
         columns.push(row);
         taken += 1;
-        if taken % PROGRESS_STEP == 0 {
+        if taken.is_multiple_of(PROGRESS_STEP) {
             progress.inc(PROGRESS_STEP);
         }
     };

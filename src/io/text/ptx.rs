@@ -56,7 +56,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
             let place = scan.place(DVec3::new(row[x], row[y], row[z]));
             (row[x], row[y], row[z]) = place.into();
             table.push(&row);
-            if (index + 1) % PROGRESS_STEP == 0 {
+            if (index + 1).is_multiple_of(PROGRESS_STEP) {
                 progress.inc(PROGRESS_STEP);
             }
         }

@@ -30,7 +30,7 @@ pub(super) fn read(
             head.delimiter.row(&line, head.columns, &mut row).map_err(|fault| lines.wrong(fault))?;
             table.rows.push(&row);
             table.points += 1;
-            if table.points % PROGRESS_STEP == 0 {
+            if table.points.is_multiple_of(PROGRESS_STEP) {
                 progress.inc(PROGRESS_STEP);
             }
         }
