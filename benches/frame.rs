@@ -341,6 +341,7 @@ impl Course {
             opacity_factor: 1.0,
             part: Part::All,
             relative_depth: false,
+            lit: false,
         };
         cloud.set_view(&frame(Method::Points).camera, [SIDE; 2], window, &how);
         let cloud = &*cloud;

@@ -147,6 +147,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
         opacity_factor: 1.0,
         part: Part::All,
         relative_depth: false,
+        lit: false,
     };
     let window = [0, 0, SIDE, SIDE];
     cloud.set_view(&frame(Method::Points, false).camera, [SIDE; 2], window, &how);

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::prepare::field::Field;
+use crate::prepare::shadows::ShadowTexture;
 
 /// Which axis of a file points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,6 +55,8 @@ pub struct Prepared {
     pub field: Field,
     /// F of each point, in [0, 1].
     pub values: Vec<f32>,
+    /// The light of each point, if it was asked for.
+    pub shadows: Option<ShadowTexture>,
 }
 
 impl Cloud {

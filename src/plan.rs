@@ -1,11 +1,13 @@
 //! Facts of a scene to passes on or off, each with its reason; and the method that `auto` stands for.
 
+mod filtered;
+
 use crate::gpu::Device;
 use crate::methods::abuffer::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::renderer::depth_range;
 use crate::methods::spbr::Form;
 use crate::methods::splats::PASSES as SPLATTED;
-use crate::methods::{Facts, Frame, Renderer, cost, soft, stochastic};
+use crate::methods::{Facts, Frame, Renderer, cost, shadows, soft, stochastic};
 use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::passes::radix::Digits;
@@ -74,19 +76,23 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         ShadingModel::Lambert => "Lambert shading where there are normals",
         ShadingModel::Phong => "Phong shading where there are normals",
     };
+    plan.shadows(frame, facts);
     if frame.method.is_dealt() {
         plan.dealt(device, frame, facts, why);
     } else {
         plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     }
-    let direct = matches!(frame.method, Method::Points | Method::Auto(_));
+    let filters = frame.method.filters();
+    let direct = matches!(frame.method, Method::Points | Method::Auto(_)) || filters.is_some();
     let project = if direct || frame.method.is_dealt() {
         "a point is one pixel or a square: no splats".to_owned()
     } else {
         format!("{} points; {shading}", facts.points)
     };
     plan.add("splat/project", facts.points > 0 && !direct && !frame.method.is_dealt(), project);
-    if direct {
+    if let Some(filters) = filters {
+        plan.filtered_points(device, frame, facts, wide_atomics, filters, why);
+    } else if direct {
         plan.nearest(device, POINTS, facts.points > 0, wide_atomics, why);
     }
     if !frame.method.is_dealt() {
@@ -107,7 +113,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         }
         Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),
         Method::Spbr(_) | Method::SpbrSimplified(_) => {}
-        Method::ImageSpace(_) | Method::PeelLayers(_) => {}
+        Method::ImageSpace(filters) => plan.filters(frame, facts, &filters, None, shading),
+        Method::PeelLayers(peel) => plan.filters(frame, facts, &peel.filters, Some(peel.layers), shading),
         Method::SoftBase(soft) | Method::SoftConcentric(soft) => {
             plan.soft_spheres(device, frame, facts, soft.threshold, why);
         }
@@ -137,6 +144,8 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     plan.rest(&["image/clear"], &without("every pixel is written"));
     plan.rest(&["splat/tile-count", "splat/tile-cursors", "splat/tile-store"], "no stage visits pixels splat by splat");
     plan.rest(&["scan/reduce", "scan/spread"], "nothing is counted");
+    plan.rest(&filtered::PASSES, &format!("no filters of the image: {why}"));
+    plan.rest(&filtered::LAYERS, &format!("no layers of point surfaces: {why}"));
     plan.rest(&SPLATS, &format!("no opaque splats: {why}"));
     plan.rest(&["splat/resolve"], &format!("no opaque splats: {why}"));
     plan.rest(&POINTS, &format!("no 1-pixel points: {why}"));
@@ -266,6 +275,33 @@ impl Plan {
             if self.steps.iter().all(|step| step.name != *name) {
                 self.add(name, false, reason);
             }
+        }
+    }
+
+    /// The light of each point, which later frames don't find again.
+    fn shadows(&mut self, frame: &Frame, facts: &Facts) {
+        let views = facts.light_views;
+        let refusal = shadows::refusal(frame);
+        let stored = "the light of each point is with the cloud";
+        let shadows = frame.shadows.unwrap_or_default();
+        let samples = if shadows.light_radius == 0.0 { 1 } else { shadows.samples };
+        let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
+        for (name, reason) in shadows::PASSES.into_iter().zip([
+            format!("{} points, lit by all lights at first; later frames take what this one finds", facts.points),
+            format!("{images}: nothing is there yet"),
+            format!("{images}: the nearest depths"),
+            "holes in surfaces are closed, so that no light falls through".to_owned(),
+            format!("{} points are compared with the nearest depths of each light", facts.points),
+            format!("number of lights to share of {samples}"),
+        ]) {
+            let reason = match &refusal {
+                Some(refusal) => refusal.clone(),
+                None if views == 0 => stored.to_owned(),
+                None if name == "shadows/share" && samples == 1 => "of one light there is all or nothing".to_owned(),
+                None => reason,
+            };
+            let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
+            self.add(name, on, reason);
         }
     }
 

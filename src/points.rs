@@ -64,6 +64,23 @@ impl Points {
         }
     }
 
+    /// The points at these places, in that order, with radii times a factor.
+    pub(crate) fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
+        fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
+            let of = |place: &u32| column[*place as usize];
+            if column.is_empty() { Vec::new() } else { places.par_iter().map(of).collect() }
+        }
+        Self {
+            positions: pick(&self.positions, places),
+            colors: pick(&self.colors, places),
+            opacities: pick(&self.opacities, places),
+            radii: pick(&self.radii, places).into_iter().map(|radius| (radius_factor * radius).min(f32::MAX)).collect(),
+            normals: self.normals.as_ref().map(|normals| pick(normals, places)),
+            file_order: pick(&self.file_order, places),
+            fields: pick(&self.fields, places),
+        }
+    }
+
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
     /// forgotten.
     pub(crate) fn append(&mut self, more: Self) {

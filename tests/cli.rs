@@ -11,9 +11,11 @@ mod cli {
     mod failures;
     mod formats;
     mod frames;
+    mod iso;
     mod measure;
     mod prepare;
     mod render;
+    mod shadows;
     mod stress;
     mod tradeoff;
 }

@@ -2,13 +2,14 @@
 
 mod common;
 
-use common::{P, frame, perspective, scene, soup, with_device};
+use common::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 use glam::{DVec3, Vec3};
 use pellucid::methods::{Facts, Renderer};
 use pellucid::plan::{plan, resolve};
 use pellucid::points::Points;
 use pellucid::scene::{
-    BlendedSplats, DiscShape, Discs, Hybrid, LongLists, Method, OneLayer, Peel, Raster, ScreenSplats, Soft, Stochastic,
+    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, OneLayer, Peel, PeelLayers, Raster,
+    ScreenSplats, Soft, Stochastic,
 };
 
 /// Six samples of each pixel, by the rasteriser.
@@ -85,6 +86,8 @@ fn a_survey_finds_what_a_frame_meets() {
             Method::Hqs(BlendedSplats::default()),
             Method::Splats(BlendedSplats::default()),
             Method::OneLayer(OneLayer::default()),
+            Method::ImageSpace(ImageSpace::default()),
+            Method::PeelLayers(PeelLayers { layers: 2, ..PeelLayers::default() }),
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
@@ -128,7 +131,8 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
                 |stem: &str| ["nearest", "nearest-depth", "nearest-id"].map(|end| on(&format!("{stem}/{end}")));
             let wanted = |of: bool| if of { [wide, !wide, !wide] } else { [false; 3] };
             assert_eq!(nearest("splat"), wanted(matches!(method, Method::Circles(_))));
-            assert_eq!(nearest("points"), wanted(method == Method::Points));
+            let direct = method == Method::Points || method.filters().is_some();
+            assert_eq!(nearest("points"), wanted(direct));
             assert_eq!(nearest("spbr"), [false; 3]);
             assert_eq!(nearest("peel"), wanted(matches!(method, Method::Peel(_))));
             let mut names: Vec<_> = steps.iter().map(|step| step.name).collect();
@@ -158,9 +162,81 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             Method::Hqs(BlendedSplats::default()),
             Method::Splats(BlendedSplats::default()),
             Method::OneLayer(OneLayer::default()),
+            Method::ImageSpace(ImageSpace::default()),
+            Method::PeelLayers(PeelLayers::default()),
         ] {
             assert_eq!(names_of(method, true), all);
             assert_eq!(names_of(method, false), all);
         }
+    });
+}
+
+/// A plane of points, one for each pixel of the image at its middle depth, but for those that `is_left_out` says.
+fn plane(size: [u32; 2], is_left_out: impl Fn(u32, u32) -> bool) -> Points {
+    let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).filter(|(x, y)| !is_left_out(*x, *y));
+    let point = |(x, y): (u32, u32)| P {
+        position: at_pixel(f64::from(x) + 0.5, f64::from(y) + 0.5, 8.0),
+        color: Vec3::ONE,
+        opacity: 1.0,
+        radius: 0.0,
+        normal: Vec3::ZERO,
+    };
+    scene(&all.map(point).collect::<Vec<_>>())
+}
+
+#[test]
+fn filters_run_over_tiles_that_they_may_change() {
+    with_device(|device| {
+        let size = [100, 80];
+        let of = |points: &Points, iterations: u32, smooth: u32| {
+            let distance = Some(0.5);
+            let filters = ImageSpace {
+                fill: iterations,
+                occlusion: iterations,
+                smooth,
+                min_layer_distance: distance,
+                ..ImageSpace::default()
+            };
+            let frame = frame(pixel_camera(size), size, Method::ImageSpace(filters));
+            let mut renderer = Renderer::new(device).expect("a renderer");
+            let mut cloud = renderer.upload(points).expect("fits");
+            let facts = renderer.render(&mut cloud, &frame).expect("renders").facts;
+            assert_eq!(facts.image_tiles, 7 * 5);
+            facts.filtered_tiles
+        };
+        // A full plane: no holes, nothing hidden; edges where the image ends.
+        assert_eq!(of(&plane(size, |_, _| false), 3, 1), [0, 0, 35, 20]);
+        // A hole inside of a tile: that one, and those around it once more, since there may be something to do still.
+        let one = plane(size, |x, y| (x, y) == (40, 40));
+        assert_eq!(of(&one, 1, 0)[..3], [1, 0, 0]);
+        // It is filled then, and no background is left.
+        assert_eq!(of(&one, 5, 0)[..3], [1, 0, 0]);
+        // An upper half ends with a row of tiles: beyond it there is background, but nothing to fill.
+        let half = plane(size, |_, y| y >= 32);
+        assert_eq!(of(&half, 1, 2), [7, 0, 2 * 14, 7 + 7 + 7]);
+        // The second time nothing has changed.
+        assert_eq!(of(&half, 9, 0)[0], 7);
+        // Nothing at all.
+        let far_away = scene(&[P { position: DVec3::new(0.0, 0.0, 9.0), ..with_opacities(&[1.0])[0] }]);
+        assert_eq!(of(&far_away, 2, 1), [0; 4]);
+    });
+}
+
+#[test]
+fn layers_end_on_the_device_when_there_are_no_points_left() {
+    with_device(|device| {
+        let size = [40, 40];
+        let points = plane(size, |_, _| false);
+        let frame =
+            frame(pixel_camera(size), size, Method::PeelLayers(PeelLayers { layers: 30, ..PeelLayers::default() }));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let rendered = renderer.render(&mut cloud, &frame).expect("renders");
+        assert_eq!((rendered.facts.layers, rendered.facts.image_tiles), (1, 9));
+        let runs = |name| rendered.profile.timeline.iter().filter(|(pass, _)| pass.name == name).count();
+        // One batch of them.
+        assert_eq!(runs("image-space/measure"), 8);
+        let shaded = rendered.profile.passes.iter().find(|pass| pass.name == "image-space/resolve").expect("it ran");
+        assert!(shaded.invocations.is_none_or(|n| n == 9 * 64), "{shaded:?}");
     });
 }

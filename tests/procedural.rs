@@ -3,7 +3,10 @@
 use glam::DVec3;
 use pellucid::cloud::Cloud;
 use pellucid::color::decode_srgb;
-use pellucid::scene::procedural::{BUILTINS, Error, Generated, build};
+use pellucid::io::volume::Volume;
+use pellucid::scene::procedural::{BUILTINS, Error, Generated, build, iso};
+
+mod common;
 
 fn set(parameters: &[(&str, f64)]) -> Vec<(String, f64)> {
     parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect()
@@ -22,6 +25,7 @@ fn small(name: &str, seed: u64) -> Generated {
         "plane" => make(name, &[("points", 20_000.0), ("tilt", 30.0)], seed),
         "planes" => make(name, &[("planes", 3.0), ("points", 2000.0)], seed),
         "spheres" => make(name, &[("count", 50.0)], seed),
+        "sign" => make(name, &[("points", 4000.0)], seed),
         _ => make(name, &[], seed),
     }
 }
@@ -60,7 +64,7 @@ fn defaults_lie_within_their_ranges() {
 #[test]
 fn point_counts_are_near_those_asked_for() {
     for points in [1000.0, 20_000.0, 300_000.0] {
-        for name in ["garden", "tori", "plane"] {
+        for name in ["garden", "tori", "plane", "sign"] {
             let count = total(&make(name, &[("points", points)], 3)) as f64;
             // The grids are rounded to whole rows, the scan thins at random: a few per cent on small clouds.
             let tolerance = if points < 10_000.0 { 0.15 } else { 0.03 };
@@ -274,6 +278,26 @@ fn plane_is_a_tilted_square() {
 }
 
 #[test]
+fn a_sign_is_noisy_paper_with_ink_in_a_red_frame() {
+    let scene = make("sign", &[("points", 50_000.0), ("noise", 2.0)], 8);
+    let (_, cloud) = &scene.clouds[0];
+    let spacing = (2.4 * 1.6 / 50_000f64).sqrt();
+    let depths = cloud.positions.iter().map(|p| p.z);
+    let variance = depths.map(|z| z * z).sum::<f64>() / cloud.len() as f64;
+    // Five standard errors of the variance of that many numbers.
+    assert!((variance / (2.0 * spacing).powi(2) - 1.0).abs() < 5.0 * (2.0 / 50_000f64).sqrt(), "{variance}");
+    // Red at the rim, and nowhere else; dark and light inside.
+    let colors = cloud.colors.as_ref().unwrap();
+    for (position, color) in cloud.positions.iter().zip(colors) {
+        let margin = (1.2 - position.x.abs()).min(0.8 - position.y.abs());
+        let red = color.x > 2.0 * color.z && color.x > 2.0 * color.y;
+        assert!(red == (margin < 0.03) || (margin - 0.03).abs() < 1e-6, "{position}: {color}");
+    }
+    let inked = colors.iter().filter(|color| color.max_element() < 0.1).count() as f64 / cloud.len() as f64;
+    assert!((0.1..0.3).contains(&inked), "{inked}");
+}
+
+#[test]
 fn planes_lie_behind_each_other_and_reach_over_the_image() {
     let scene = make("planes", &[("planes", 3.0), ("points", 4000.0), ("opacity", 0.25), ("back", 0.75)], 12);
     let table = toml(&scene);
@@ -305,4 +329,125 @@ fn wrong_requests_are_explained() {
     assert!(message("tori", &[("points", 1e12)]).contains("out of range"));
     assert!(message("plane", &[("tilt", f64::NAN)]).contains("out of range"));
     assert!(message("garden", &[("points", 5000.5)]).contains("whole number"));
+}
+
+/// Distances from a place in a grid of so many numbers along each side.
+fn distances(count: usize, center: DVec3) -> Volume {
+    let at = |i: usize| DVec3::new((i % count) as f64, (i / count % count) as f64, (i / (count * count)) as f64);
+    let values = (0..count.pow(3)).map(|i| at(i).distance(center) as f32).collect();
+    Volume { dims: [count; 3], values }
+}
+
+/// Its points in cells' sides from the centre, and their normals.
+fn around(cloud: &Cloud, count: usize, center: DVec3) -> Vec<(DVec3, DVec3)> {
+    let half = 0.5 * (count - 1) as f64;
+    let normals = cloud.normals.as_ref().unwrap();
+    let place = |p: &DVec3| half * *p + DVec3::splat(half) - center;
+    cloud.positions.iter().zip(normals).map(|(p, n)| (place(p), n.as_dvec3())).collect()
+}
+
+#[test]
+fn surfaces_of_a_volume_are_where_its_values_say() {
+    let (count, center, radii) = (40, DVec3::new(19.2, 19.7, 19.5), [9.0, 15.0]);
+    let volume = distances(count, center);
+    let made = iso::build_iso(&volume, &radii, &set(&[("points", 40_000.0)]), 3).unwrap();
+    assert!(made == iso::build_iso(&volume, &radii, &set(&[("points", 40_000.0)]), 3).unwrap(), "the same seed");
+    assert!(made.clouds != iso::build_iso(&volume, &radii, &set(&[("points", 40_000.0)]), 4).unwrap().clouds);
+    assert_eq!(total(&made), 40_000);
+    // Values grow outward: the larger sphere is the outer one. Areas are as the radii squared.
+    let clouds: Vec<&Cloud> = made.clouds.iter().map(|(_, cloud)| cloud).collect();
+    let share = clouds[0].len() as f64 / 40_000.0;
+    assert!((share - 225.0 / (225.0 + 81.0)).abs() < 0.003, "{share}");
+    for (cloud, radius) in clouds.into_iter().zip([15.0f64, 9.0]) {
+        let points = around(cloud, count, center);
+        // Between numbers one apart the interpolant of a function is off by an eighth of its second derivatives along the three
+        // axes, together 2/r of a distance; a cell reaches √3 farther in. Its gradient is 1, so that the surface is as far off;
+        // rounding to float32 is 1e-5 of a cell at most.
+        let bound = 0.25 / (radius - 3f64.sqrt()) + 1e-4;
+        let n = points.len() as f64;
+        for (place, normal) in &points {
+            assert!((place.length() - radius).abs() < bound, "{place} of {radius}");
+            // Differences two apart are off by a sixth of the third derivatives, at most about 3/r²; their interpolant by 1/(4 r²)
+            // and so on: far less than the twentieth that this allows.
+            assert!(normal.dot(place.normalize()) > 0.995, "{place}: {normal}");
+        }
+        // Evenly over the sphere: of each coordinate, uniform on [−r, r] there, 20 bands with the same number of points, within
+        // five standard deviations √(2·19) of their mean 19.
+        for axis in 0..3 {
+            let mut bands = [0f64; 20];
+            for (place, _) in &points {
+                let at = 10.0 * (place[axis] / place.length() + 1.0);
+                bands[(at as usize).min(19)] += 1.0;
+            }
+            let chi: f64 = bands.iter().map(|found| (found - n / 20.0).powi(2) / (n / 20.0)).sum();
+            assert!(chi < 19.0 + 5.0 * 38f64.sqrt(), "axis {axis} of {radius}: {chi}, {bands:?}");
+        }
+    }
+    let table = toml(&made);
+    assert_eq!(table["method"]["name"].as_str(), Some("peel-layers"));
+    assert_eq!((number(&table["cloud"][0]["opacity"]), number(&table["cloud"][1]["opacity"])), (0.5, 1.0));
+    assert_eq!(number(&table["method"]["layers"]), 6.0);
+}
+
+#[test]
+fn points_off_a_surface_are_noticed() {
+    // What the test above looks at must be able to fail: the sphere of another value.
+    let (count, center) = (40, DVec3::new(19.2, 19.7, 19.5));
+    let made = iso::build_iso(&distances(count, center), &[9.3], &set(&[("points", 1000.0)]), 3).unwrap();
+    let far = around(&made.clouds[0].1, count, center);
+    assert!(far.iter().all(|(place, _)| (place.length() - 9.0).abs() > 0.25 / (9.0 - 3f64.sqrt()) + 1e-4));
+    let table = toml(&made);
+    assert_eq!((number(&table["cloud"][0]["opacity"]), number(&table["method"]["layers"])), (0.7, 4.0));
+}
+
+#[test]
+fn values_are_chosen_such_that_surfaces_lie_within_each_other() {
+    // High inside: a bell.
+    let mut volume = distances(32, DVec3::splat(15.5));
+    volume.values.iter_mut().for_each(|value| *value = (20.0 - *value).max(0.0));
+    for count in [1usize, 3, 5] {
+        let made = iso::build_iso(&volume, &[], &set(&[("points", 5000.0), ("surfaces", count as f64)]), 0).unwrap();
+        let radii: Vec<f64> =
+            made.clouds.iter().map(|(_, cloud)| around(cloud, 32, DVec3::splat(15.5))[0].0.length()).collect();
+        assert!(radii.len() == count && radii.is_sorted_by(|outer, inner| outer > inner), "{radii:?}");
+        let opacities: Vec<f64> =
+            toml(&made)["cloud"].as_array().unwrap().iter().map(|c| number(&c["opacity"])).collect();
+        let expected = match count {
+            1 => vec![0.7],
+            3 => vec![0.5, 0.3, 1.0],
+            _ => vec![0.5, 0.3, 0.3, 0.3, 1.0],
+        };
+        assert_eq!(opacities, expected);
+    }
+    let wrong = |values: &[f64], parameters: &[(&str, f64)], part: &str| {
+        let error = iso::build_iso(&volume, values, &set(parameters), 0).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    wrong(&[20.5], &[], "from 0 to");
+    wrong(&[-1.0], &[], "no surface at the value -1");
+    wrong(&[1.0; 9], &[], "9 values");
+    wrong(&[1.0], &[("layers", 3.0)], "no parameter \"layers\"");
+    wrong(&[1.0], &[("points", 1e12)], "out of range");
+    let constant = Volume { dims: [2; 3], values: vec![1.0; 8] };
+    assert!(matches!(iso::build_iso(&constant, &[], &[], 0), Err(Error::NoSurface { .. })));
+    let nothing = Volume { dims: [2; 3], values: vec![f32::NAN; 8] };
+    assert!(matches!(iso::build_iso(&nothing, &[], &[], 0), Err(Error::NoSurface { .. })));
+}
+
+#[test]
+fn real_volumes_have_nested_surfaces() {
+    let Some(data) = common::data() else { return };
+    for (name, surfaces) in [("hydrogen_64x64x64_float32.raw", 3.0), ("neghip_64x64x64_uint8.raw", 1.0)] {
+        let path = data.join("volumes").join(name);
+        if !path.is_file() {
+            eprintln!("skipped: no {}", path.display());
+            continue;
+        }
+        let volume = pellucid::io::volume::read(&path, None, None).unwrap();
+        assert_eq!(volume.dims, [64; 3]);
+        let made = iso::build_iso(&volume, &[], &set(&[("points", 20_000.0), ("surfaces", surfaces)]), 0).unwrap();
+        assert_eq!((made.clouds.len() as f64, total(&made)), (surfaces, 20_000));
+        let is_unit = |normal: &glam::Vec3| (normal.length() - 1.0).abs() < 1e-5;
+        assert!(made.clouds.iter().all(|(_, cloud)| cloud.normals.as_ref().unwrap().iter().all(is_unit)), "{name}");
+    }
 }

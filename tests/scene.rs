@@ -181,11 +181,43 @@ fn syntax_errors_name_line_and_column() {
 }
 
 #[test]
-fn methods_of_the_contract_that_are_missing_are_named() {
-    let message = refused(&format!("[method]\nname = \"peel-layers\"\n{CLOUD}"));
-    let expected = format!("method \"peel-layers\" is not in this version; it has: {}", METHODS.join(", "));
-    assert_eq!(message, format!("dir/s.toml:2:8: {expected}"));
+fn unknown_methods_are_named_with_what_may_be_meant() {
+    let message = refused(&format!("[method]\nname = \"photons\"\n{CLOUD}"));
+    assert!(message.starts_with("dir/s.toml:2:8: unknown method \"photons\""), "{message}");
+    assert!(METHODS.iter().all(|name| message.contains(name)), "{message}");
     assert!(refused(&format!("[method]\nname = \"abufer\"\n{CLOUD}")).contains("did you mean `abuffer`?"));
+}
+
+#[test]
+fn every_method_is_read_by_its_name() {
+    for name in METHODS {
+        assert_eq!(with_cloud(&format!("[method]\nname = \"{name}\"")).method.name(), *name);
+    }
+}
+
+#[test]
+fn filters_have_their_defaults_and_limits() {
+    let of = |keys: &str| with_cloud(&format!("[method]\n{keys}")).method;
+    assert_eq!(of("name = \"image-space\""), Method::ImageSpace(ImageSpace::default()));
+    assert_eq!(of("name = \"peel-layers\""), Method::PeelLayers(PeelLayers::default()));
+    let filters = ImageSpace {
+        fill: 0,
+        occlusion: 256,
+        smooth: 2,
+        antialias: false,
+        antialias_threshold: 0.5,
+        min_layer_distance: Some(0.25),
+        cull: true,
+    };
+    let keys = "fill = 0\nocclusion = 256\nsmooth = 2\nantialias = false\nantialias_threshold = 0.5\n\
+                min_layer_distance = 0.25\ncull = true";
+    assert_eq!(of(&format!("name = \"image-space\"\n{keys}")), Method::ImageSpace(filters));
+    let layers = format!("name = \"peel-layers\"\nlayers = 1024\n{keys}");
+    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024 }));
+    for wrong in ["fill = 257", "smooth = -1", "antialias_threshold = 1.5", "min_layer_distance = 0", "layers = 0"] {
+        let message = refused(&format!("[method]\nname = \"peel-layers\"\n{wrong}\n{CLOUD}"));
+        assert!(message.starts_with("dir/s.toml:3:"), "{wrong}: {message}");
+    }
 }
 
 #[test]
@@ -231,14 +263,58 @@ fn outlines_of_opaque_splats_are_read() {
         let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\""));
         assert!(scene.warnings[0].contains("does not use `shape`"), "{:?}", scene.warnings);
     }
-    assert!(refused(&format!("[method]\nname = \"hqs\"\nshape = \"oriented\"\n{CLOUD}")).contains("`method.shape`"));
+    // A file whose method was changed by an option.
+    for (name, other) in [("hqs", "oriented"), ("cone", "flat"), ("abuffer", "square"), ("auto", "circle")] {
+        let scene = with_cloud(&format!("[method]\nname = {name:?}\nshape = {other:?}"));
+        assert!(scene.warnings[0].contains("this `shape` is of other methods"), "{:?}", scene.warnings);
+        assert_eq!(scene.method, with_cloud(&format!("[method]\nname = {name:?}")).method);
+    }
+    assert!(refused(&format!("[method]\nname = \"hqs\"\nshape = \"round\"\n{CLOUD}")).contains("`method.shape`"));
 }
 
 #[test]
-fn shadows_are_known_but_have_no_effect() {
-    let scene = with_cloud("[shadows]\nmethod = \"texture\"\nresolution = 512");
-    assert!(scene.warnings[0].contains("casts no shadows"), "{:?}", scene.warnings);
+fn shadows_are_read_where_there_is_a_light_that_casts_them() {
+    let lambert = |light: &str| format!("[shading]\nmodel = \"lambert\"\nlight = {light}\n");
+    let shaded = lambert("[0, -1, 0]");
+    let of = |head: &str, keys: &str| with_cloud(&format!("{head}[shadows]\n{keys}"));
+    let default = Shadows { samples: 1, light_radius: 0.0, resolution: 1024, min_layer_distance: None };
+    let given = "method = \"texture\"\nsamples = 30\nlight_radius = 2.5\nresolution = 512\nmin_layer_distance = 0.1";
+    let all = Shadows { samples: 30, light_radius: 2.5, resolution: 512, min_layer_distance: Some(0.1) };
+    for (keys, wanted) in [("", default), (given, all)] {
+        for light in ["[0, -1, 0]", "{ position = [0, 9, 0] }"] {
+            // What `auto` stands for may take shadows, or not: that is seen later.
+            for method in ["points", "circles", "splats", "auto"] {
+                let head = format!("{}[method]\nname = {method:?}\n", lambert(light));
+                let scene = of(&head, keys);
+                assert_eq!((scene.shadows, scene.warnings), (Some(wanted), Vec::new()), "{head}");
+            }
+        }
+    }
+    assert_eq!(with_cloud(&shaded).shadows, None);
+    // A direction's area is an angle, a position's a length.
+    let wide = "[shadows]\nlight_radius = 90";
+    assert!(refused(&format!("{shaded}{wide}\n{CLOUD}")).contains("below 90 degrees, found 90"));
+    let lamp = format!("{}[method]\nname = \"points\"\n", lambert("{ position = [0, 9, 0] }"));
+    assert_eq!(with_cloud(&format!("{lamp}{wide}")).shadows, Some(Shadows { light_radius: 90.0, ..default }));
     assert!(refused(&format!("[shadows]\nsample = 3\n{CLOUD}")).contains("did you mean `samples`?"));
+}
+
+#[test]
+fn shadows_without_effect_warn() {
+    let lambert = "[shading]\nmodel = \"lambert\"\n";
+    let down = format!("{lambert}light = [0, -1, 0]\n");
+    for (head, line, why) in [
+        ("", 1, "without shading there are no shadows"),
+        ("[shading]\nlight = [0, -1, 0]\n", 3, "without shading there are no shadows"),
+        (lambert, 3, "a headlight casts no shadows"),
+        (&format!("{down}[method]\nname = \"abuffer\"\n"), 6, "method \"abuffer\" takes no shadows"),
+        (&format!("{down}[method]\nname = \"spbr\"\n"), 6, "method \"spbr\" takes no shadows"),
+    ] {
+        let scene = with_cloud(&format!("{head}[shadows]\nresolution = 512"));
+        let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
+        assert!(warning.contains(&format!(":{line}:")) && warning.contains(why), "{warning}");
+        assert_eq!(scene.shadows, None);
+    }
 }
 
 /// The settings of a cloud with these keys, under a method that reads them, and the warnings.

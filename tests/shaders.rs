@@ -3,12 +3,14 @@
 use pellucid::gpu::shader::{self, WORKGROUP};
 use pellucid::gpu::{Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
+use pellucid::methods::image_space::{Filter, Listed};
 use pellucid::methods::soft::express::{self, Way};
 use pellucid::methods::soft::{self, Interior, Kind};
 use pellucid::methods::spbr::{self, Stage};
 use pellucid::methods::stochastic::hardware;
 use pellucid::methods::{
-    abuffer, approximate, linked_list, one_layer, peel, points, sorted, splat, splats, stochastic,
+    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, shadows, sorted, splat,
+    splats, stochastic,
 };
 use pellucid::passes::bin::{self, Order};
 use pellucid::passes::compose::{self, Cut};
@@ -40,7 +42,7 @@ fn relief_variants() -> Vec<Variant> {
 /// All ways to shade.
 fn projectings(footprint: Footprint) -> Vec<Projecting> {
     let models = [ShadingModel::None, ShadingModel::Lambert, ShadingModel::Phong];
-    let of = |model, color, part| {
+    let of = |model, color, part, lit| {
         let shading = Shading { model, ..Shading::default() };
         Projecting {
             footprint,
@@ -51,19 +53,24 @@ fn projectings(footprint: Footprint) -> Vec<Projecting> {
             relative_depth: footprint == Footprint::Sphere,
             shading,
             color,
+            lit,
         }
     };
     let soft = Part::Soft { threshold: 0.5, modulation: None };
     let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
     let colors = [ColorSpace::Linear, ColorSpace::Encoded];
-    let all = models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
-    all.flat_map(|(model, color)| parts.map(|part| of(model, color, part))).collect()
+    let all = || models.into_iter().flat_map(|m| colors.map(|c| (m, c)));
+    let plain = all().flat_map(|(model, color)| parts.map(|part| of(model, color, part, false)));
+    // Only shaded points of opaque methods have shares of light, and these take all points.
+    let lit = all().filter(|(model, _)| *model != ShadingModel::None);
+    plain.chain(lit.map(|(model, color)| of(model, color, Part::All, true))).collect()
 }
 
-fn point_variants() -> Vec<Variant> {
+/// The variants of a pass that shades the points it found.
+fn point_variants(of: impl Fn(Cut, &Projecting, bool) -> Variant) -> Vec<Variant> {
     let cuts = [Cut { parts: 1, len: 1 << 20 }, Cut { parts: 4, len: 1 << 20 }];
     let all = projectings(Footprint::Point);
-    all.iter().flat_map(|how| cuts.map(|cut| points::resolve_variant(cut, how, true))).collect()
+    all.iter().flat_map(|how| cuts.map(|cut| of(cut, how, true))).collect()
 }
 
 fn compose_variants() -> Vec<Variant> {
@@ -236,10 +243,29 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<splat::NearestDepth>(&mut seen, relief_variants());
     check::<splat::NearestId>(&mut seen, relief_variants());
     check::<splat::Resolve>(&mut seen, compose_variants());
-    check::<points::Nearest>(&mut seen, [points::nearest_variant()]);
-    check::<points::NearestDepth>(&mut seen, [points::nearest_variant()]);
-    check::<points::NearestId>(&mut seen, [points::nearest_variant()]);
-    check::<points::Resolve>(&mut seen, point_variants());
+    let nearest = || (0..4).map(|i| points::nearest_variant(i & 1 != 0, i & 2 != 0));
+    check::<points::Nearest>(&mut seen, nearest());
+    check::<points::NearestDepth>(&mut seen, nearest());
+    check::<points::NearestId>(&mut seen, nearest());
+    check::<points::Resolve>(&mut seen, point_variants(points::resolve_variant));
+    for transparent in [false, true] {
+        let of = |cut: Cut, how: &Projecting, normals| image_space::resolve_variant(cut, how, normals, transparent);
+        check::<image_space::Resolve>(&mut seen, point_variants(of));
+    }
+    check::<image_space::Measure>(&mut seen, [Variant::plain()]);
+    let listed = Filter::ALL.map(Listed::Filter).into_iter().chain([Listed::Resolve, Listed::Deliver]);
+    check::<image_space::List>(&mut seen, listed.map(Listed::variant));
+    check::<image_space::Fill>(&mut seen, [Variant::plain()]);
+    check::<image_space::Occlusion>(&mut seen, [Variant::plain()]);
+    check::<image_space::Smooth>(&mut seen, [Variant::plain()]);
+    check::<image_space::Antialias>(&mut seen, [Variant::plain()]);
+    check::<image_space::Deliver>(&mut seen, [Variant::plain()]);
+    check::<peel_layers::Blend>(&mut seen, [false, true].map(peel_layers::blend_variant));
+    check::<shadows::Start>(&mut seen, [false, true].map(shadows::start_variant));
+    check::<shadows::Nearest>(&mut seen, [shadows::walk_variant()]);
+    check::<shadows::Fill>(&mut seen, [shadows::fill_variant()]);
+    check::<shadows::Lit>(&mut seen, [false, true].map(shadows::lit_variant));
+    check::<shadows::Share>(&mut seen, [Variant::plain()]);
     check::<peel::Count>(&mut seen, raster_variants());
     check::<peel::Nearest>(&mut seen, raster_variants());
     check::<peel::NearestDepth>(&mut seen, raster_variants());

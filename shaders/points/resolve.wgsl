@@ -1,7 +1,6 @@
 // points/resolve: index of each pixel's nearest point to its color, shaded here and not before, and depth. One invocation
 // per pixel.
-#import locate
-#import shade
+#import all_points
 #import splat
 #import dispatch
 
@@ -9,94 +8,13 @@ struct Push {
     count: u32,
 }
 
-// The points, each array in four parts of PART_LENGTH elements as in shared/compose.wgsl.
-@group(0) @binding(1) var<storage, read> points_hi_0: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read> points_hi_1: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> points_hi_2: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read> points_hi_3: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read> points_lo_0: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> points_lo_1: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read> points_lo_2: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read> points_lo_3: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read> point_colors_0: array<vec4<f32>>;
-@group(0) @binding(10) var<storage, read> point_colors_1: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read> point_colors_2: array<vec4<f32>>;
-@group(0) @binding(12) var<storage, read> point_colors_3: array<vec4<f32>>;
-@group(0) @binding(13) var<storage, read> normals_0: array<vec4<f32>>;
-@group(0) @binding(14) var<storage, read> normals_1: array<vec4<f32>>;
-@group(0) @binding(15) var<storage, read> normals_2: array<vec4<f32>>;
-@group(0) @binding(16) var<storage, read> normals_3: array<vec4<f32>>;
 // Index and depth key.
 @group(0) @binding(17) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(18) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(19) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
-override PARTS: u32 = 1u;
-override PART_LENGTH: u32 = 1u;
-
-fn hi_at(i: u32) -> vec3<f32> {
-    if PARTS == 1u {
-        return points_hi_0[i].xyz;
-    }
-    let k = i % PART_LENGTH;
-    switch i / PART_LENGTH {
-        case 0u: { return points_hi_0[k].xyz; }
-        case 1u: { return points_hi_1[k].xyz; }
-        case 2u: { return points_hi_2[k].xyz; }
-        default: { return points_hi_3[k].xyz; }
-    }
-}
-
-fn lo_at(i: u32) -> vec3<f32> {
-    if PARTS == 1u {
-        return points_lo_0[i].xyz;
-    }
-    let k = i % PART_LENGTH;
-    switch i / PART_LENGTH {
-        case 0u: { return points_lo_0[k].xyz; }
-        case 1u: { return points_lo_1[k].xyz; }
-        case 2u: { return points_lo_2[k].xyz; }
-        default: { return points_lo_3[k].xyz; }
-    }
-}
-
-fn color_at(i: u32) -> vec3<f32> {
-    if PARTS == 1u {
-        return point_colors_0[i].xyz;
-    }
-    let k = i % PART_LENGTH;
-    switch i / PART_LENGTH {
-        case 0u: { return point_colors_0[k].xyz; }
-        case 1u: { return point_colors_1[k].xyz; }
-        case 2u: { return point_colors_2[k].xyz; }
-        default: { return point_colors_3[k].xyz; }
-    }
-}
-
-fn normal_at(i: u32) -> vec3<f32> {
-    if PARTS == 1u {
-        return normals_0[i].xyz;
-    }
-    let k = i % PART_LENGTH;
-    switch i / PART_LENGTH {
-        case 0u: { return normals_0[k].xyz; }
-        case 1u: { return normals_1[k].xyz; }
-        case 2u: { return normals_2[k].xyz; }
-        default: { return normals_3[k].xyz; }
-    }
-}
-
 const NOTHING = 0xffffffffu;
-
-fn color_of(i: u32) -> vec3<f32> {
-    let color = color_at(i);
-    if SHADING == SHADING_NONE {
-        return blended_color(color, vec3<f32>(0.0), vec3<f32>(0.0));
-    }
-    let position = rounded(in_camera(minus_eye(hi_at(i), lo_at(i))));
-    return blended_color(color, position, rounded(turned(normal_at(i))));
-}
 
 @compute @workgroup_size(WG_SIZE)
 fn main(

@@ -27,7 +27,7 @@ struct Push {
 @group(0) @binding(12) var<storage, read_write> stats: array<Stats>;
 var<immediate> push: Push;
 
-// 1: the buffer of normals is filled.
+// 1: the buffer of normals is filled. The fourth component is the share of light.
 override NORMALS: u32 = 0u;
 
 // Which points: all, those whose field is at most the threshold, or those above; or all, with a mark on the former.
@@ -141,10 +141,13 @@ fn project(i: u32) -> vec2<u32> {
     }
     let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth.x, radius);
     var tilt = Tilt(vec4<f32>(0.0));
+    var m = 1.0;
     if SHAPE == SHAPE_EXACT_SPHERE {
         tilt.normal = vec4<f32>(point.column.rest, point.row.rest, depth.y, 0.0);
     } else if NORMALS != 0u {
-        let normal = turned(normals[i].xyz);
+        let stored = normals[i];
+        m = stored.w;
+        let normal = turned(stored.xyz);
         var facing = normal[2].x;
         if view.orthographic == 0u {
             facing = dot2(normal, point.place).x / position.z;
@@ -171,7 +174,7 @@ fn project(i: u32) -> vec2<u32> {
         if PART == PART_MARKED {
             a = select(1.0, 0.0, fields[i] > view.threshold);
         }
-        colors[i] = vec4<f32>(blended_color(point_colors[i].rgb, position, tilt.normal.xyz), a);
+        colors[i] = vec4<f32>(lit_color(point_colors[i].rgb, position, tilt.normal.xyz, m), a);
     }
     return extent;
 }

@@ -128,7 +128,7 @@ fn climb(trials: &mut Trials<'_>, ladder: &[&Setting], best: &mut Best) -> Resul
 
 /// Two probes, then the step that should be accurate enough since errors fall as samples^(−1/2), then its neighbors.
 fn jump(trials: &mut Trials<'_>, ladder: &[&Setting], best: &mut Best) -> Result<()> {
-    let samples = |at: usize| ladder[at].step.map_or(0.0, |(_, samples)| f64::from(samples));
+    let samples = |at: usize| ladder[at].step.map_or(0.0, |(_, samples)| samples);
     let effort = |at: usize| ladder[at].effort.unwrap_or(0.0);
     let first_with = |least: f64| (0..ladder.len()).find(|at| samples(*at) >= least);
     let mut times = Vec::new();

@@ -9,6 +9,8 @@ use clap::Args;
 use pellucid::Result;
 use pellucid::cloud::{Cloud, Prepared};
 use pellucid::io::{self, ColumnNames, Hints};
+use pellucid::prepare::shadows::Casting;
+use pellucid::scene::Light;
 use serde_json::{Value, json};
 
 use super::limit::usage;
@@ -24,7 +26,7 @@ pub struct InfoArgs {
     columns: Option<String>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
     /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
-    /// where quantiles has the F that so many points don't exceed. Several files: an array of these, each with `file`.
+    /// where quantiles has the F that so many points don't exceed, and `shadows` in it if they are stored. Several files: an array of these, each with `file`.
     #[arg(long)]
     json: bool,
 }
@@ -65,6 +67,7 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
         ("classification", cloud.classification.is_some()),
         ("intensity", cloud.intensity.is_some()),
         ("field", cloud.prepared.is_some()),
+        ("lit", cloud.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some())),
     ];
     let usual = usual.into_iter().filter(|(_, given)| *given).map(|(name, _)| name);
     usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
@@ -94,12 +97,16 @@ fn to_json(cloud: &Cloud) -> Value {
             .into_iter()
             .map(|(share, threshold)| (share.to_string(), f64::from(threshold).into()))
             .collect();
-        let prepared = json!({
+        let shadows = prepared.shadows.as_ref().map(|shadows| shadows.casting);
+        let mut prepared = json!({
             "neighbors": prepared.neighbors,
             "estimated_radii": prepared.estimated_radii,
             "field": prepared.field,
             "quantiles": quantiles,
         });
+        if let (Value::Object(prepared), Some(shadows)) = (&mut prepared, shadows) {
+            prepared.insert("shadows".to_owned(), json!(shadows));
+        }
         object.insert("prepared".to_owned(), prepared);
     }
     value
@@ -119,7 +126,23 @@ fn prepared_text(prepared: &Prepared) -> String {
     let quantile = |(share, threshold)| format!("{:.0}% above {threshold:.3}", 100.0 * (1.0 - share));
     let above: Vec<_> = quantiles(prepared).into_iter().map(quantile).collect();
     let (name, k) = (prepared.field.name(), prepared.neighbors);
-    format!("\n  prepared    {radii}, {k} neighbors\n  field       {name}: {}", above.join(", "))
+    let shadows = prepared.shadows.as_ref().map(|shadows| shadows_text(&shadows.casting)).unwrap_or_default();
+    format!("\n  prepared    {radii}, {k} neighbors\n  field       {name}: {}{shadows}", above.join(", "))
+}
+
+fn shadows_text(casting: &Casting) -> String {
+    let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = casting;
+    let (light, unit) = match light {
+        Light::Position(position) => (format!("a light at {position}"), ""),
+        Light::Direction(direction) => (format!("a light along {direction}"), "°"),
+        Light::Headlight => return String::new(),
+    };
+    let soft = if *light_radius > 0.0 {
+        format!(", {samples} lights within {light_radius}{unit}, seed {seed}")
+    } else {
+        String::new()
+    };
+    format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
 }
 
 fn with_file(file: &Path, cloud: &Cloud) -> Value {

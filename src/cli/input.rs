@@ -8,7 +8,8 @@ use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
 use pellucid::points::{Arranged, Points};
-use pellucid::scene::{self, Overrides, Scene, View, ViewName, procedural};
+use pellucid::prepare::shadows::ShadowTexture;
+use pellucid::scene::{self, Method, Overrides, Scene, ScreenSplats, View, ViewName, procedural};
 
 use super::talk::Talk;
 
@@ -22,9 +23,10 @@ pub struct InputArgs {
     /// that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles. By default the scene file's, else auto: the cheapest one that is exact for the scene
-    /// (`plan` says which, and why).
+    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
+    /// filters of the image close), peel-layers (such surfaces one behind the other), or one of the approximations
+    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles.
+    /// By default the scene file's, else auto: the cheapest one that is exact for the scene (`plan` says which, and why).
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
     /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
@@ -80,6 +82,8 @@ pub struct Resolved {
     pub scene: Scene,
     /// All points, in the order that the method wants.
     pub arranged: Arranged,
+    /// The shadows of the scene that were stored with its cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
     /// The camera, given or automatic.
     pub camera: Camera,
     /// `--seed`.
@@ -205,12 +209,27 @@ impl Loaded {
         Self { name: self.name.clone(), scene, clouds, seed: self.seed }
     }
 
+    /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
+    pub fn resolve_with_radii(mut self, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let method = self.scene.method;
+        if matches!(method, Method::Points | Method::ImageSpace(_)) {
+            // Like these two it wants the points in canonical order, and nothing else of them.
+            self.scene.method = Method::Circles(ScreenSplats::default());
+        }
+        let mut resolved = self.resolve(None, talk, progress)?;
+        resolved.scene.method = method;
+        Ok(resolved)
+    }
+
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
     pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
+        note.iter().for_each(|note| talk.note(note));
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
         let (camera, warnings) = match given {
             Some(camera) => (camera, Vec::new()),
             None => scene::camera(&scene, arranged.points(), up)?,
@@ -218,7 +237,7 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             talk.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, camera, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
     }
 }
 

@@ -51,6 +51,15 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     session.warn(&resolved, talk);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
+    let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
+    let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();
+    if first.facts.light_views > 0 {
+        let views = first.facts.light_views;
+        talk.note(format_args!(
+            "shadows: {casting_ms:.2} ms on the device for {views} image(s) of a light, in the first frame only; it is not among \
+             those below"
+        ));
+    }
     let mut profile = session.profile();
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::ProgressBar;
-use pellucid::Result;
 use pellucid::choice::{self, Choice, Subject, Wish};
 use pellucid::methods::Stop;
 use pellucid::output::{self, WriteOptions};
 use pellucid::profile::Profile;
 use pellucid::report::tradeoff::settings::formation;
+use pellucid::{Result, plan};
 
 use super::frames::Pattern;
 use super::input::{InputArgs, Loaded, Resolved, read};
@@ -31,8 +31,9 @@ pub struct RenderArgs {
     /// quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel the layers that
-    /// were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`, `stderr.G`, `stderr.B`.
+    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
+    /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
+    /// `stderr.G`, `stderr.B`.
     #[arg(long)]
     aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
@@ -77,6 +78,14 @@ impl ChoiceArgs {
             talk.warn("--recalibrate has no effect without --max-error or --budget");
         }
         let method = resolved.scene.method;
+        let taken = plan::resolve(method, resolved.points()).0;
+        if wish.is_any() && resolved.scene.shadows.is_some() && taken.takes_shadows() {
+            talk.warn(format_args!(
+                "--max-error and --budget have no effect where there are shadows: {} stays the method",
+                taken.name()
+            ));
+            return None;
+        }
         if wish.is_any() && formation(&method, resolved.points()).is_err() {
             talk.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",

@@ -10,6 +10,7 @@ use pellucid::methods::brightness::{self, Applied};
 use pellucid::methods::spbr;
 use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
+use pellucid::points::Arranged;
 use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
 
@@ -71,7 +72,12 @@ impl Session {
             factors: Factors::default(),
         };
         let renderer = Renderer::new(&device)?;
-        let cloud = renderer.upload_arranged(&resolved.arranged)?;
+        let mut cloud = renderer.upload_arranged(&resolved.arranged)?;
+        if let (Arranged::Canonical(points), Some(texture)) = (&resolved.arranged, &resolved.shadow_texture) {
+            let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
+            let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);
+            cloud.put_lit(&device, points, texture.casting, lit)?;
+        }
         Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 
@@ -91,6 +97,10 @@ impl Session {
         let surfaces = resolved.arranged.surfaces();
         let warnings = dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
         warnings.iter().for_each(|warning| talk.warn(warning));
+        if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
+            let method = self.frame.method.name();
+            talk.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
+        }
     }
 
     /// Says what a frame met and took.

@@ -5,16 +5,17 @@ use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, ColumnConstraint, Table, presets};
 use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Stop};
-use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion};
-use pellucid::report::tradeoff::{self, Options, Row, Subject, Tradeoff};
-use pellucid::scene::{Discs, Soft, Spbr};
+use pellucid::points::Points;
+use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
+use pellucid::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Subject, Tradeoff};
+use pellucid::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 
 use super::DeviceArgs;
-use super::input::{InputArgs, prepare};
+use super::input::{InputArgs, read};
 use super::stress::{check_folder, seconds};
 use super::talk::{Talk, counted, print, print_json, stage};
 
@@ -29,9 +30,15 @@ modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and 
 as the softness that it means for the scene's method. What the paper says of the three stands below the table with what was \
 measured.
 
+If it is one of opaque points (points, squares, circles, paraboloid, cone, sphere, hqs, splats, image-space), all of them are \
+compared, with sizes from 0 to 4 and 0 to 8 iterations of the filters, on all points, a quarter and a 16th of them \
+(\"thinning\", which is no key of a scene file). Each leaves other holes: their share is in the table too. Under \
+[shadows] with a light_radius the scene's own method is rendered with 1 to 30 samples and with many.
+
 What errors are: against the image of abuffer, which itself is checked against the float64 reference on 256 random pixels; \
 on linear R, G, B over the scene's background. That of soft spheres is soft-base in float64, all pixels, before the solid \
-points as the device splats them. Stochastic settings are rendered with several seeds, from --seed on.
+points as the device splats them. Opaque points are held against three-pass splats of all of them with up to 4 x 4 samples in a \
+pixel. Stochastic settings are rendered with several seeds, from --seed on.
 
 What times are: medians over frames that take turns, so that a machine that slows down slows all. The Pareto front is that \
 of device time and RMSE.
@@ -75,12 +82,19 @@ pub struct TradeoffArgs {
 fn method_names() -> PossibleValuesParser {
     let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
     let mut names = Vec::new();
-    for formation in [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())] {
+    let with_normals = Points { normals: Some(Vec::new()), ..Points::default() };
+    let opaque = [Method::Cone(Interpolated::default()), Method::Sphere(ScreenSplats::default())];
+    let opaque = opaque.iter().filter_map(|method| Surfaces::of(method, &with_normals)).map(Formation::Surfaces);
+    let others = [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())];
+    for formation in others.into_iter().chain(opaque) {
         let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX };
         let (settings, _) = settings::settings(&occasion, &Ladders::QUICK);
-        names.extend(settings.iter().map(|setting| setting.method.name()));
+        for name in settings.iter().map(|setting| setting.method.name()) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
     }
-    names.dedup();
     names.into()
 }
 
@@ -97,8 +111,8 @@ impl TradeoffArgs {
 pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
-    let resolved = prepare(&args.input, talk, &progress)?;
-    settings::formation(&resolved.scene.method, resolved.points())?;
+    let resolved = read(&args.input, talk, &progress)?.resolve_with_radii(talk, &progress)?;
+    let formation = settings::compared(&resolved.scene.method, resolved.points())?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -113,7 +127,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
-        shadows: None,
+        shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
         factors: Factors::default(),
         seed: resolved.seed,
     };
@@ -152,6 +166,7 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         "> 1/255",
         "peak MiB",
         "lists MiB",
+        "holes",
     ]);
     let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
     let line = |row: &Row| {
@@ -166,11 +181,15 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
             format!("{:.2}%", 100.0 * row.errors.above_1_255),
             mib(row.peak_device_bytes),
             mib(row.fragment_bytes),
+            row.holes.map_or_else(String::new, |holes| format!("{:.3}%", 100.0 * holes)),
         ]
     };
     table.add_rows(report.rows.iter().map(line));
     for column in table.column_iter_mut().skip(3) {
         column.set_cell_alignment(CellAlignment::Right);
+    }
+    if let (None, Some(holes)) = (&report.surveyed, table.column_mut(10)) {
+        holes.set_constraint(ColumnConstraint::Hidden);
     }
     let holds = |holds| match holds {
         Some(true) => "holds here: ",
@@ -178,7 +197,13 @@ fn summary(report: &Tradeoff, args: &TradeoffArgs) -> String {
         None => "",
     };
     let findings = report.findings.iter().map(|f| format!("{}\n  {}{}\n", f.claim, holds(f.holds), f.measured));
-    let findings: String = findings.collect();
+    let mut findings: String = findings.collect();
+    if let Some(shaded) = &report.shaded {
+        let step = |step: &ShadedStep| format!("{}: {:.2} ms, RMSE {:.2e}", step.samples, step.ms.median, step.rmse);
+        let steps: Vec<_> = shaded.steps.iter().map(step).collect();
+        let Shaded { method, reference_samples, .. } = shaded;
+        findings += &format!("shadows with {method} by samples, against {reference_samples}\n  {}\n", steps.join("; "));
+    }
     format!(
         "{}\n\n{}* on the Pareto front: nothing else is at least as fast and as accurate, and better in one of the two.\n\
          {} settings measured, {} skipped; why, and all figures: {}\n",

@@ -10,6 +10,7 @@ mod pcd;
 pub mod photo;
 pub mod ply;
 mod text;
+pub mod volume;
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};

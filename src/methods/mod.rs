@@ -5,11 +5,14 @@ pub mod approximate;
 pub mod bands;
 pub mod brightness;
 pub mod cost;
+pub mod image_space;
 pub mod linked_list;
 pub mod one_layer;
 pub mod peel;
+pub mod peel_layers;
 pub mod points;
 pub mod renderer;
+pub mod shadows;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;
@@ -97,6 +100,31 @@ pub enum Error {
         /// Layers that were peeled.
         limit: u32,
     },
+    /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: a larger --memory-budget would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available)
+    )]
+    HaloOverBudget {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Bytes that the smallest window takes.
+        needed: u64,
+        /// Bytes that are there for a window.
+        available: u64,
+    },
+    /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which has {tiles} tiles of 16 × 16 pixels at least; this device allows {limit}: fewer layers or iterations would do"
+    )]
+    HaloTooLarge {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Tiles of the smallest window.
+        tiles: u64,
+        /// Tiles that can be bound.
+        limit: u64,
+    },
     /// The cloud is longer than the device can address.
     #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]
     TooManyPoints {
@@ -139,6 +167,23 @@ pub enum Error {
         /// What is missing.
         needed: String,
     },
+    /// A light's image doesn't fit a binding or the budget.
+    #[error(
+        "shadows.resolution = {resolution} needs {} of device memory in two parts; the budget leaves {}, and a part may have {}: {}",
+        ByteSize(*.needed), ByteSize(*.budget), ByteSize(*.binding), smaller_image(*.largest)
+    )]
+    ShadowImage {
+        /// Columns and rows of the image.
+        resolution: u32,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that the budget leaves.
+        budget: u64,
+        /// Bytes that a binding may have, which is half of the image.
+        binding: u64,
+        /// The largest resolution that would do; 0 if none would.
+        largest: u32,
+    },
     /// The image is empty or too large.
     #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::scene::MAX_SIDE)]
     ImageSize {
@@ -147,6 +192,13 @@ pub enum Error {
         /// Height in pixels.
         height: u32,
     },
+}
+
+fn smaller_image(largest: u32) -> String {
+    match largest {
+        0 => "a larger --memory-budget would help".to_owned(),
+        _ => format!("up to {largest} would do"),
+    }
 }
 
 impl Error {

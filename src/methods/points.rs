@@ -25,6 +25,8 @@ pass! {
     /// Depth and index by one 64-bit minimum.
     pub Nearest(PointsPush) = "points/nearest" {
         places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
         nearest: ReadWrite<u64>,
     }
 }
@@ -33,6 +35,8 @@ pass! {
     /// Depth by a 32-bit minimum.
     pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest_depth" {
         places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -41,6 +45,8 @@ pass! {
     /// Index among those at the smallest depth.
     pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest_id" {
         places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
@@ -61,11 +67,28 @@ pass! {
 
 /// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
 /// such ends.
-const RUN: u64 = 16;
+pub(super) const RUN: u64 = 16;
 
-/// The variant of the passes that find the nearest points.
-pub fn nearest_variant() -> Variant {
-    Variant::plain().with("RUN", RUN as u32)
+/// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without those
+/// nearer than their pixel's limit.
+pub fn nearest_variant(cull: bool, limited: bool) -> Variant {
+    Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
+}
+
+/// Which points are looked at for the nearest ones, and how that is dispatched.
+#[derive(Clone, Copy, Default)]
+pub struct Choice<'a> {
+    /// Without those that face away from the viewer, of clouds with normals.
+    pub cull: bool,
+    /// Without those nearer than the depth key of their pixel.
+    pub limits: Option<Slice<'a, u32>>,
+    /// Four words for each chunk, of indirect dispatches.
+    pub dispatches: Option<Slice<'a, u32>>,
+}
+
+/// How much a pass over a chunk of so many points runs.
+pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
+    Dispatch::Invocations(count.div_ceil(RUN))
 }
 
 /// A variant of `points/resolve`.
@@ -90,7 +113,7 @@ impl Opaque {
         let nearest = self.nearest.get().slice(0, pixels);
         recorder.fill("splat/clear", nearest, u32::MAX)?;
         cloud.record_clear(&mut recorder)?;
-        record_nearest(&mut recorder, cloud, nearest, wide)?;
+        record_nearest(&mut recorder, cloud, nearest, wide, &Choice::default())?;
         cloud.record_stats(&mut recorder)?;
         let cut = Cut::new(device, cloud.len())?;
         let resolve = Resolve {
@@ -111,29 +134,43 @@ impl Opaque {
     }
 }
 
-fn record_nearest<'a>(
+/// Records what finds the nearest points, as indices and depth keys; all ones at the start.
+pub(super) fn record_nearest<'a>(
     recorder: &mut Recorder<'a>,
     cloud: &'a DeviceCloud,
     nearest: Slice<'a, NearestSplat>,
     wide: bool,
+    choice: &Choice<'a>,
 ) -> Result<(), Error> {
+    let cull = choice.cull && cloud.has_normals();
     let chunks = || cloud.chunks().enumerate();
     let run = |chunk: usize, (first, count): (u64, u64)| {
         let push = PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
-        Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push).variant(nearest_variant())
+        let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
+        let dispatch = indirect.unwrap_or(nearest_dispatch(count));
+        Run::new(dispatch).push(&push).variant(nearest_variant(cull, choice.limits.is_some()))
     };
-    let places = |(first, count): (u64, u64)| -> Places<'a> { cloud.places(first, count) };
+    let bound = |(first, count): (u64, u64)| {
+        let normals = if cull { cloud.normals.slice(first, count) } else { cloud.normals.slice(0, 1) };
+        // A buffer of the cloud stands in for none.
+        let limits = choice.limits.unwrap_or_else(|| cloud.large.slice(0, 1));
+        let places: Places<'a> = cloud.places(first, count);
+        (places, normals, limits)
+    };
     // All depths come before any index.
     if wide {
         for (chunk, range) in chunks() {
-            recorder.run(&Nearest { places: places(range), nearest: nearest.cast() }, &run(chunk, range))?;
+            let (places, normals, limits) = bound(range);
+            recorder.run(&Nearest { places, normals, limits, nearest: nearest.cast() }, &run(chunk, range))?;
         }
     } else {
         for (chunk, range) in chunks() {
-            recorder.run(&NearestDepth { places: places(range), nearest }, &run(chunk, range))?;
+            let (places, normals, limits) = bound(range);
+            recorder.run(&NearestDepth { places, normals, limits, nearest }, &run(chunk, range))?;
         }
         for (chunk, range) in chunks() {
-            recorder.run(&NearestId { places: places(range), nearest }, &run(chunk, range))?;
+            let (places, normals, limits) = bound(range);
+            recorder.run(&NearestId { places, normals, limits, nearest }, &run(chunk, range))?;
         }
     }
     Ok(())

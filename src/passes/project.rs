@@ -7,11 +7,13 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::camera::{Camera, Projection};
+use crate::cloud::Bounds as Box3;
 use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::spbr::share::Placed;
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
+use crate::prepare::shadows::Casting;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
 use crate::{gpu_struct, group, pass};
 
@@ -253,18 +255,22 @@ pub struct Projecting {
     pub shading: Shading,
     /// In which space colors are blended.
     pub color: ColorSpace,
+    /// Whether the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
+    pub lit: bool,
 }
 
 impl Projecting {
     /// The variant of shaders/shared/shade.wgsl for a cloud with or without normals.
     pub fn shaded(&self, normals: bool) -> Variant {
         let shading = match self.shading.model {
-            _ if !normals => 0u32,
+            // Without a normal there is still a share of light.
+            _ if !normals && !self.lit => 0u32,
             ShadingModel::None => 0,
             ShadingModel::Lambert => 1,
             ShadingModel::Phong => 2,
         };
-        Variant::plain().with("SHADING", shading).with("ENCODED", u32::from(self.color == ColorSpace::Encoded))
+        let variant = Variant::plain().with("SHADING", shading).with("LIT", u32::from(self.lit));
+        variant.with("ENCODED", u32::from(self.color == ColorSpace::Encoded))
     }
 }
 
@@ -308,6 +314,8 @@ pub struct DeviceCloud {
     orders_made: u32,
     /// The clouds of a dealt list.
     surfaces: Option<Vec<Placed>>,
+    /// What the shares of light belong to that normals carry.
+    casting: Option<Casting>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
     host: Option<Arc<Points>>,
     /// Positions relative to the cloud's origin, rounded, with radii.
@@ -316,7 +324,7 @@ pub struct DeviceCloud {
     pub points_lo: Buffer<[f32; 4]>,
     /// Their colors, linear, and as the bits of the fourth where in the files each point stood.
     pub point_colors: Buffer<[f32; 4]>,
-    /// Their normals; a single element if there are none.
+    /// Their normals, and the share of light that reaches each point, 1 without shadows. A single element if there are neither.
     pub normals: Buffer<[f32; 4]>,
     /// Their scalar field; a single element if there is none.
     pub fields: Buffer<f32>,
@@ -362,7 +370,7 @@ pub enum Column {
     Low = 1,
     /// Color, and as the bits of the fourth where in the files the point stood.
     Color = 2,
-    /// The normal, of clouds that have some.
+    /// The normal, of clouds that have some, and the share of light: 1.
     Normal = 3,
 }
 
@@ -392,7 +400,7 @@ impl Column {
                 let place = points.file_order.get(i).copied().unwrap_or(i as u32);
                 with(points.colors[i], f32::from_bits(place))
             }
-            Self::Normal => padded(points.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i])),
+            Self::Normal => with(points.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]), 1.0),
         }
     }
 }
@@ -430,6 +438,7 @@ impl DeviceCloud {
             (self.points_hi, self.points_lo) = (points_hi, points_lo);
             (self.point_colors, self.normals) = (empty(device, "point colors")?, empty(device, "normals")?);
             (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
+            self.casting = None;
             (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
             (self.bounds, self.colors) = (empty(device, "splat bounds")?, empty(device, "splat colors")?);
             (self.large, self.tile_counts) = (empty(device, "large splats")?, empty(device, "tile counts")?);
@@ -481,7 +490,51 @@ impl DeviceCloud {
         self.fields = device.upload("fields", &points.fields)?;
         (self.points_hi, self.points_lo) = (points_hi, points_lo);
         (self.point_colors, self.normals) = (point_colors, normals);
+        self.casting = None;
         Ok(())
+    }
+
+    /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light from here on.
+    pub fn reserve_shares(&mut self, device: &Device) -> Result<(), Error> {
+        self.casting = None;
+        if self.normals.len() < self.len {
+            self.normals = device.buffer("normals", self.len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// What the shares of light belong to; `None`: no shadows were cast, or others put there.
+    pub fn casting(&self) -> Option<&Casting> {
+        self.casting.as_ref()
+    }
+
+    /// Says what the shares of light belong to that were put there.
+    pub fn set_casting(&mut self, casting: Casting) {
+        self.casting = Some(casting);
+    }
+
+    /// Puts shares of light there that were found before, in the order of the points that were uploaded.
+    pub fn put_lit(
+        &mut self,
+        device: &Device,
+        points: &Points,
+        casting: Casting,
+        lit: impl Fn(usize) -> f32 + Sync,
+    ) -> Result<(), Error> {
+        self.reserve_shares(device)?;
+        let column = Column::Normal.of(points, self.origin, 0..points.len());
+        let packed: Vec<[f32; 4]> = column.enumerate().map(|(i, [x, y, z, _])| [x, y, z, lit(i)]).collect();
+        self.normals.upload(&packed)?;
+        self.set_casting(casting);
+        Ok(())
+    }
+
+    /// m of each point, the share of light that reaches it, in the order of the points that were uploaded; 1 without shadows.
+    pub fn lit(&self) -> Result<Vec<f32>, Error> {
+        match self.casting {
+            Some(_) => Ok(self.normals.read(0, self.len)?.into_iter().map(|normal| normal[3]).collect()),
+            None => Ok(vec![1.0; self.len as usize]),
+        }
     }
 
     fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
@@ -509,6 +562,7 @@ impl DeviceCloud {
             orders: [None, None, None],
             orders_made: 0,
             surfaces: None,
+            casting: None,
             host: None,
             points_hi: empty(device, "points, hi")?,
             points_lo: empty(device, "points, lo")?,
@@ -578,11 +632,12 @@ impl DeviceCloud {
 
     /// Diagonal of the points' box in world units; 0 without points.
     pub fn diagonal(&self) -> f64 {
-        let (min, max) = self
-            .corners
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), corner| (min.min(*corner), max.max(*corner)));
-        min.distance(max)
+        self.bounds().diagonal()
+    }
+
+    /// The points' box; a single place without points.
+    pub fn bounds(&self) -> Box3 {
+        Box3 { min: self.corners[0], max: self.corners[7] }
     }
 
     /// The largest radius of all points, as uploaded.
@@ -704,7 +759,8 @@ impl DeviceCloud {
         let part = if self.has_fields { how.part } else { Part::All };
         let variant = project_variant(&Projecting { part, ..*how }, self.has_normals);
         for (chunk, (first, count)) in self.chunks().enumerate() {
-            let normals = if self.has_normals { self.normals.slice(first, count) } else { self.normals.all() };
+            let normals =
+                if used_normals(how, self.has_normals) { self.normals.slice(first, count) } else { self.normals.all() };
             let pass = Project {
                 camera: self.view.all(),
                 points_hi: self.points_hi.slice(first, count),
@@ -761,13 +817,18 @@ const PROJECT_RUN: u64 = 8;
 
 /// The variant of `splat/project` for a cloud with or without normals.
 pub fn project_variant(how: &Projecting, normals: bool) -> Variant {
-    let oriented = how.footprint == Footprint::Oriented;
-    let used = normals && (how.shading.model != ShadingModel::None || oriented);
+    let used = used_normals(how, normals);
     how.shaded(used)
         .with("SHAPE", how.footprint as u32)
         .with("NORMALS", u32::from(used))
         .with("PART", how.part.value())
         .with("RUN", PROJECT_RUN as u32)
+}
+
+/// Whether the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
+fn used_normals(how: &Projecting, normals: bool) -> bool {
+    let oriented = how.footprint == Footprint::Oriented;
+    how.lit || (normals && (how.shading.model != ShadingModel::None || oriented))
 }
 
 /// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.

@@ -5,11 +5,13 @@ pub mod axes;
 mod density;
 pub mod ensembles;
 pub mod field;
+pub mod layer_distance;
 mod morton;
 mod neighbors;
 mod normal;
 pub mod order;
 pub mod radius;
+pub mod shadows;
 pub mod uncertainty;
 
 use glam::Vec3;
@@ -121,18 +123,22 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &ProgressBar) -> Result<
 }
 
 /// The cloud with radii and field, and with normals if they are asked for, ready for
-/// [`write_prepared`](crate::io::ply::write_prepared).
+/// [`write_prepared`](crate::io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
 ///
 /// # Errors
 /// If the cloud lacks what its field is made of.
 pub fn prepared(mut cloud: Cloud, request: &Request, progress: &ProgressBar) -> Result<Cloud, field::Error> {
     let request = Request { radii: true, fields: true, ..request.clone() };
     let found = find(&cloud, &request, progress)?;
+    // What is lit depends on normals.
+    let same_normals = found.normals.is_none() || found.normals == cloud.normals;
+    let shadows = cloud.prepared.as_mut().and_then(|prepared| prepared.shadows.take()).filter(|_| same_normals);
     cloud.prepared = Some(Prepared {
         neighbors: request.neighbors_of(&cloud),
         estimated_radii: cloud.own_radii().is_none(),
         field: request.field_of(&cloud),
         values: found.fields.unwrap_or_default(),
+        shadows,
     });
     cloud.radii = found.radii;
     // Normals that are all zero are none, as in a file.

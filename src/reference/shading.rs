@@ -9,9 +9,15 @@ use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
 
 /// A color for each point: shaded on linear color, then encoded if blending runs on encoded values.
 pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace) -> Vec<DVec3> {
+    shade_lit(points, camera, shading, space, &[])
+}
+
+/// [`shade`] where the share m of the light that reaches each point is known ([`super::shadows::shares`]); 1 where `lit` ends.
+pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace, lit: &[f64]) -> Vec<DVec3> {
     let shaded = points.colors.iter().enumerate().map(|(i, color)| {
         let normal = points.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
-        shade_point(camera, shading, points.positions[i], normal, color.as_dvec3())
+        let m = lit.get(i).copied().unwrap_or(1.0);
+        shade_point(camera, shading, points.positions[i], normal, color.as_dvec3(), m)
     });
     match space {
         ColorSpace::Linear => shaded.collect(),
@@ -19,11 +25,18 @@ pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSp
     }
 }
 
-/// Lambert: c·(ambient + diffuse·max(0, n·l)). Phong adds the white highlight specular·max(0, r·v)^shininess, with
-/// r = 2(n·l)n − l, on the side that the light reaches (n·l > 0). The normal is turned toward the viewer first; the
-/// color stays as it is where there is no normal.
-fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec3, color: DVec3) -> DVec3 {
-    let Some(normal) = normal.try_normalize() else { return color };
+/// Lambert: c·(ambient + m·diffuse·max(0, n·l)). Phong adds the white highlight m·specular·max(0, r·v)^shininess, with
+/// r = 2(n·l)n − l, on the side that the light reaches (n·l > 0). The normal is turned toward the viewer first. Where there is
+/// no normal the color is as if the light came along it and as bright as the color is unlit: in full light it stays.
+fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec3, color: DVec3, m: f64) -> DVec3 {
+    if shading.model == ShadingModel::None {
+        return color;
+    }
+    let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
+    let Some(normal) = normal.try_normalize() else {
+        let full = ambient + diffuse;
+        return if full > 0.0 { color * (ambient + m * diffuse) / full } else { color };
+    };
     let to_viewer = match camera.projection {
         Projection::Perspective { .. } => (camera.eye - position).normalize_or_zero(),
         Projection::Orthographic { .. } => -camera.forward,
@@ -35,14 +48,13 @@ fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec
     };
     let normal = if normal.dot(to_viewer) < 0.0 { -normal } else { normal };
     let cos_light = normal.dot(to_light);
-    let lambert = color * (f64::from(shading.ambient) + f64::from(shading.diffuse) * cos_light.max(0.0));
+    let lambert = color * (ambient + m * diffuse * cos_light.max(0.0));
     match shading.model {
-        ShadingModel::None => color,
-        ShadingModel::Lambert => lambert,
+        ShadingModel::None | ShadingModel::Lambert => lambert,
         ShadingModel::Phong if cos_light > 0.0 => {
             let reflected = 2.0 * cos_light * normal - to_light;
             let highlight = reflected.dot(to_viewer).max(0.0).powf(f64::from(shading.shininess));
-            lambert + DVec3::splat(f64::from(shading.specular) * highlight)
+            lambert + DVec3::splat(m * f64::from(shading.specular) * highlight)
         }
         ShadingModel::Phong => lambert,
     }

@@ -9,6 +9,7 @@ use super::settings::{CloudSettings, Scene};
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::{Arranged, Points};
 use crate::prepare::ensembles;
+use crate::prepare::shadows::{Casting, ShadowTexture};
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
@@ -52,6 +53,28 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
         notes.into_iter().map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(of).collect()
+}
+
+/// The shadow texture that is stored with the scene's cloud, if it is the one that the scene wants; else why it isn't, one
+/// sentence, if there is any. `seed` is that of the frame.
+pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<ShadowTexture>, Option<String>) {
+    let stored = |cloud: &Cloud| cloud.prepared.as_ref().and_then(|prepared| prepared.shadows.clone());
+    let with_settings = scene.clouds.iter().zip(clouds);
+    let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
+    let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
+    let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    let wanted = Casting::new(scene.shading.light, &shadows, seed, diagonal);
+    let other = wanted.map(|wanted| texture.casting.differences(&wanted)).unwrap_or_default();
+    let why = if clouds.len() > 1 {
+        "stored for this cloud by itself".to_owned()
+    } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
+        "stored for the cloud where it is in its file".to_owned()
+    } else if wanted.is_none() || !other.is_empty() {
+        format!("stored for other settings ({})", other.join(", "))
+    } else {
+        return (Some(texture), None);
+    };
+    (None, Some(format!("{}: shadows {why}: cast anew", settings.path.display())))
 }
 
 /// What a scene wants to know of a cloud's points.

@@ -94,16 +94,6 @@ pub enum Error {
         /// The nearest known name or the list of them, as a phrase that follows the name.
         hint: String,
     },
-    /// A method that later versions have.
-    #[error("{place}: method {name:?} is not in this version; it has: {available}")]
-    MethodAbsent {
-        /// Where.
-        place: Place,
-        /// The name.
-        name: String,
-        /// What there is.
-        available: String,
-    },
     /// The options contradict each other.
     #[error("{0}")]
     Usage(String),

@@ -1,6 +1,6 @@
-//! The keys of every method of the contract, so that a key of a method that is not in force can be told from a slip.
+//! The keys of every method, so that a key of a method that is not in force can be told from a slip.
 
-/// Methods that this version renders, by the names a scene file gives them.
+/// The methods, by the names a scene file gives them.
 pub const METHODS: &[&str] = &[
     "auto",
     "points",
@@ -13,6 +13,7 @@ pub const METHODS: &[&str] = &[
     "linked-list",
     "sorted",
     "peel",
+    "peel-layers",
     "stochastic",
     "hybrid",
     "weighted",
@@ -20,6 +21,7 @@ pub const METHODS: &[&str] = &[
     "unsorted",
     "hqs",
     "splats",
+    "image-space",
     "soft-base",
     "soft-concentric",
     "soft-express",
@@ -37,8 +39,8 @@ const FILTERS: &[&str] =
     &["fill", "occlusion", "smooth", "antialias", "antialias_threshold", "min_layer_distance", "cull"];
 const SOFT: &[&str] = &["threshold", "lambda", "softness", "modulation", "shells", "pixels_per_shell", "layout"];
 
-/// Every method of the contract with groups of keys of its own; `name` is everyone's.
-pub(crate) const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
+/// Every method with groups of keys of its own; `name` is everyone's.
+const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
     ("auto", &[DISCS]),
     ("points", &[]),
     ("squares", &[SPLATS, NEAREST]),

@@ -1,7 +1,7 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
 use super::error::{Error, nearest};
-use super::keys::{METHOD_KEYS, METHODS, all_method_keys, belongs, owners};
+use super::keys::{METHODS, all_method_keys, belongs, owners};
 use super::settings::{
     BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, LongLists,
     MAX_ENSEMBLES, MAX_ITERATIONS, MAX_K, MAX_LAYERS, MAX_POINT_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer,
@@ -50,6 +50,7 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
         _ => Method::Auto(discs(table)?),
     };
+    warn_of_shape(table, &method, warnings);
     let in_vain = method.raster() == Raster::Hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
     if let (true, Some(node)) = (in_vain, table.get("raster")) {
         let place = &node.place;
@@ -63,8 +64,6 @@ fn name<'a>(table: &Table<'a>) -> Result<&'a str, Error> {
     let place = node.place.clone();
     if METHODS.contains(&name) {
         Ok(name)
-    } else if METHOD_KEYS.iter().any(|(known, _)| *known == name) {
-        Err(Error::MethodAbsent { place, name: name.to_owned(), available: METHODS.join(", ") })
     } else {
         Err(Error::UnknownMethod {
             place,
@@ -88,8 +87,38 @@ fn interpolated(table: &Table<'_>) -> Result<Interpolated, Error> {
 }
 
 fn outline(table: &Table<'_>) -> Result<SplatShape, Error> {
-    let shapes = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
-    Ok(table.choice("shape", &shapes)?.unwrap_or_default())
+    shape(table, &OUTLINES, &DISC_SHAPES)
+}
+
+/// `shape` as opaque splats have it, and as transparent discs.
+const OUTLINES: [(&str, SplatShape); 2] = [("circle", SplatShape::Circle), ("square", SplatShape::Square)];
+const DISC_SHAPES: [(&str, DiscShape); 2] = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
+
+/// A shape of the method in force; the default for one of the others, which is what a file has whose method was changed.
+fn shape<T: Copy + Default, U>(table: &Table<'_>, own: &[(&str, T)], others: &[(&str, U)]) -> Result<T, Error> {
+    if is_word(table, others) {
+        return Ok(T::default());
+    }
+    Ok(table.choice("shape", own)?.unwrap_or_default())
+}
+
+fn is_word<T>(table: &Table<'_>, words: &[(&str, T)]) -> bool {
+    match table.get("shape").map(|node| &node.value) {
+        Some(Value::String(found)) => words.iter().any(|(word, _)| word == found),
+        _ => false,
+    }
+}
+
+/// Warns of a shape that only others have.
+fn warn_of_shape(table: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {
+    let outlined = matches!(method, Method::Paraboloid(_) | Method::Cone(_) | Method::Hqs(_));
+    let discs = method.discs().is_some() || matches!(method, Method::Auto(_));
+    let foreign = (outlined && is_word(table, &DISC_SHAPES)) || (discs && is_word(table, &OUTLINES));
+    if let (true, Some(node)) = (foreign, table.get("shape")) {
+        let (place, name) = (&node.place, method.name());
+        let own = if outlined { "\"circle\" and \"square\"" } else { "\"flat\" and \"oriented\"" };
+        warnings.push(format!("{place}: this `shape` is of other methods: {name:?} has {own}, and takes the first"));
+    }
 }
 
 fn raster(table: &Table<'_>) -> Result<Raster, Error> {
@@ -98,11 +127,10 @@ fn raster(table: &Table<'_>) -> Result<Raster, Error> {
 }
 
 fn discs(table: &Table<'_>) -> Result<Discs, Error> {
-    let shapes = [("flat", DiscShape::Flat), ("oriented", DiscShape::Oriented)];
     let falloffs = [("flat", Falloff::Flat), ("gaussian", Falloff::Gaussian)];
     let long_lists = [("merge", LongLists::Merge), ("in-place", LongLists::InPlace)];
     Ok(Discs {
-        shape: table.choice("shape", &shapes)?.unwrap_or_default(),
+        shape: shape(table, &DISC_SHAPES, &OUTLINES)?,
         falloff: table.choice("falloff", &falloffs)?.unwrap_or_default(),
         raster: raster(table)?,
         long_lists: table.choice("long_lists", &long_lists)?.unwrap_or_default(),

@@ -101,7 +101,7 @@ fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     if !method.needs_field() {
         table.tables("cloud")?.iter().for_each(|cloud| warn_of_fields(cloud, &method, &mut warnings));
     }
-    let shadows = shadows(&table, &mut warnings)?;
+    let shadows = shadows(&table, &shading, &method, &mut warnings)?;
     if clouds.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
@@ -283,20 +283,40 @@ fn field(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Field>,
     }))
 }
 
-/// `[shadows]`; what can't have any leaves a warning.
-fn shadows(root: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Shadows>, Error> {
+/// `[shadows]`; what can't have any leaves a warning. What `auto` stands for is known only when there are points.
+fn shadows(
+    root: &Table<'_>,
+    shading: &Shading,
+    method: &Method,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Shadows>, Error> {
     let table = root.table("shadows")?;
     table.refuse_unknown(&["method", "samples", "light_radius", "resolution", "min_layer_distance"])?;
     table.choice("method", &[("texture", ())])?;
     let default = Shadows::default();
-    let _shadows = Shadows {
+    let shadows = Shadows {
         samples: table.integer("samples", 1, MAX_SHADOW_SAMPLES)?.unwrap_or(default.samples),
         light_radius: table.number32("light_radius", Range::NOT_NEGATIVE)?.unwrap_or(default.light_radius),
         resolution: table.integer("resolution", 1, MAX_SIDE)?.unwrap_or(default.resolution),
         min_layer_distance: table.number32("min_layer_distance", Range::POSITIVE)?,
     };
-    if root.get("shadows").is_some() {
-        warnings.push(format!("{}: this version casts no shadows; [shadows] has no effect", table.place));
+    if let (Some(node), Light::Direction(_)) = (table.get("light_radius"), shading.light)
+        && shadows.light_radius >= 90.0
+    {
+        let problem = format!("around a direction must be below 90 degrees, found {}", shadows.light_radius);
+        return Err(table.error("light_radius", node, problem));
     }
+    let why = if root.get("shadows").is_none() {
+        return Ok(None);
+    } else if !method.takes_shadows() && !matches!(method, Method::Auto(_)) {
+        format!("method {:?} takes no shadows: points, squares, circles and other opaque methods do", method.name())
+    } else if shading.model == ShadingModel::None {
+        "without shading there are no shadows: shading.model = \"lambert\" or \"phong\" has some".to_owned()
+    } else if shading.light == Light::Headlight {
+        "a headlight casts no shadows: give shading.light a direction or a position".to_owned()
+    } else {
+        return Ok(Some(shadows));
+    };
+    warnings.push(format!("{}: [shadows] has no effect: {why}", table.place));
     Ok(None)
 }

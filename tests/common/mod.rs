@@ -11,7 +11,7 @@ use pellucid::methods::{Factors, Frame, Renderer, Stop};
 use pellucid::points::Points;
 use pellucid::prepare::order;
 use pellucid::reference::{self, Picture};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading};
+use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -205,6 +205,95 @@ pub fn difference(image: &Image, reference: &Picture, limit: f64) -> (f64, f64) 
 /// The bytes of an image, for comparisons to the bit.
 pub fn bits(image: &Image) -> Vec<u32> {
     image.rgba.iter().flatten().chain(&image.depth).map(|v| v.to_bits()).collect()
+}
+
+/// The points that `keep` picks by their index, in their order.
+pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
+    let kept: Vec<usize> = (0..points.len()).filter(|i| keep(*i)).collect();
+    Points {
+        positions: kept.iter().map(|i| points.positions[*i]).collect(),
+        colors: kept.iter().map(|i| points.colors[*i]).collect(),
+        opacities: kept.iter().map(|i| points.opacities[*i]).collect(),
+        radii: kept.iter().map(|i| points.radii[*i]).collect(),
+        normals: points.normals.as_ref().map(|normals| kept.iter().map(|i| normals[*i]).collect()),
+        file_order: Vec::new(),
+        fields: Vec::new(),
+    }
+}
+
+/// Those of some points of which float32 too can say which pixel they are on, whether they look at the viewer, and on which
+/// side of them the light is. In canonical order.
+pub fn clear_points(points: &[P], camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
+    clear_of(&scene(points), camera, size, shading)
+}
+
+/// As [`clear_points`], of points in canonical order.
+pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading) -> Points {
+    picked(all, |i| {
+        let normal = all.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[i].as_dvec3());
+        let to_light = match shading.light {
+            Light::Direction(travels) => -travels.normalize(),
+            Light::Position(light) => (light - all.positions[i]).normalize(),
+            Light::Headlight => DVec3::ZERO,
+        };
+        let facing = reference::image_space::facing(camera, all.positions[i], normal);
+        let is_clear = |cos: f64| cos.abs() > 1e-3;
+        reference::coverage::margin_px(camera, size, &reference::image_space::splat(all, i)) > 0.02
+            && facing.is_none_or(is_clear)
+            && (to_light == DVec3::ZERO || normal == DVec3::ZERO || is_clear(normal.dot(to_light)))
+    })
+}
+
+/// The same points a few roundings of float32 nearer to the camera or farther from it, at random, on the same pixels.
+pub fn jittered(points: &Points, camera: &Camera, seed: u64) -> Points {
+    let mut r = random(seed);
+    let moved = points.positions.iter().map(|position| {
+        let along = match camera.projection {
+            Projection::Perspective { .. } => *position - camera.eye,
+            Projection::Orthographic { .. } => camera.to_view(*position).z * camera.forward,
+        };
+        *position + r.random_range(-1e-6..1e-6) * along
+    });
+    Points { positions: moved.collect(), ..points.clone() }
+}
+
+/// Whether two pixels of references are the same but for roundings.
+fn is_steady(a: &Picture, b: &Picture, pixel: usize, bound: f64) -> bool {
+    let depths = a.depth[pixel] == b.depth[pixel] || (a.depth[pixel] - b.depth[pixel]).abs() <= 1e-5 * a.depth[pixel];
+    let colors = a.rgba[pixel].iter().zip(b.rgba[pixel]).all(|(a, b)| (a - b).abs() <= 0.5 * bound);
+    depths && colors && a.counts[pixel] == b.counts[pixel]
+}
+
+/// Compares an image with the reference, R, G, B and A to `bound` and depths to a few roundings, save where `others`,
+/// references of points that differ by roundings, are not of one mind. The share of such pixels; an error names the first
+/// wrong pixel and how many there are.
+pub fn compare_steady(image: &Image, wanted: &Picture, others: &[Picture], bound: f64) -> Result<f64, String> {
+    let (mut doubtful, mut wrong, mut first) = (0usize, 0usize, None);
+    for pixel in 0..wanted.rgba.len() {
+        if !others.iter().all(|other| is_steady(wanted, other, pixel, bound)) {
+            doubtful += 1;
+            continue;
+        }
+        let (found, depth) = (f64::from(image.depth[pixel]), wanted.depth[pixel]);
+        let close = |(found, wanted): (&f32, f64)| (f64::from(*found) - wanted).abs() <= bound;
+        let depths = found == depth || (found - depth).abs() <= 5e-6 * depth.abs();
+        if !depths || !image.rgba[pixel].iter().zip(wanted.rgba[pixel]).all(close) {
+            wrong += 1;
+            first = first.or(Some(pixel));
+        }
+    }
+    match first {
+        None => Ok(doubtful as f64 / wanted.rgba.len() as f64),
+        Some(pixel) => Err(format!(
+            "{wrong} pixels are wrong, the first ({}, {}): {:?} at {}, not {:?} at {}",
+            pixel % wanted.width as usize,
+            pixel / wanted.width as usize,
+            image.rgba[pixel],
+            image.depth[pixel],
+            wanted.rgba[pixel],
+            wanted.depth[pixel]
+        )),
+    }
 }
 
 /// Folder of the real clouds; `None` (with a note) where it is absent.

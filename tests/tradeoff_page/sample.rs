@@ -81,6 +81,8 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
             largest_error: 2.4e-7,
         },
         analytic: None,
+        surveyed: None,
+        shaded: None,
         rows,
         skipped: vec![
             skipped("peel", "method.layers=128", "the longest list has 64 fragments: 64 layers are exact already"),
@@ -124,6 +126,9 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
         },
         repeats,
         rmse_analytic: None,
+        holes: None,
+        rmse_inside: None,
+        thinning: 1,
         front: false,
         picture: String::new(),
         difference: String::new(),

@@ -1,13 +1,17 @@
-//! What `pellucid prepare` stores in a PLY file: the properties `radius` and `field`, and one comment that says what they
-//! are and of which points (docs/prepared-clouds.md).
+//! What `pellucid prepare` stores in a PLY file: the properties `radius`, `field` and perhaps `lit`, and one comment that says
+//! what they are and of which points (docs/prepared-clouds.md).
 
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Cloud, Prepared, UpAxis};
 use crate::prepare::field::Field;
+use crate::prepare::shadows::{ShadowTexture, Spelled};
 
 /// The property that holds F.
 pub(super) const FIELD: &str = "field";
+
+/// The property that holds m, the last one.
+pub(super) const LIT: &str = "lit";
 
 /// The first word of the comment.
 const WORD: &str = "pellucid-prepared";
@@ -24,6 +28,18 @@ struct Claim {
     radius: Radius,
     field: Field,
     /// [`content`] of the points; empty while it is computed.
+    content: String,
+    /// What `lit` is; absent while `content` is computed, since readers before it don't know it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shadows: Option<ShadowClaim>,
+}
+
+/// What the comment says of `lit`.
+#[derive(Serialize, Deserialize)]
+struct ShadowClaim {
+    #[serde(flatten)]
+    casting: Spelled,
+    /// [`shadow_content`]; empty while it is computed.
     content: String,
 }
 
@@ -56,8 +72,15 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
         radius: if prepared.estimated_radii { Radius::Estimated } else { Radius::Own },
         field: prepared.field.clone(),
         content: String::new(),
+        shadows: None,
     };
-    claim.content = content(cloud, &prepared.values, &claim)?;
+    let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
+    claim.content = content(cloud, &prepared.values, lit, &claim)?;
+    if let Some(texture) = &prepared.shadows {
+        let mut shadows = ShadowClaim { casting: Spelled::from(&texture.casting), content: String::new() };
+        shadows.content = shadow_content(&shadows, &claim.content)?;
+        claim.shadows = Some(shadows);
+    }
     Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
 }
 
@@ -73,7 +96,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
             return;
         }
     };
-    let claimed = std::mem::take(&mut claim.content);
+    let (claimed, shadows) = (std::mem::take(&mut claim.content), claim.shadows.take());
     cloud.up = match claim.up {
         Up::Y => UpAxis::Y,
         Up::Z => UpAxis::Z,
@@ -81,9 +104,20 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
     let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
     let whole = values.len() == cloud.len() && values.iter().all(|value| (0.0..=1.0).contains(value));
-    if whole && content(cloud, &values, &claim).is_ok_and(|content| content == claimed) {
-        let estimated_radii = claim.radius == Radius::Estimated;
-        cloud.prepared = Some(Prepared { neighbors: claim.neighbors, estimated_radii, field: claim.field, values });
+    // `lit` is among the scalars there.
+    let unchanged = whole && content(cloud, &values, None, &claim).is_ok_and(|content| content == claimed);
+    let at = cloud.scalars.iter().rposition(|(name, _)| name == LIT).filter(|_| shadows.is_some());
+    let lit = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
+    if unchanged {
+        let shadows = shadows.and_then(|shadows| {
+            let texture = texture(shadows, lit, cloud.len(), &claimed);
+            if texture.is_none() {
+                cloud.warnings.push(format!("line {line}: what is said of `lit` was changed: shadows are cast anew"));
+            }
+            texture
+        });
+        let (neighbors, estimated_radii) = (claim.neighbors, claim.radius == Radius::Estimated);
+        cloud.prepared = Some(Prepared { neighbors, estimated_radii, field: claim.field, values, shadows });
         return;
     }
     if claim.radius == Radius::Estimated {
@@ -93,6 +127,14 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         "line {line}: the points were changed since `pellucid prepare`: radii and field are computed anew (prepare them \
          again)"
     ));
+}
+
+/// What `lit` is, if it is what the comment says.
+fn texture(mut claim: ShadowClaim, lit: Vec<f32>, len: usize, content: &str) -> Option<ShadowTexture> {
+    let claimed = std::mem::take(&mut claim.content);
+    let whole = lit.len() == len && lit.iter().all(|m| (0.0..=1.0).contains(m));
+    let same = whole && shadow_content(&claim, content).is_ok_and(|content| content == claimed);
+    same.then(|| ShadowTexture { casting: (&claim.casting).into(), lit })
 }
 
 fn read(text: &str) -> Result<Claim, String> {
@@ -113,8 +155,8 @@ fn read(text: &str) -> Result<Claim, String> {
 }
 
 /// A hash of what was computed and of what it depends on: the comment itself, positions, normals, radii, field, classes,
-/// intensity and scalars, but not colors and opacities, which may be changed.
-fn content(cloud: &Cloud, values: &[f32], claim: &Claim) -> std::io::Result<String> {
+/// intensity and scalars, of which `lit` is the last one, but not colors and opacities, which may be changed.
+fn content(cloud: &Cloud, values: &[f32], lit: Option<&[f32]>, claim: &Claim) -> std::io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -128,8 +170,17 @@ fn content(cloud: &Cloud, values: &[f32], claim: &Claim) -> std::io::Result<Stri
     add(bytemuck::cast_slice(values));
     add(cloud.classification.as_deref().unwrap_or_default());
     add(bytemuck::cast_slice(cloud.intensity.as_deref().unwrap_or_default()));
-    for (_, values) in &cloud.scalars {
+    for values in cloud.scalars.iter().map(|(_, values)| values.as_slice()).chain(lit) {
         add(bytemuck::cast_slice(values));
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// A hash of what the comment says of `lit` and, by the hash of all points, of `lit` itself.
+fn shadow_content(claim: &ShadowClaim, content: &str) -> std::io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    for text in [&*serde_json::to_string(claim)?, content] {
+        hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
 }

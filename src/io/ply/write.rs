@@ -7,7 +7,7 @@ use glam::Vec3;
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
 use ply_rs_bw::writer::Writer;
 
-use super::prepared::{self, FIELD};
+use super::prepared::{self, FIELD, LIT};
 use crate::cloud::Cloud;
 use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
@@ -145,6 +145,9 @@ fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io
     }
     let scalars: Vec<String> = cloud.scalars.iter().map(|(name, _)| scalar_name(cloud, name)).collect();
     properties.extend(scalars.iter().map(|name| (name.as_str(), ScalarType::Float)));
+    if lit(cloud).is_some() {
+        properties.push((LIT, ScalarType::Float));
+    }
 
     let writer = Writer::<DefaultElement>::new();
     writer.write_line_magic_number(out)?;
@@ -161,6 +164,11 @@ fn write_header(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io
     }
     writer.write_line_end_header(out)?;
     Ok(())
+}
+
+/// The light of each point, if it was prepared.
+fn lit(cloud: &Cloud) -> Option<&[f32]> {
+    cloud.prepared.as_ref()?.shadows.as_ref().map(|shadows| shadows.lit.as_slice())
 }
 
 /// The name of a scalar's property: in a prepared file none that the reader takes for another column.
@@ -201,7 +209,7 @@ fn push_record(record: &mut Vec<u8>, cloud: &Cloud, index: usize, layout: &Layou
     if let Some(intensity) = &cloud.intensity {
         record.extend(intensity[index].to_le_bytes());
     }
-    for (_, values) in &cloud.scalars {
+    for values in cloud.scalars.iter().map(|(_, values)| values.as_slice()).chain(lit(cloud)) {
         record.extend(values[index].to_le_bytes());
     }
 }

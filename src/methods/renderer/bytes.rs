@@ -6,7 +6,7 @@ use super::parts::splatting_bytes;
 use super::{Facts, Frame, PassProfile};
 use crate::gpu::PassTime;
 use crate::methods::stochastic::hardware;
-use crate::methods::{abuffer, approximate, linked_list, peel, spbr, splats, stochastic};
+use crate::methods::{abuffer, approximate, image_space, linked_list, peel, shadows, spbr, splats, stochastic};
 use crate::passes::bin;
 use crate::passes::project::DeviceCloud;
 use crate::scene::{DiscShape, Method, Stochastic};
@@ -43,7 +43,7 @@ pub(super) fn aggregate(
 /// Bytes that a pass must at least read and write in its `runs`, from the counts of the frame; cached re-reads are not counted.
 fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &DeviceCloud) -> Option<u64> {
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
-    let normal = if cloud.has_normals() { 16 } else { 0 };
+    let normal = if cloud.has_normals() || cloud.casting().is_some() { 16 } else { 0 };
     let discs = frame.method.discs();
     let transparent = discs.is_some();
     let tilted = matches!(frame.method, Method::Splats(_)) || discs.is_some_and(|d| d.shape == DiscShape::Oriented);
@@ -51,6 +51,10 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
     let splat = 20 + if oriented { 16 } else { 0 };
     // Each band's store reads the rectangles of all splats again.
     let walks = facts.points * 8 * facts.windows.max(1) + facts.visible * splat;
+    let of_filters = !name.starts_with("image/") && !name.starts_with("shadows/");
+    if let Some(filters) = frame.method.filters().filter(|_| of_filters) {
+        return image_space::least_bytes(name, facts, cloud, filters.cull);
+    }
     match name {
         "splat/project" => {
             Some(facts.points * (32 + 16 + normal + 8) * facts.windows.max(1) + facts.visible * (splat + 16))
@@ -78,6 +82,10 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, frame: &Frame, cloud: &Devi
         "soft/compose" => Some(pixels * 3 * 20),
         "splat/resolve" | "points/resolve" => Some(pixels * (8 + 16 + 20)),
         "image/read-back" => Some(pixels * 20 * 2),
+        name if name.starts_with("shadows/") => {
+            let resolution = frame.shadows.map_or(0, |shadows| shadows.resolution);
+            shadows::least_bytes(name, runs, facts.points, cloud.chunks().count() as u64, resolution)
+        }
         _ => match frame.method {
             method if method.is_dealt() => spbr::least_bytes(name, facts, frame.spread(), pixels),
             Method::Stochastic(Stochastic { samples, alpha_correction: exact, .. })

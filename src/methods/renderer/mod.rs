@@ -2,6 +2,7 @@
 
 mod arranged;
 mod bytes;
+mod filtered;
 mod parts;
 
 use std::time::{Duration, Instant};
@@ -16,7 +17,9 @@ use super::abuffer::{ABuffer, Lists, Storing};
 use super::approximate::{self, Approximations};
 use super::bands::{self, Budget, Window};
 use super::cost::Load;
+use super::image_space::{self, Filterer};
 use super::peel::Peeler;
+use super::peel_layers::LayerPeeler;
 use super::soft::express::SoftDiscs;
 use super::soft::{self, Interior, Layer};
 use super::sorted::{self, Stop};
@@ -25,7 +28,7 @@ use super::splat::Opaque;
 use super::splats::{Pixels, Splatter};
 use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
-use super::{Error, Outcome, abuffer, peel, splat, stochastic};
+use super::{Error, Outcome, abuffer, peel, shadows, splat, stochastic};
 use crate::camera::Camera;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
 use crate::image::Image;
@@ -37,9 +40,10 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
+use crate::prepare::shadows::Casting;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, Raster, ScreenSplats,
-    Shading, Shadows, SplatShape, Stochastic,
+    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, PeelLayers, Raster,
+    ScreenSplats, Shading, Shadows, SplatShape, Stochastic,
 };
 
 /// What to render of an uploaded cloud.
@@ -137,6 +141,10 @@ pub struct Facts {
     pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
+    /// Tiles of 16 × 16 pixels of all images that filters had, layer by layer and window by window.
+    pub image_tiles: u64,
+    /// Those that each filter ran over: background fill, occlusion fill, smoothing, antialiasing; all iterations.
+    pub filtered_tiles: [u64; 4],
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
     /// Ensembles that were drawn.
@@ -170,6 +178,8 @@ pub struct Facts {
     pub splatted: u64,
     /// Windows of `one-layer` in which a layer of soft points lies over what is opaque.
     pub layered: u64,
+    /// Images through the eyes of a light that were made for shadows: 0 without shadows, and where the cloud has them.
+    pub light_views: u64,
     /// Windows of the image.
     pub windows: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
@@ -328,6 +338,8 @@ pub struct Renderer {
     opaque: Opaque,
     splatter: Splatter,
     peeler: Peeler,
+    filterer: Filterer,
+    layer_peeler: LayerPeeler,
     sampler: Sampler,
     ensembles: Ensembles,
     /// Ensembles of a round of frames that stop at an error, if fewer than the method's.
@@ -364,6 +376,8 @@ impl Renderer {
             opaque: Opaque::default(),
             splatter: Splatter::default(),
             peeler: Peeler::new(device)?,
+            filterer: Filterer::new(device)?,
+            layer_peeler: LayerPeeler::new(device)?,
             sampler: Sampler::new(),
             ensembles: Ensembles::default(),
             drawn: None,
@@ -420,13 +434,15 @@ impl Renderer {
         {
             cloud.sort_along(&self.device, Axis::nearest(frame.camera.forward).index)?;
         }
+        let mut timeline = Timeline::default();
+        let light_views = self.light_views(cloud, frame);
+        self.cast_shadows(cloud, frame, &mut timeline)?;
         let budget = self.budget(cloud, frame);
-        let windows = initial_windows(frame, budget);
+        let windows = initial_windows(frame, budget)?;
         let largest = windows.iter().map(|w| bands::pixels(*w)).max().unwrap_or(1);
         self.target.reserve(&self.device, largest)?;
 
         let mut image = blank(self.spare.take(), frame);
-        let mut timeline = Timeline::default();
         let mut facts = match (frame.samples(), frame.max_error) {
             (Some(limit), Some(most)) => {
                 let mut samples = limit.min(stochastic::FIRST_SAMPLES);
@@ -446,6 +462,7 @@ impl Renderer {
             }
         };
         image.stderr = image.stderr.filter(|_| frame.fragments);
+        facts.light_views = light_views;
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let submitted = timeline.submitted;
@@ -487,6 +504,34 @@ impl Renderer {
     fn streamed(&self, cloud: &DeviceCloud, frame: &Frame) -> Option<u64> {
         let dealt = frame.method.is_dealt();
         dealt.then(|| stream::window_points(&self.device, cloud, frame.memory_budget)).flatten()
+    }
+
+    /// Images through the eyes of a light that a frame of a cloud needs.
+    fn light_views(&self, cloud: &DeviceCloud, frame: &Frame) -> u64 {
+        let casting = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting));
+        casting.map_or(0, |casting| shadows::image_count(&casting, cloud))
+    }
+
+    /// Finds the light of each point for the shadows of a frame, unless it has none or the cloud has them already. Whatever the
+    /// camera and the method, they stay those of the cloud until other ones are cast.
+    fn cast_shadows(&self, cloud: &mut DeviceCloud, frame: &Frame, timeline: &mut Timeline) -> Result<(), Error> {
+        let Some(casting) = shadows::casting(frame, cloud).filter(|casting| cloud.casting() != Some(casting)) else {
+            return Ok(());
+        };
+        let how = projecting_of(frame, cloud, Footprint::Point, UNCLAMPED, Part::All);
+        let budget = self.budget(cloud, frame).bytes;
+        shadows::cast(&self.device, cloud, (&casting, &how), budget, &self.progress, timeline)
+    }
+
+    /// Finds the shadow texture that frames like this one take, without rendering any; the cloud then has it
+    /// ([`DeviceCloud::lit`]). What it belongs to, or `None` if such frames have no shadows.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`].
+    pub fn cast(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Casting>, Error> {
+        self.place(cloud, frame)?;
+        self.cast_shadows(cloud, frame, &mut Timeline::default())?;
+        Ok(shadows::casting(frame, cloud))
     }
 
     /// Renders windows, of which the last one comes first, into an image.
@@ -538,8 +583,9 @@ impl Renderer {
         }
         self.drawn = None;
         let budget = self.budget(cloud, frame);
-        let mut windows = initial_windows(frame, budget);
-        let mut facts = Facts { points: cloud.len(), ..Default::default() };
+        let mut windows = initial_windows(frame, budget)?;
+        let light_views = self.light_views(cloud, frame);
+        let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
         while let Some(window) = windows.pop() {
             let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
             if let Outcome::Overflow = self.work(cloud, frame, &mut work)? {
@@ -572,7 +618,8 @@ impl Renderer {
         match frame.method {
             Method::Hqs(settings) | Method::Splats(settings) => return self.splats(cloud, frame, settings, work),
             Method::OneLayer(settings) => return self.one_layer(cloud, frame, settings, work),
-            Method::ImageSpace(_) | Method::PeelLayers(_) => unreachable!("not yet"),
+            Method::ImageSpace(filters) => return self.filtered(cloud, frame, filters, work),
+            Method::PeelLayers(peel) => return self.layered(cloud, frame, peel, work),
             Method::Spbr(_) | Method::SpbrSimplified(_) => return self.dealt(cloud, frame, work),
             _ => {}
         }
@@ -836,6 +883,8 @@ impl Renderer {
             let [lengths, peeled] = self.peeler.read_counts(window)?;
             place_counts(frame, window, &lengths, fragments);
             place_counts(frame, window, &peeled, layers);
+        } else if let Some(layers) = &mut image.layers {
+            place_counts(frame, window, &self.layer_peeler.read_layers(window)?, layers);
         } else if let (Some(fragments), Some(_)) = (&mut image.fragments, frame.method.soft()) {
             match Interior::of(&frame.method).filter(|_| self.soft_counted) {
                 Some(interior) => {
@@ -882,20 +931,19 @@ fn place_counts<T: Copy>(frame: &Frame, window: Window, counts: &[T], image: &mu
 }
 
 /// The windows of a frame, the first one last.
-fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
+fn initial_windows(frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
     let listed = if frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
     let pixel_bytes = match frame.method {
         Method::Stochastic(_) => {
             let bytes = listed + bin::PIXEL_BYTES + stochastic::pixel_bytes(frame.spread());
             let most = stochastic::window_pixels(budget, bytes, frame.spread());
-            let mut windows = bands::windows(frame.size, most);
-            windows.reverse();
-            return windows;
+            return Ok(last_first(bands::windows(frame.size, most)));
         }
         method if method.is_dealt() => {
-            let mut windows = bands::windows(frame.size, spbr::window_pixels(budget, frame.spread()));
-            windows.reverse();
-            return windows;
+            return Ok(last_first(bands::windows(frame.size, spbr::window_pixels(budget, frame.spread()))));
+        }
+        Method::ImageSpace(filters) | Method::PeelLayers(PeelLayers { filters, .. }) => {
+            return Ok(last_first(image_space::frame_windows(frame, &filters, budget)?));
         }
         Method::ABuffer(_) | Method::LinkedList(_) => abuffer::PIXEL_BYTES,
         Method::Peel(_) => peel::pixel_bytes(frame.fragments),
@@ -910,7 +958,10 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Vec<Window> {
         }
         _ => splat::PIXEL_BYTES,
     };
-    let mut windows = bands::windows(frame.size, budget.window_pixels(pixel_bytes));
+    Ok(last_first(bands::windows(frame.size, budget.window_pixels(pixel_bytes))))
+}
+
+fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
     windows.reverse();
     windows
 }
@@ -975,7 +1026,8 @@ fn blank(spare: Option<Image>, frame: &Frame) -> Image {
     let pixels = width as usize * height as usize;
     let listed = frame.method.discs().is_some() || frame.method.soft().is_some();
     let fragments = (frame.fragments && listed).then(|| vec![0; pixels]);
-    let layers = (frame.fragments && matches!(frame.method, Method::Peel(_))).then(|| vec![0; pixels]);
+    let layers =
+        (frame.fragments && matches!(frame.method, Method::Peel(_) | Method::PeelLayers(_))).then(|| vec![0; pixels]);
     let stderr = frame.spread().then(|| vec![[0.0; 3]; pixels]);
     match spare {
         Some(image) if (image.width, image.height) == (width, height) => Image { fragments, layers, stderr, ..image },
@@ -1029,6 +1081,7 @@ fn projecting_of(
         relative_depth: Interior::of(&frame.method).is_some(),
         shading: frame.shading,
         color: frame.color,
+        lit: cloud.casting().is_some() && cloud.casting() == shadows::casting(frame, cloud).as_ref(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The figures.
 
+use super::surfaces::figures::{self as surfaces, Over};
 use super::{Analytic, Convergence, Errors, Row, Tradeoff};
 use crate::output;
 use crate::report::fit::PowerLaw;
@@ -25,7 +26,11 @@ pub(super) struct Drawn {
 
 /// All figures that have something to show.
 pub(super) fn draw(report: &Tradeoff) -> Result<Vec<Drawn>, output::Error> {
+    let over_size = |over| surfaces::over_size(report.surveyed.as_ref()?, &report.rows, over);
     let figures = [
+        ("size-time.svg", over_size(Over::Time)),
+        ("size-holes.svg", over_size(Over::Holes)),
+        ("size-error.svg", over_size(Over::Error)),
         ("error.svg", Some(error_over_time(report, RMSE_FLOOR, "RMSE", |errors| errors.rmse))),
         ("flip.svg", Some(error_over_time(report, FLIP_FLOOR, "FLIP", |errors| errors.flip))),
         ("convergence.svg", convergence(report)),
@@ -62,8 +67,9 @@ fn ladders(report: &Tradeoff) -> Vec<Ladder<'_>> {
     for row in &report.rows {
         let key = row.step.as_ref().map(|(key, _)| key.as_str());
         let setting = short(&row.setting);
-        let is_other = |part: &&str| key.is_none_or(|key| part.split('=').next() != Some(key));
-        let rest = setting.split_whitespace().filter(is_other).collect::<Vec<_>>().join(" ");
+        let turned =
+            |part: &&str| key.is_some_and(|keys| keys.split('+').any(|key| part.split('=').next() == Some(key)));
+        let rest = setting.split_whitespace().filter(|part| !turned(part)).collect::<Vec<_>>().join(" ");
         let same = |ladder: &&mut Ladder<'_>| {
             let first = ladder.rows[0];
             key.is_some()
@@ -87,40 +93,49 @@ fn step(row: &Row) -> f64 {
     row.step.as_ref().map_or(f64::NAN, |(_, value)| *value)
 }
 
-fn methods<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.method) {
-            names.push(row.method.clone());
-        }
-    }
-    names
-}
-
 /// Which name of the legend a method has; all methods are among the names.
 fn index(names: &[String], method: &str) -> usize {
     names.iter().position(|name| name == method).unwrap_or(0)
 }
 
 fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn(&Errors) -> f64) -> Figure {
-    let names = methods(report.rows.iter());
+    let names = surfaces::names(report.rows.iter());
     let series = |ladder: &Ladder<'_>| {
+        // Which cloud it is says the panel.
+        let rest = if report.surveyed.is_some() { "" } else { &ladder.rest };
         let point = |(place, row): (usize, &&Row)| Point {
             range_x: [row.gpu_ms.min, row.gpu_ms.max],
-            label: point_label(row, place == 0, &ladder.rest),
+            label: point_label(row, place == 0, rest),
             ..Point::new(row.gpu_ms.median, error(&row.errors))
         };
-        let points = ladder.rows.iter().enumerate().map(point).collect();
+        let mut points: Vec<Point> = ladder.rows.iter().enumerate().map(point).collect();
+        // There are many ladders in a small panel: their ends are enough to follow them.
+        if let (Some(_), [_, between @ .., _]) = (&report.surveyed, points.as_mut_slice()) {
+            between.iter_mut().for_each(|point| point.label.clear());
+        }
         Series { name: index(&names, &ladder.rows[0].method), points, note: String::new() }
     };
-    let panel = Panel {
-        title: String::new(),
-        series: ladders(report).iter().map(series).collect(),
-        front: front(report.rows.iter().map(|row| [row.gpu_ms.median, error(&row.errors)])),
-        is_guided: false,
+    let all = ladders(report);
+    let panel = |title: String, thinning: Option<u32>| {
+        let is_in = |row: &Row| thinning.is_none_or(|one_of| row.thinning == one_of);
+        let rows = report.rows.iter().filter(|row| is_in(row));
+        Panel {
+            title,
+            series: all.iter().filter(|ladder| is_in(ladder.rows[0])).map(series).collect(),
+            front: front(rows.map(|row| [row.gpu_ms.median, error(&row.errors)])),
+            is_guided: false,
+        }
     };
+    let x = Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, steps: Steps::Tens };
+    if let Some(surveyed) = &report.surveyed {
+        let of_cloud = |(thinning, points): &(u32, u64)| panel(surfaces::title(*thinning, *points), Some(*thinning));
+        let panels = surveyed.clouds.iter().map(of_cloud).collect();
+        let y = Axis { label, floor, steps: Steps::Tens };
+        return surfaces::side_by_side(names.clone(), x, y, panels);
+    }
+    let panel = panel(String::new(), None);
     Figure {
-        x: Axis { label: "device time of a frame in ms", floor: TIME_FLOOR, steps: Steps::Tens },
+        x,
         y: Axis { label, floor, steps: Steps::Tens },
         names,
         guide: None,
@@ -163,12 +178,15 @@ fn side_by_side(names: Vec<String>, x: &'static str, y: Axis, guide: Option<Guid
 
 /// RMSE over the ladders' settings: one panel for each key, those of stochastic methods first.
 fn convergence(report: &Tradeoff) -> Option<Figure> {
+    if report.surveyed.is_some() {
+        return None;
+    }
     let mut ladders = ladders(report);
     // 0 has no place on the axis: `layers=0` stands for all of them.
     ladders.iter_mut().for_each(|ladder| ladder.rows.retain(|row| step(row) > 0.0));
     ladders.retain(|ladder| ladder.rows.len() > 1);
     ladders.sort_by_key(|ladder| !ladder.rows[0].stochastic);
-    let mut names = methods(ladders.iter().map(|ladder| ladder.rows[0]));
+    let mut names = surfaces::names(ladders.iter().map(|ladder| ladder.rows[0]));
     let key = |ladder: &Ladder<'_>| ladder.rows[0].step.as_ref().map(|(key, _)| key.clone()).unwrap_or_default();
     let mut keys: Vec<String> = ladders.iter().map(key).collect();
     // Those of one key need not be neighbors.

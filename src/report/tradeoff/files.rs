@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::pictures::Pictures;
-use super::{Row, Skipped, Tradeoff, figures, page};
+use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, figures, page};
 use crate::output::{self, write_atomically};
 
 /// A line of `tradeoff.csv`. What was skipped has its reason in place of figures.
@@ -16,6 +16,7 @@ struct Line<'a> {
     setting: &'a str,
     key: &'a str,
     step: Option<f64>,
+    thinning: Option<u32>,
     stochastic: Option<bool>,
     gpu_ms_min: Option<f64>,
     gpu_ms_median: Option<f64>,
@@ -34,6 +35,8 @@ struct Line<'a> {
     flip: Option<f64>,
     max: Option<f64>,
     above_1_255: Option<f64>,
+    holes: Option<f64>,
+    rmse_inside: Option<f64>,
     seeds: Option<u32>,
     noise: Option<f64>,
     bias: Option<f64>,
@@ -52,6 +55,7 @@ impl<'a> Line<'a> {
             setting: &row.setting,
             key,
             step,
+            thinning: Some(row.thinning),
             stochastic: Some(row.stochastic),
             gpu_ms_min: Some(row.gpu_ms.min),
             gpu_ms_median: Some(row.gpu_ms.median),
@@ -71,6 +75,8 @@ impl<'a> Line<'a> {
             flip: Some(row.errors.flip),
             max: Some(row.errors.max),
             above_1_255: Some(row.errors.above_1_255),
+            holes: row.holes,
+            rmse_inside: row.rmse_inside,
             seeds: row.repeats.map(|repeats| repeats.seeds),
             noise: row.repeats.map(|repeats| repeats.noise),
             bias: row.repeats.map(|repeats| repeats.bias),
@@ -79,6 +85,21 @@ impl<'a> Line<'a> {
             picture: &row.picture,
             difference: &row.difference,
             skipped: "",
+        }
+    }
+
+    /// Times are those of the passes of shadows, errors are against the same method's image with many samples.
+    fn shaded(method: &'a str, setting: &'a str, step: &ShadedStep) -> Self {
+        Self {
+            method,
+            setting,
+            key: "shadows.samples",
+            step: Some(step.samples.into()),
+            gpu_ms_min: Some(step.ms.min),
+            gpu_ms_median: Some(step.ms.median),
+            gpu_ms_max: Some(step.ms.max),
+            rmse: Some(step.rmse),
+            ..Self::default()
         }
     }
 
@@ -91,7 +112,13 @@ impl<'a> Line<'a> {
 fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(file);
     let measured = report.rows.iter().map(Line::measured);
-    for line in measured.chain(report.skipped.iter().map(Line::skipped)) {
+    // By names that live as long as the lines do.
+    let settings =
+        |shaded: &Shaded| shaded.steps.iter().map(|step| format!("shadows.samples={}", step.samples)).collect();
+    let settings: Vec<String> = report.shaded.as_ref().map_or_else(Vec::new, settings);
+    let shaded = report.shaded.iter().flat_map(|shaded| shaded.steps.iter().map(|step| (shaded.method.as_str(), step)));
+    let shaded = shaded.zip(&settings).map(|((method, step), setting)| Line::shaded(method, setting, step));
+    for line in measured.chain(report.skipped.iter().map(Line::skipped)).chain(shaded) {
         writer.serialize(line).map_err(io::Error::other)?;
     }
     writer.flush()

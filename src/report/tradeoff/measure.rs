@@ -11,17 +11,17 @@ use super::analytic::{self, Planes};
 use super::partial::{Measured, Partial, Timed, Trial};
 use super::renderers::Renderers;
 use super::repeats::Seeds;
-use super::settings::{Formation, Ladders, Occasion, Setting, formation, settings};
-use super::{Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Tradeoff, findings, summary};
+use super::settings::{Formation, Ladders, Occasion, Setting, compared, settings};
+use super::surfaces::shadows::{self, Effort};
+use super::surfaces::{self, Clouds, Silhouette, supersampled};
+use super::{Analytic, DIFFERENCE_GAIN, Errors, Reference, Row, Skipped, Surveyed, Tradeoff, findings, summary};
 use crate::gpu::Device;
 use crate::image::Image;
 use crate::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
 use crate::metrics::{self, difference_picture};
 use crate::output::{self, LinearImage, linear, write_rgb_png};
-use crate::passes::project::DeviceCloud;
 use crate::points::Arranged;
 use crate::report::truth::{self, Truth, soft_spheres};
-use crate::scene::Method;
 use crate::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
@@ -90,32 +90,29 @@ pub fn run(
     folder: &Path,
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
-    let formation = formation(&subject.frame.method, subject.arranged.points())?;
+    let formation = compared(&subject.frame.method, subject.arranged.points())?;
     std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
     let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
     let identity = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
     let partial = Partial::open(folder, identity);
 
-    let mut renderer = Renderer::new(device)?;
-    let mut cloud = renderer.upload_arranged(subject.arranged)?;
-    let Rendered { image, facts, .. } = renderer.render(&mut cloud, &frame)?;
-    drop(renderer);
-    if !matches!(formation, Formation::Discs(_)) {
-        progress.set_message("the reference, in float64");
-    }
-    let in_float64 = match truth::ensembles(subject.arranged, &frame) {
-        Some(image) => Some(image),
-        None => soft_spheres(device, subject.arranged.points(), &frame)?,
-    };
-    let exact = in_float64.as_ref().unwrap_or(&image);
-    let reference = linear(exact, subject.background, frame.color);
+    let thinning = if matches!(formation, Formation::Surfaces(_)) { options.ladders.thinning } else { &[1] };
+    let mut clouds = Clouds::new(subject.arranged, thinning, frame.seed);
+    progress.set_message("the reference");
+    let made = Made::new(device, subject, &formation, &frame, &mut clouds)?;
+    let Made { reference, silhouette, facts, .. } = &made;
     let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
     let planes = Planes::of(subject.arranged, &frame);
-    let analytic = planes.map(|planes| planes.about(subject.background, &reference));
+    let analytic = planes.map(|planes| planes.about(subject.background, reference));
+    let surveyed = silhouette.as_ref().map(|silhouette| Surveyed {
+        samples_across: made.samples_across,
+        silhouette: silhouette.pixels,
+        clouds: thinning.iter().map(|one_of| (*one_of, clouds.len(*one_of))).collect(),
+    });
     let skipped = Vec::new();
     let mut run =
-        Run { device, subject, options, folder, progress, frame, partial, cloud, reference, analytic, skipped };
-    run.keep_reference(in_float64.is_none().then_some(&image))?;
+        Run { device, subject, options, folder, progress, frame, partial, clouds, made, analytic, surveyed, skipped };
+    run.keep_reference()?;
 
     let (mut settings, skipped) = settings(&occasion, &options.ladders);
     let asked = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
@@ -131,7 +128,62 @@ pub fn run(
         progress.inc(1);
     }
     run.rounds(&taken)?;
-    Ok(run.report(&taken, &facts))
+    run.shade()?;
+    Ok(run.report(&taken))
+}
+
+/// What images are compared with.
+struct Made {
+    reference: LinearImage,
+    /// The image of the device, if it is to be checked against the float64 reference.
+    unchecked: Option<Image>,
+    /// What made it, in words.
+    method: String,
+    /// Of the frame of the exact method.
+    facts: Facts,
+    /// Of opaque points.
+    silhouette: Option<Silhouette>,
+    samples_across: u32,
+}
+
+impl Made {
+    fn new(
+        device: &Device,
+        subject: &Subject<'_>,
+        formation: &Formation,
+        frame: &Frame,
+        clouds: &mut Clouds<'_>,
+    ) -> Result<Self> {
+        let (name, background) = (frame.method.name(), subject.background);
+        let mut renderer = Renderer::new(device)?;
+        let cloud = clouds.of(&renderer, 1)?;
+        if let Formation::Surfaces(_) = formation {
+            let made = supersampled(&mut renderer, cloud, frame, background)?;
+            let across = made.samples_across;
+            return Ok(Self {
+                reference: made.image,
+                unchecked: None,
+                method: format!("{name} of all points with {across} × {across} samples in a pixel"),
+                facts: Facts::default(),
+                silhouette: Some(made.silhouette),
+                samples_across: across,
+            });
+        }
+        let Rendered { image, facts, .. } = renderer.render(cloud, frame)?;
+        drop(renderer);
+        let in_float64 = match truth::ensembles(subject.arranged, frame) {
+            Some(image) => Some(image),
+            None => soft_spheres(device, subject.arranged.points(), frame)?,
+        };
+        let method = match (formation, &in_float64) {
+            (_, None) => name.to_owned(),
+            (Formation::Ensembles(_), _) => format!("{name} with ever more ensembles, in float64"),
+            _ => format!("{name} in float64, before the solid points as the device splats them"),
+        };
+        let reference = linear(in_float64.as_ref().unwrap_or(&image), background, frame.color);
+        let unchecked = in_float64.is_none().then_some(image);
+        Ok(Self { reference, unchecked, method, facts, silhouette: None, samples_across: 1 })
+    }
 }
 
 struct Run<'a> {
@@ -143,9 +195,10 @@ struct Run<'a> {
     /// That of the reference.
     frame: Frame,
     partial: Partial,
-    cloud: DeviceCloud,
-    reference: LinearImage,
+    clouds: Clouds<'a>,
+    made: Made,
     analytic: Option<Analytic>,
+    surveyed: Option<Surveyed>,
     skipped: Vec<Skipped>,
 }
 
@@ -154,37 +207,28 @@ impl Run<'_> {
         linear(image, self.subject.background, self.frame.color)
     }
 
-    /// Writes the reference's picture. One of the device is checked against the float64 reference, once; `None`: it is of
-    /// float64 itself.
-    fn keep_reference(&mut self, image: Option<&Image>) -> Result<()> {
+    /// Writes the reference's picture. One of the device that others are to equal is checked against the float64 reference,
+    /// once.
+    fn keep_reference(&mut self) -> Result<()> {
         let picture = "reference.png".to_owned();
-        self.write_picture(&picture, &self.reference.pixels)?;
+        self.write_picture(&picture, &self.made.reference.pixels)?;
+        let unchecked = self.made.unchecked.take();
         if self.partial.content.reference.is_none() {
-            let name = self.frame.method.name();
-            let reference = match image {
-                Some(image) => {
-                    self.progress.set_message("checking the reference in float64");
-                    let deviation =
-                        Truth::new(self.subject.arranged.points(), &self.frame, self.frame.seed).deviation(image);
-                    let (checked_pixels, largest_error) = (deviation.pixels, deviation.max);
-                    Reference { method: name.to_owned(), picture, checked_pixels, largest_error }
-                }
-                None => {
-                    let method = match self.frame.method {
-                        Method::Spbr(_) => format!("{name} with ever more ensembles, in float64"),
-                        _ => format!("{name} in float64, before the solid points as the device splats them"),
-                    };
-                    Reference { method, picture, checked_pixels: 0, largest_error: 0.0 }
-                }
-            };
-            self.partial.content.reference = Some(reference);
+            let (checked_pixels, largest_error) = unchecked.map_or((0, 0.0), |image| {
+                self.progress.set_message("checking the reference in float64");
+                let points = self.subject.arranged.points();
+                let deviation = Truth::new(points, &self.frame, self.frame.seed).deviation(&image);
+                (deviation.pixels, deviation.max)
+            });
+            let method = self.made.method.clone();
+            self.partial.content.reference = Some(Reference { method, picture, checked_pixels, largest_error });
             self.partial.save()?;
         }
         Ok(())
     }
 
     fn write_picture(&self, name: &str, pixels: &[[f32; 3]]) -> Result<()> {
-        Ok(write_rgb_png(&self.folder.join(name), [self.reference.width, self.reference.height], pixels)?)
+        Ok(write_rgb_png(&self.folder.join(name), [self.made.reference.width, self.made.reference.height], pixels)?)
     }
 
     /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
@@ -246,6 +290,9 @@ impl Run<'_> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
         let image = self.linear(&first.image);
+        let silhouette = self.made.silhouette.as_ref();
+        let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
+        let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
         let [picture, difference] = self.pictures(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
@@ -258,7 +305,7 @@ impl Run<'_> {
         let errors = self.errors(&image);
         let (errors, repeats, rmse_analytic) = if setting.is_stochastic() {
             let mut seeds = Seeds::new(image.pixels.len());
-            seeds.add(&image.pixels, &self.reference.pixels, errors, self.rmse_analytic(&image));
+            seeds.add(&image.pixels, &self.made.reference.pixels, errors, self.rmse_analytic(&image));
             self.add(&mut seeds, &second.image);
             renderer.recycle(second.image);
             let allowed = (self.options.seconds / SEEDS_SHARE / with_upload) as u32;
@@ -272,14 +319,24 @@ impl Run<'_> {
             (errors, None, self.rmse_analytic(&image))
         };
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
-        let trial =
-            Trial { peak_device_bytes, fragment_bytes, errors, repeats, rmse_analytic, picture, difference, seconds };
+        let trial = Trial {
+            peak_device_bytes,
+            fragment_bytes,
+            errors,
+            repeats,
+            rmse_analytic,
+            holes,
+            rmse_inside,
+            picture,
+            difference,
+            seconds,
+        };
         Ok(Measured { trial, frames })
     }
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
         let frame = self.frame_of(setting, image);
-        renderer.render(&mut self.cloud, &frame)
+        renderer.render(self.clouds.of(renderer, setting.thinning)?, &frame)
     }
 
     /// As [`Run::render`]; points that are dealt, in other ensembles: which ones they are is as random as what is drawn.
@@ -289,19 +346,19 @@ impl Run<'_> {
         setting: &Setting,
         image: u32,
     ) -> Result<Rendered, methods::Error> {
-        let frame = self.frame_of(setting, image);
         match self.subject.arranged {
             Arranged::Dealt(dealt) => {
+                let frame = self.frame_of(setting, image);
                 let mut cloud = renderer.upload_dealt(&dealt.again(frame.seed))?;
                 renderer.render(&mut cloud, &frame)
             }
-            Arranged::Canonical(_) => renderer.render(&mut self.cloud, &frame),
+            Arranged::Canonical(_) => self.render(renderer, setting, image),
         }
     }
 
     fn add(&self, seeds: &mut Seeds, image: &Image) {
         let image = self.linear(image);
-        seeds.add(&image.pixels, &self.reference.pixels, self.errors(&image), self.rmse_analytic(&image));
+        seeds.add(&image.pixels, &self.made.reference.pixels, self.errors(&image), self.rmse_analytic(&image));
     }
 
     fn rmse_analytic(&self, image: &LinearImage) -> Option<f64> {
@@ -309,13 +366,13 @@ impl Run<'_> {
     }
 
     fn errors(&self, image: &LinearImage) -> Errors {
-        errors(&self.reference, image)
+        errors(&self.made.reference, image)
     }
 
     fn pictures(&self, setting: &Setting, image: &LinearImage) -> Result<[String; 2]> {
         let names = [format!("{}.png", setting.stem()), format!("{}-difference.png", setting.stem())];
         self.write_picture(&names[0], &image.pixels)?;
-        let difference = difference_picture(&self.reference.pixels, &image.pixels, DIFFERENCE_GAIN);
+        let difference = difference_picture(&self.made.reference.pixels, &image.pixels, DIFFERENCE_GAIN);
         self.write_picture(&names[1], &difference)?;
         Ok(names)
     }
@@ -356,11 +413,31 @@ impl Run<'_> {
         Ok(self.device.check_validation()?)
     }
 
+    /// Shadows of more and fewer samples, unless an earlier run has them.
+    fn shade(&mut self) -> Result<()> {
+        if self.surveyed.is_some() && self.partial.content.shaded.is_none() {
+            self.progress.set_message("shadows");
+            let Options { ladders, rounds, seconds, .. } = self.options;
+            let effort = Effort { samples: ladders.shadow_samples, frames: *rounds, seconds: *seconds };
+            let frame = Frame { method: self.subject.frame.method, ..self.frame };
+            self.partial.content.shaded =
+                shadows::measure(self.device, &mut self.clouds, &frame, self.subject.background, effort)?;
+            self.device.check_validation()?;
+            self.partial.save()?;
+        }
+        Ok(())
+    }
+
     fn peak(&self, setting: &Setting) -> u64 {
         self.partial.content.settings[&setting.key()].trial.peak_device_bytes
     }
 
     fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
+        if !self.clouds.are_on_device(setting.thinning) {
+            // What is found once for a cloud is no part of a frame's time.
+            let rendered = self.render(renderer, setting, round as u32)?;
+            renderer.recycle(rendered.image);
+        }
         let rendered = self.render(renderer, setting, round as u32)?;
         let timed = Timed::new(&rendered.profile, self.partial.content.sittings);
         renderer.recycle(rendered.image);
@@ -383,15 +460,20 @@ impl Run<'_> {
         in_turns.chain(alone.iter().map(|setting| (setting.key(), 1))).collect()
     }
 
-    fn report(self, settings: &[Setting], facts: &Facts) -> Tradeoff {
-        let Self { device, subject, options, partial, analytic, skipped, .. } = self;
+    fn report(self, settings: &[Setting]) -> Tradeoff {
+        let Self { device, subject, options, partial, made, analytic, surveyed, skipped, .. } = self;
+        let facts = made.facts;
         let content = partial.content;
         let row = |setting: &Setting| summary::row(setting, &content.settings[&setting.key()]);
         let mut rows: Vec<Row> = settings.iter().map(row).collect();
         summary::mark_front(&mut rows);
-        let convergence = summary::convergence(settings, &rows);
+        // An image of one sample in a pixel tends to no reference with many.
+        let convergence = if surveyed.is_some() { Vec::new() } else { summary::convergence(settings, &rows) };
         let analytic = analytic.map(|known| Analytic { slope: analytic::slope(&rows, known.dealt_once), ..known });
-        let findings = findings::of(&rows, analytic.as_ref());
+        let findings = match surveyed {
+            Some(_) => surfaces::findings::of(&rows),
+            None => findings::of(&rows, analytic.as_ref()),
+        };
         let info = device.info();
         Tradeoff {
             version: 1,
@@ -407,6 +489,8 @@ impl Run<'_> {
             sittings: content.sittings,
             reference: content.reference.expect("kept before any setting was tried"),
             analytic,
+            surveyed,
+            shaded: content.shaded,
             rows,
             skipped,
             convergence,

@@ -13,6 +13,7 @@ pub(crate) mod renderers;
 mod repeats;
 pub mod settings;
 mod summary;
+mod surfaces;
 
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,8 @@ pub struct Row {
     pub setting: String,
     /// What is turned, and how far, as in `("samples", 64.0)`; `None` for a method without a ladder.
     pub step: Option<(String, f64)>,
+    /// One point of so many was drawn; 1: all.
+    pub thinning: u32,
     /// Whether the image depends on the seed.
     pub stochastic: bool,
     /// Device time of all passes, frames of all settings taken in turns.
@@ -83,6 +86,11 @@ pub struct Row {
     pub repeats: Option<Repeats>,
     /// RMSE against the analytic image ([`Tradeoff::analytic`]), where there is one: root of the mean square over the seeds.
     pub rmse_analytic: Option<f64>,
+    /// Of opaque points: share of the pixels inside the surfaces' silhouette ([`Surveyed::silhouette`]) on which nothing is
+    /// drawn.
+    pub holes: Option<f64>,
+    /// RMSE of those pixels alone: what is said of a surface's detail, and not of how far splats reach over its outline.
+    pub rmse_inside: Option<f64>,
     /// Whether no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute
@@ -179,6 +187,40 @@ impl Analytic {
     }
 }
 
+/// What opaque points are held against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Surveyed {
+    /// Samples across a pixel of the reference: so many times so many are averaged.
+    pub samples_across: u32,
+    /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors. One
+    /// pixel off the rim, since splats reach over it by a part of their radius.
+    pub silhouette: u64,
+    /// Each cloud that was drawn: one point of how many, and how many that are.
+    pub clouds: Vec<(u32, u64)>,
+}
+
+/// Shadows of an area light, with the scene's own method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shaded {
+    /// Its name.
+    pub method: String,
+    /// Samples of the light in the image that the others are compared with.
+    pub reference_samples: u32,
+    /// By ascending samples.
+    pub steps: Vec<ShadedStep>,
+}
+
+/// Shadows of so many samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ShadedStep {
+    /// How many.
+    pub samples: u32,
+    /// Device time of the passes that find the shadows, once for a light and a cloud.
+    pub ms: Spread,
+    /// RMSE of the image.
+    pub rmse: f64,
+}
+
 /// All that was measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tradeoff {
@@ -208,6 +250,10 @@ pub struct Tradeoff {
     pub reference: Reference,
     /// Of ensembles of planes that fill the image.
     pub analytic: Option<Analytic>,
+    /// Of opaque points.
+    pub surveyed: Option<Surveyed>,
+    /// Of opaque points in the light of an area.
+    pub shaded: Option<Shaded>,
     /// What was measured, in the order of the settings' ladder.
     pub rows: Vec<Row>,
     /// What was not.

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::figures::{Drawn, FLIP_FLOOR, LAW_R_SQUARED, RMSE_FLOOR, bias_floor, short, signed};
 use super::pictures::Pictures;
-use super::{Analytic, DIFFERENCE_GAIN, Row, Tradeoff};
+use super::{Analytic, DIFFERENCE_GAIN, Row, Shaded, ShadedStep, Surveyed, Tradeoff};
 use crate::report::page::{Cell, Column, Line, digits, facts, figure, grouped, page, script, sortable, sorting, table};
 
 const MIB: f64 = (1 << 20) as f64;
@@ -29,8 +29,13 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
     let body = html! {
         style { (PreEscaped(STYLE)) }
         p {
-            "What accuracy costs on one scene: the error of each method and setting against an exact image of the same "
-            "scene, over the device time of a frame."
+            @if report.surveyed.is_some() {
+                "What quality costs on one scene of opaque points: the error of each method and setting against the surfaces that the "
+                "points stand for, and the holes that it leaves, over the device time of a frame."
+            } @else {
+                "What accuracy costs on one scene: the error of each method and setting against an exact image of the same "
+                "scene, over the device time of a frame."
+            }
         }
         (about(report))
         h2 { "Result" }
@@ -45,13 +50,21 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
         }
         h2 { "Error over time" }
         @for drawn in of(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
-        h2 { "Convergence" }
-        @for drawn in of(figures, &["convergence.svg"]) { (shown(drawn, report)) }
-        (convergence(report))
-        @if let Some(analytic) = &report.analytic { (blended(report, analytic)) }
-        h2 { "Bias and noise" }
-        @for drawn in of(figures, &["bias.svg"]) { (shown(drawn, report)) }
-        (bias(report))
+        @if let Some(surveyed) = &report.surveyed {
+            h2 { "Size of splats" }
+            @for drawn in of(figures, &["size-time.svg", "size-holes.svg", "size-error.svg"]) { (shown(drawn, report)) }
+            h2 { "Filters of the image" }
+            (iterations(report, surveyed))
+            @if let Some(found) = &report.shaded { (shaded(found)) }
+        } @else {
+            h2 { "Convergence" }
+            @for drawn in of(figures, &["convergence.svg"]) { (shown(drawn, report)) }
+            (convergence(report))
+            @if let Some(analytic) = &report.analytic { (blended(report, analytic)) }
+            h2 { "Bias and noise" }
+            @for drawn in of(figures, &["bias.svg"]) { (shown(drawn, report)) }
+            (bias(report))
+        }
         h2 { "All settings" }
         p { "Settings on the Pareto front are marked. A click on the head of a column sorts by it, another one the other way round; "
             "“from–to” is sorted by its width over the median. “% off” are the pixels with a channel off by more than 1/255." }
@@ -81,10 +94,17 @@ fn about(report: &Tradeoff) -> Markup {
             error(reference.largest_error),
         ),
     };
+    let met = match &report.surveyed {
+        Some(surveyed) => ("silhouette", format!("{} pixels", grouped(surveyed.silhouette))),
+        None => {
+            let (fragments, longest) = (grouped(report.fragments), grouped(report.max_list.into()));
+            ("fragments", format!("{fragments}, at most {longest} on a pixel"))
+        }
+    };
     facts(&[
         ("scene", report.scene.clone()),
         ("points", grouped(report.points)),
-        ("fragments", format!("{}, at most {} on a pixel", grouped(report.fragments), grouped(report.max_list.into()))),
+        met,
         ("image", format!("{} × {} pixels", report.size[0], report.size[1])),
         ("reference", checked),
         ("device", report.device.clone()),
@@ -178,6 +198,30 @@ fn power(value: f64) -> Markup {
 
 fn caption(name: &str, report: &Tradeoff) -> Markup {
     match name {
+        "error.svg" if report.surveyed.is_some() => html! {
+            b { "RMSE over device time. " }
+            "Down and left is better. A panel for each cloud, each with its own front; the first point of a ladder names what is "
+            "turned, the last one says how far. No image with one sample in a pixel is as smooth at edges as the reference: 0 is out of reach."
+        },
+        "flip.svg" if report.surveyed.is_some() => html! {
+            b { "FLIP over device time, " }
+            "which weighs differences as an eye does that flips between the two images. The fronts are those of FLIP."
+        },
+        "size-time.svg" => html! {
+            b { "Device time over the size factor, " }
+            "as in Fig. 8 of Schütz and Wimmer (2015), but times instead of frames per second: down is better. Size 0 draws one pixel, "
+            "1 the radius that the points have. Points of one pixel, and image-space with one iteration of its filters, have no size: "
+            "lines across. Bars reach from the least to the greatest time."
+        },
+        "size-holes.svg" => html! {
+            b { "Holes over the size factor: " }
+            "the share of the silhouette's pixels on which nothing is drawn. None at all is drawn at half a pixel, the least value."
+        },
+        "size-error.svg" => html! {
+            b { "RMSE inside the silhouette over the size factor. " }
+            "Too small, and there are holes; too large, and points hide each other: the least error is between. How far splats reach "
+            "over the outline is left out here, and not in the figures above."
+        },
         "error.svg" => html! {
             b { "RMSE over device time. " }
             "Down and left is better. Points are medians, bars reach from the least to the greatest time; the first point "
@@ -201,6 +245,62 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
             "a bias below it can't be told from none. A bias below " (power(bias_floor(report)))
             ", 0 included, is drawn there."
         },
+    }
+}
+
+/// What `image-space` does with more iterations, cloud by cloud.
+fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
+    let columns = [
+        Column::text("points"),
+        Column::text("setting"),
+        Column::number("ms"),
+        Column::number("RMSE"),
+        Column::number("inside"),
+        Column::number("% holes"),
+    ];
+    let points = |row: &Row| {
+        let cloud = surveyed.clouds.iter().find(|(thinning, _)| *thinning == row.thinning);
+        cloud.map_or_else(String::new, |(_, points)| grouped(*points))
+    };
+    let line = |row: &Row| {
+        let inside = row.rmse_inside.map_or_else(String::new, error);
+        let holes = row.holes.map_or_else(String::new, percent);
+        let numbers = [digits(row.gpu_ms.median), error(row.errors.rmse), inside, holes];
+        [vec![points(row), short(&row.setting)], numbers.to_vec()].concat()
+    };
+    let rows: Vec<_> = report.rows.iter().filter(|row| row.method == "image-space").map(line).collect();
+    html! {
+        @if rows.is_empty() { p { "The method image-space was not measured." } } @else {
+            p {
+                "Points of one pixel whose holes are filled afterwards: an iteration fills holes one pixel farther from their rim, and "
+                "takes the same time whatever the points are."
+            }
+            (table(&columns, &rows))
+        }
+    }
+}
+
+/// Soft shadows of more and fewer samples.
+fn shaded(found: &Shaded) -> Markup {
+    let columns = [
+        Column::number("samples of the light"),
+        Column::number("ms"),
+        Column::number("from–to"),
+        Column::number("RMSE"),
+        Column::number("RMSE · √samples"),
+    ];
+    let row = |step: &ShadedStep| {
+        let scaled = step.rmse * f64::from(step.samples).sqrt();
+        let range = format!("{}–{}", digits(step.ms.min), digits(step.ms.max));
+        vec![step.samples.to_string(), digits(step.ms.median), range, error(step.rmse), error(scaled)]
+    };
+    html! {
+        h2 { "Shadows" }
+        p {
+            "With " code { (found.method) } ", against an image with " (found.reference_samples) " samples. The time is that of the passes "
+            "that find the shadows, which a cloud keeps as long as light and points stay."
+        }
+        (table(&columns, &found.steps.iter().map(row).collect::<Vec<_>>()))
     }
 }
 
@@ -323,13 +423,16 @@ fn rows(report: &Tradeoff) -> Markup {
         Column::number("FLIP"),
         Column::number("largest"),
         Column::number("% off"),
-    ];
+    ]
+    .into_iter()
+    .chain(report.surveyed.iter().flat_map(|_| [Column::number("inside"), Column::number("% holes")]));
+    let columns: Vec<_> = columns.collect();
     let line = |row: &Row| {
         let ms = |value| Cell::number(value, digits);
         let small = |value| Cell::number(value, error);
         let count = |value: f64| Cell::number(value, |value| value.to_string());
         let errors = row.errors;
-        let cells = vec![
+        let mut cells = vec![
             Cell::text(&row.method),
             Cell::text(short(&row.setting)),
             Cell::text(if row.front { "front" } else { "" }),
@@ -353,6 +456,10 @@ fn rows(report: &Tradeoff) -> Markup {
             small(errors.max),
             Cell::number(errors.above_1_255, percent),
         ];
+        if report.surveyed.is_some() {
+            cells.push(row.rmse_inside.map_or(Cell::text(""), small));
+            cells.push(row.holes.map_or(Cell::text(""), |holes| Cell::number(holes, percent)));
+        }
         Line { cells, is_marked: row.front }
     };
     let lines: Vec<_> = report.rows.iter().map(line).collect();
@@ -507,6 +614,7 @@ fn method(report: &Tradeoff) -> Markup {
             b { "Memory. " } "The largest number of device bytes at any time of a frame, cloud and image included, as the "
             "allocator reserves it; beside it the bytes of the lists of fragments, or of the events of soft spheres, in the largest band."
         }
+        @if let Some(surveyed) = &report.surveyed { (about_surfaces(report, surveyed)) } @else {
         p {
             b { "Error. " } "Against the image of " code { (report.reference.method) } ", which leaves nothing out, and is computed in or checked against float64. On "
             "linear R, G, B, composed over the background, of all pixels. RMSE is the root of the mean squared difference; NMSE is the "
@@ -516,6 +624,29 @@ fn method(report: &Tradeoff) -> Markup {
         p {
             b { "Bias. " } "From as many images with different seeds as the table says. The bias is the RMSE of their mean "
             "against the reference, less noise/√seeds by squares, and 0 where that is more."
+        }
+        }
+    }
+}
+
+/// What opaque points are held against.
+fn about_surfaces(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
+    let across = surveyed.samples_across;
+    html! {
+        p {
+            b { "Points. " } "All of them, and one of each " code { "thinning" } " by chance, which is no key of a scene file: a thinner "
+            "cloud is part of the denser ones. Its radii are larger by √thinning, as the distance between neighbors on a surface is."
+        }
+        p {
+            b { "Error. " } "Against " code { (report.reference.method) } ", as near to the surfaces as the points come: the mean of "
+            (across) " × " (across) " samples in a pixel, of splats of size 1. The images have one sample in a pixel, and edges that show it: "
+            "0 is out of reach. On linear R, G, B, composed over the background, of all pixels. RMSE is the root of the mean squared "
+            "difference; NMSE is the squared difference over the reference's squares; PSNR has a peak of 1; FLIP is in [0, 1]."
+        }
+        p {
+            b { "Holes. " } "The silhouette are the " (grouped(surveyed.silhouette)) " pixels of which the reference covers all samples, and "
+            "those of the eight pixels around. A pixel of it on which nothing is drawn is a hole. Where a farther surface shows through, there "
+            "is none by that count; the error tells. “Inside” is the RMSE of the silhouette's pixels."
         }
     }
 }

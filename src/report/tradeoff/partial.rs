@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Reference, Repeats};
+use super::{Errors, Reference, Repeats, Shaded};
 use crate::output::{self, write_atomically};
 
 const NAME: &str = "tradeoff.partial.json";
@@ -20,6 +20,8 @@ pub(super) struct Trial {
     pub errors: Errors,
     pub repeats: Option<Repeats>,
     pub rmse_analytic: Option<f64>,
+    pub holes: Option<f64>,
+    pub rmse_inside: Option<f64>,
     pub picture: String,
     pub difference: String,
     /// Of a frame that found its buffers and shaders ready, on the host's clock.
@@ -51,6 +53,7 @@ pub(super) struct Content {
     /// Runs of the command so far.
     pub sittings: u32,
     pub reference: Option<Reference>,
+    pub shaded: Option<Shaded>,
     /// By [`super::settings::Setting::key`].
     pub settings: BTreeMap<String, Measured>,
 }
@@ -113,6 +116,8 @@ mod tests {
             errors,
             repeats: None,
             rmse_analytic: None,
+            holes: None,
+            rmse_inside: None,
             picture: picture.to_owned(),
             difference: picture.to_owned(),
             seconds: 0.25,

@@ -16,6 +16,8 @@ use crate::output;
 
 /// Wider pictures are reduced by a whole factor until they are no wider.
 const MAX_WIDTH: u32 = 640;
+/// Pixels of all pictures of a page together at most, so that it does not get too large for a browser.
+const MAX_PIXELS: u64 = 24 << 20;
 
 /// The pictures of all rows, as data URIs.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +46,7 @@ enum Reduce {
 impl Pictures {
     /// Reads the files that the report names.
     pub(super) fn read(folder: &Path, report: &Tradeoff) -> Result<Self, output::Error> {
-        let factor = report.size[0].div_ceil(MAX_WIDTH).max(1);
+        let factor = factor(report.size, report.rows.len());
         let mut files = vec![(report.reference.picture.as_str(), Reduce::Mean)];
         for row in &report.rows {
             files.extend([(row.picture.as_str(), Reduce::Mean), (row.difference.as_str(), Reduce::Max)]);
@@ -66,6 +68,15 @@ impl Pictures {
         let rows = indices.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
         Ok(Self { uris, reference, rows, size: report.size.map(|side| side.div_ceil(factor)), factor })
     }
+}
+
+/// By how much pictures are reduced; there are two for each row, and the reference.
+fn factor(size: [u32; 2], rows: usize) -> u32 {
+    let pixels = |factor: u32| size.map(|side| u64::from(side.div_ceil(factor))).iter().product::<u64>();
+    let all = |factor: u32| pixels(factor).saturating_mul(2 * rows as u64 + 1);
+    let narrow = size[0].div_ceil(MAX_WIDTH).max(1);
+    // In a picture of one pixel there is nothing to reduce.
+    (narrow..).find(|factor| all(*factor) <= MAX_PIXELS || pixels(*factor) <= 1).unwrap_or(narrow)
 }
 
 fn embedded(path: &Path, factor: u32, how: Reduce) -> Result<String, output::Error> {
@@ -102,6 +113,14 @@ fn reduced(picture: &RgbImage, factor: u32, how: Reduce) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn many_pictures_are_reduced_more() {
+        assert_eq!((factor([640, 480], 20), factor([1024, 1024], 40), factor([1, 1], 1)), (1, 2, 1));
+        // 247 pictures of 256² are 16.2 million pixels, those of 342² 28.9.
+        assert_eq!(factor([1024, 1024], 123), 4);
+        assert_eq!(factor([4, 4], usize::MAX / 4), 4);
+    }
 
     #[test]
     fn blocks_become_their_mean_or_their_greatest() {

@@ -1,6 +1,8 @@
 //! The methods of one image formation with their settings: what is compared on a scene.
 
 use super::Skipped;
+pub use super::surfaces::Surfaces;
+use super::surfaces::ladder;
 use crate::methods::abuffer::LOCAL_LENGTH;
 use crate::methods::soft::SoftModel;
 use crate::passes::project::Parts;
@@ -25,21 +27,25 @@ pub enum Formation {
     /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and nothing is
     /// brightened.
     Ensembles(Spbr),
+    /// Opaque points of surfaces. Each method draws an image of its own; what they are held against is the surface.
+    Surfaces(Surfaces),
 }
 
 impl Formation {
-    /// The method that draws it exactly, but for rounding. No number of ensembles does: the method itself.
+    /// The method that draws it exactly, but for rounding. No number of ensembles does: the method itself. Of surfaces the one
+    /// that draws them best, if there are many samples in a pixel.
     pub fn exact(&self) -> Method {
         match *self {
             Self::Discs(discs) => Method::ABuffer(discs),
             Self::Soft { soft, .. } => Method::SoftBase(soft),
             Self::Ensembles(spbr) => Method::Spbr(spbr),
+            Self::Surfaces(surfaces) => surfaces.reference(),
         }
     }
 }
 
 /// The steps of every ladder, ascending.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ladders {
     /// `samples` of `stochastic`.
     pub samples: &'static [u32],
@@ -51,6 +57,14 @@ pub struct Ladders {
     pub shells: &'static [u32],
     /// `ensembles` of `spbr`.
     pub ensembles: &'static [u32],
+    /// `size` of opaque splats.
+    pub sizes: &'static [f64],
+    /// `fill` and `occlusion` of `image-space`, both alike.
+    pub iterations: &'static [u32],
+    /// Opaque points are drawn as they are and with one point of so many; the first is 1.
+    pub thinning: &'static [u32],
+    /// `samples` of `[shadows]`.
+    pub shadow_samples: &'static [u32],
 }
 
 impl Ladders {
@@ -61,10 +75,23 @@ impl Ladders {
         layers: &[1, 2, 4, 8, 16, 32, 64],
         shells: &[1, 2, 4, 8],
         ensembles: &[1, 3, 10, 30, 100, 300, 1000],
+        sizes: &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
+        iterations: &[0, 1, 2, 4, 8],
+        thinning: &[1, 4, 16],
+        shadow_samples: &[1, 5, 10, 30],
     };
     /// For a first look and for CI.
-    pub const QUICK: Self =
-        Self { samples: &[1, 8, 64], k: &[1, 8], layers: &[1, 8], shells: &[1, 4], ensembles: &[1, 10, 100] };
+    pub const QUICK: Self = Self {
+        samples: &[1, 8, 64],
+        k: &[1, 8],
+        layers: &[1, 8],
+        shells: &[1, 4],
+        ensembles: &[1, 10, 100],
+        sizes: &[0.0, 1.0, 2.0],
+        iterations: &[0, 1, 4],
+        thinning: &[1, 16],
+        shadow_samples: &[1, 5],
+    };
     /// What is chosen from.
     pub const FINE: Self = Self {
         samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
@@ -94,7 +121,7 @@ impl Occasion {
                 falloff == Falloff::Flat && points.opacities.iter().all(|opacity| *opacity >= 1.0),
                 shape == DiscShape::Oriented && points.normals.is_some(),
             ),
-            Formation::Soft { .. } | Formation::Ensembles(_) => (false, false),
+            Formation::Soft { .. } | Formation::Ensembles(_) | Formation::Surfaces(_) => (false, false),
         };
         Self { formation, opaque, oriented, max_list }
     }
@@ -108,23 +135,28 @@ pub struct Setting {
     /// As options of the command line would give it, beside `--method`; empty for the defaults.
     pub text: String,
     /// What is turned, and how far.
-    pub step: Option<(&'static str, u32)>,
+    pub step: Option<(&'static str, f64)>,
     /// What settings of one ladder share; of others the name.
     pub series: String,
     /// What the time grows with along the series.
     pub effort: Option<f64>,
+    /// One point of so many is drawn, of opaque ones; 1: all.
+    pub thinning: u32,
 }
 
 impl Setting {
-    fn single(method: Method, text: &str) -> Self {
+    pub(super) fn single(method: Method, text: &str) -> Self {
         let series = format!("{} {text}", method.name());
-        Self { method, text: text.to_owned(), step: None, series, effort: None }
+        Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1 }
     }
 
-    fn step(method: Method, (key, value): (&'static str, u32), rest: &str) -> Self {
-        let text = format!("method.{key}={value} {rest}").trim_end().to_owned();
+    /// What is turned may be several keys, as in `fill+occlusion`.
+    pub(super) fn step(method: Method, (key, value): (&'static str, impl Into<f64>), rest: &str) -> Self {
+        let value = value.into();
+        let turned: String = key.split('+').map(|key| format!("method.{key}={value} ")).collect();
+        let text = format!("{turned}{rest}").trim_end().to_owned();
         let series = format!("{} {rest}", method.name());
-        Self { method, text, step: Some((key, value)), series, effort: Some(value.into()) }
+        Self { method, text, step: Some((key, value)), series, effort: Some(value), thinning: 1 }
     }
 
     /// Method and setting: no two have the same.
@@ -184,12 +216,20 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
             let name = method.name();
             scene::Error::Usage(format!(
                 "method {name} draws points in a way of its own, so that there is nothing to compare it with; \
-                 --method auto compares the methods of transparent discs, --method soft-base those of soft spheres, \
-                 --method spbr numbers of ensembles"
+                 --method auto compares the methods of transparent discs, --method circles those of opaque points, \
+                 --method soft-base those of soft spheres, --method spbr numbers of ensembles"
             ))
         })?,
     };
     Ok(Formation::Discs(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
+}
+
+/// As [`formation`], and [`Formation::Surfaces`] for methods of opaque points, which draw no image alike but the same surfaces.
+///
+/// # Errors
+/// A method of one transparent layer, or of layers of points.
+pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
+    Surfaces::of(method, points).map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
 }
 
 /// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason.
@@ -230,6 +270,7 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
             let reason = "draws opaque discs, another image formation";
             skipped.push(Setting::single(Method::Circles(ScreenSplats::default()), "").skipped(reason));
         }
+        Formation::Surfaces(surfaces) => return ladder::settings(&surfaces, ladders),
     }
     for opaque in [
         Method::Points,
@@ -311,7 +352,7 @@ fn climb(
             let longest = occasion.max_list;
             skipped.push(setting.skipped(format!("the longest list has {longest} fragments: the step before has all")));
         } else {
-            reached = setting.step.is_some_and(|(_, value)| value >= occasion.max_list);
+            reached = setting.step.is_some_and(|(_, value)| value >= f64::from(occasion.max_list));
             settings.push(setting);
         }
     }

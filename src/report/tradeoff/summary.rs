@@ -21,7 +21,8 @@ pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
     Row {
         method: setting.method.name().to_owned(),
         setting: setting.text.clone(),
-        step: setting.step.map(|(key, value)| (key.to_owned(), value.into())),
+        step: setting.step.map(|(key, value)| (key.to_owned(), value)),
+        thinning: setting.thinning,
         stochastic: setting.is_stochastic(),
         gpu_ms: Spread::of(frames.iter().map(|frame| frame.gpu_ms).collect()),
         wall_ms: Spread::of(frames.iter().map(|frame| frame.wall_ms).collect()),
@@ -31,6 +32,8 @@ pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
         errors: trial.errors,
         repeats: trial.repeats,
         rmse_analytic: trial.rmse_analytic,
+        holes: trial.holes,
+        rmse_inside: trial.rmse_inside,
         front: false,
         picture: trial.picture.clone(),
         difference: trial.difference.clone(),
@@ -79,7 +82,7 @@ pub(super) fn convergence(settings: &[Setting], rows: &[Row]) -> Vec<Convergence
             .iter()
             .zip(rows)
             .filter(|(setting, _)| setting.series == first.series)
-            .filter_map(|(setting, row)| Some((f64::from(setting.step?.1), row)))
+            .filter_map(|(setting, row)| Some((setting.step?.1, row)))
             .collect();
         let over_steps: Vec<_> = ladder.iter().map(|(step, row)| (*step, row.errors.rmse)).collect();
         let over_time: Vec<_> = ladder.iter().map(|(_, row)| (row.gpu_ms.median, row.errors.rmse)).collect();
@@ -110,6 +113,8 @@ mod tests {
             errors,
             repeats: None,
             rmse_analytic: None,
+            holes: None,
+            rmse_inside: None,
             picture: String::new(),
             difference: String::new(),
             seconds: 0.0,
@@ -158,7 +163,7 @@ mod tests {
         let rows: Vec<Row> = settings
             .iter()
             .map(|setting| {
-                let samples = f64::from(setting.step.unwrap().1);
+                let samples = setting.step.unwrap().1;
                 row(setting, &measured(&[samples], 0.5 / samples.sqrt()))
             })
             .collect();

@@ -6,10 +6,12 @@
 
 mod builder;
 mod garden;
+pub mod iso;
 mod mosaic;
 mod plane;
 mod planes;
 mod random;
+mod sign;
 mod spheres;
 mod stack;
 mod tori;
@@ -67,6 +69,7 @@ pub const BUILTINS: &[Builtin] = &[
     plane::BUILTIN,
     planes::BUILTIN,
     spheres::BUILTIN,
+    sign::BUILTIN,
 ];
 
 /// A generated scene: its clouds and the scene file that shows them.
@@ -143,6 +146,27 @@ pub enum Error {
         /// Mean layers where every point covers the whole image.
         most: f64,
     },
+    /// The volume has no surface at a value.
+    #[error(
+        "iso: there is no surface at the value {value}; those of the volume lie from {least} to {greatest}, and a surface is \
+         where some are above and some below"
+    )]
+    NoSurface {
+        /// The value asked for, or the only one that there is.
+        value: f64,
+        /// The volume's least value; NaN if it has none.
+        least: f64,
+        /// Its greatest.
+        greatest: f64,
+    },
+    /// More values than there are colors.
+    #[error("iso: {values} values are given, and there may be {most}")]
+    TooManySurfaces {
+        /// How many were given.
+        values: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// The memory for the points is not to be had.
     #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
     TooLarge {
@@ -161,10 +185,10 @@ pub enum Error {
 /// An unknown scene or parameter, a value out of range or not whole, more points than fit the memory.
 pub fn build(name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
     let builtin = BUILTINS.iter().find(|b| b.name == name).ok_or_else(|| {
-        let known = || BUILTINS.iter().map(|b| b.name);
+        let known = || BUILTINS.iter().map(|b| b.name).chain([iso::NAME]);
         Error::UnknownScene { name: name.to_owned(), hint: hint(name, known()), known: list(known()) }
     })?;
-    let values = Values::new(builtin, parameters)?;
+    let values = Values::new(builtin.name, builtin.parameters, parameters)?;
     (builtin.generate)(&values, seed)
 }
 
@@ -175,12 +199,11 @@ struct Values {
 }
 
 impl Values {
-    fn new(builtin: &'static Builtin, given: &[(String, f64)]) -> Result<Self, Error> {
-        let scene = builtin.name;
-        let mut values: Vec<f64> = builtin.parameters.iter().map(|p| p.default).collect();
+    fn new(scene: &'static str, parameters: &'static [Parameter], given: &[(String, f64)]) -> Result<Self, Error> {
+        let mut values: Vec<f64> = parameters.iter().map(|p| p.default).collect();
         for (name, value) in given {
-            let known = || builtin.parameters.iter().map(|p| p.name);
-            let Some((slot, p)) = values.iter_mut().zip(builtin.parameters).find(|(_, p)| p.name == name) else {
+            let known = || parameters.iter().map(|p| p.name);
+            let Some((slot, p)) = values.iter_mut().zip(parameters).find(|(_, p)| p.name == name) else {
                 let (hint, known) = (hint(name, known()), list(known()));
                 return Err(Error::UnknownParameter { scene, name: name.clone(), hint, known });
             };
@@ -192,7 +215,7 @@ impl Values {
             }
             *slot = *value;
         }
-        Ok(Self { parameters: builtin.parameters, values })
+        Ok(Self { parameters, values })
     }
 
     /// The value of a parameter that the scene declares; asking for another one is a fault of this module.

@@ -1,0 +1,431 @@
+//! `image-space`: 1-pixel points whose holes are closed by filters of the image (Dobrev, Rosenthal, Linsen 2010, Section 3).
+//! Layers of such images are blended by [`super::peel_layers`].
+//!
+//! An image is kept in tiles of 16 × 16 pixels, each of which knows its range of depths and whether it has background. Before
+//! each run of a filter a work list is made of the tiles that it may change, and the filter is dispatched indirectly over it.
+//! A tile has two places: a filter reads one and writes the other, so that nothing is copied, and tiles that are not
+//! listed cost nothing.
+
+mod passes;
+pub mod windows;
+
+pub use passes::{
+    Antialias, Deliver, DeliverPush, Fill, Filter, FilterPush, List, ListPush, Listed, Measure, Occlusion, Resolve,
+    ResolvePush, Smooth, Tiled, TiledGroup, resolve_variant,
+};
+
+use super::Error;
+use super::bands::{self, Budget, Window};
+use super::peel::PeelWork;
+use super::points::{self, Choice};
+use super::renderer::{Facts, Frame, Target, Timeline};
+use super::splat::NearestSplat;
+use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Projecting};
+use crate::scene::{ImageSpace, Method};
+use windows::TILE;
+
+/// Pixels of a tile.
+const AREA: u64 = (TILE * TILE) as u64;
+/// Bytes per pixel of a window and its halo: nearest point, and two places for depth and color.
+const PIXEL_BYTES: u64 = 8 + 2 * (4 + 16);
+/// As much again where layers are peeled: limit, and number of layers.
+const LAYER_BYTES: u64 = 4 + 4;
+/// Bytes per tile: what is known about it, and its place in the work list.
+const TILE_BYTES: u64 = 16 + 8;
+/// Tiles of a window at most, such that one dimension of workgroups holds them on every device.
+const MOST_TILES: u64 = 65_535;
+/// Names of the filters' fills and copies.
+const CLEAR: &str = "image-space/clear";
+
+/// How far the filters of a frame reach, in pixels: as far as a pixel of the last layer depends on points. Smoothing and
+/// antialiasing change no depth, so that no later layer depends on them.
+pub fn halo(filters: &ImageSpace, layers: u32) -> u32 {
+    let closing = (filters.fill + filters.occlusion).saturating_mul(layers);
+    closing.saturating_add(filters.smooth + u32::from(filters.antialias))
+}
+
+/// Layers of a frame at most, of methods that peel them.
+pub fn layers(method: &Method) -> Option<u32> {
+    match method {
+        Method::PeelLayers(peel) => Some(peel.layers),
+        _ => None,
+    }
+}
+
+/// Cuts a frame into windows whose images fit, with their halos.
+///
+/// # Errors
+/// The halo of a single pixel does not fit.
+pub fn frame_windows(frame: &Frame, filters: &ImageSpace, budget: Budget) -> Result<Vec<Window>, Error> {
+    let layers = layers(&frame.method);
+    let tile_bytes = TILE_BYTES + AREA * (PIXEL_BYTES + if layers.is_some() { LAYER_BYTES } else { 0 });
+    let bound = (budget.binding / size_of::<[f32; 4]>() as u64).saturating_sub(1) / (2 * AREA);
+    let limit = bound.min(MOST_TILES);
+    let halo = halo(filters, layers.unwrap_or(1));
+    let within = |bytes: u64| windows::windows(frame.size, (bytes / tile_bytes).min(limit).max(1), halo);
+    // Half of it, unless only all of it will do.
+    within(budget.bytes / 2).or_else(|| within(budget.bytes)).ok_or_else(|| {
+        let tiles = windows::fewest_tiles(frame.size, halo);
+        if tiles > limit {
+            return Error::HaloTooLarge { halo, tiles, limit };
+        }
+        Error::HaloOverBudget { halo, needed: tiles * tile_bytes, available: budget.bytes }
+    })
+}
+
+/// What a window is rendered from, and how.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// The cloud, whose view is set to `outer`.
+    pub cloud: &'a DeviceCloud,
+    /// What is delivered.
+    pub window: Window,
+    /// The same with its halo: what is rendered.
+    pub outer: Window,
+    /// How points are shaded.
+    pub how: &'a Projecting,
+    /// The filters.
+    pub filters: ImageSpace,
+    /// d̃ in world units.
+    pub distance: f32,
+    /// Depth of background where edges are looked for.
+    pub far: f32,
+    /// Whether 64-bit atomics are used.
+    pub wide: bool,
+    /// Whether opacities count.
+    pub transparent: bool,
+}
+
+impl WindowJob<'_> {
+    pub(super) fn tiles(&self) -> [u32; 2] {
+        windows::tiles(self.outer)
+    }
+
+    pub(super) fn tile_count(&self) -> u64 {
+        let [columns, rows] = self.tiles();
+        u64::from(columns) * u64::from(rows)
+    }
+
+    /// Size of what is rendered, in pixels.
+    pub(super) fn outer_size(&self) -> [u32; 2] {
+        [self.outer[2] - self.outer[0], self.outer[3] - self.outer[1]]
+    }
+
+    pub(super) fn deliver_push(&self) -> DeliverPush {
+        let ([columns, _], window) = (self.tiles(), self.window);
+        DeliverPush {
+            columns,
+            tiles: self.tile_count() as u32,
+            left: window[0] - self.outer[0],
+            top: window[1] - self.outer[1],
+            width: window[2] - window[0],
+            height: window[3] - window[1],
+        }
+    }
+
+    /// The filters in the order of their runs, with the number of their iterations.
+    fn runs(&self) -> [(Filter, u32); 4] {
+        let ImageSpace { fill, occlusion, smooth, antialias, .. } = self.filters;
+        let iterations = [fill, occlusion, smooth, u32::from(antialias)];
+        std::array::from_fn(|i| (Filter::ALL[i], iterations[i]))
+    }
+
+    /// Work lists of a layer: of the resolve, of the filters' runs, numbered from 1, and of the delivery.
+    fn slot_count(&self) -> u32 {
+        self.deliver_slot() + 1
+    }
+
+    fn deliver_slot(&self) -> u32 {
+        1 + self.runs().iter().map(|(_, iterations)| iterations).sum::<u32>()
+    }
+
+    /// How much goes through all tiles, before there are lists.
+    pub(super) fn measure_dispatch(&self) -> Dispatch<'static> {
+        Dispatch::Groups(self.tile_count())
+    }
+
+    pub(super) fn list_dispatch(&self) -> Dispatch<'static> {
+        Dispatch::Invocations(self.tile_count())
+    }
+}
+
+/// Dispatches of a layer that the device may empty.
+#[derive(Clone, Copy)]
+pub(super) struct Emptied<'a> {
+    /// Of the passes that find the nearest points, four words for each chunk.
+    pub nearest: Slice<'a, u32>,
+    pub measure: Slice<'a, u32>,
+    pub list: Slice<'a, u32>,
+}
+
+/// Buffers of filtered images, kept from frame to frame.
+pub struct Filterer {
+    pub(super) nearest: Kept<NearestSplat>,
+    tiles: Kept<[u32; 4]>,
+    pub(super) depths: Kept<f32>,
+    pub(super) colors: Kept<[f32; 4]>,
+    pub(super) entries: Kept<[u32; 2]>,
+    slots: Kept<u32>,
+    totals: Buffer<u32>,
+    totals_host: Buffer<u32>,
+    pub(super) work: Buffer<PeelWork>,
+}
+
+impl Filterer {
+    /// No buffers but the small ones yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            nearest: Kept::new("nearest points", Memory::Device),
+            tiles: Kept::new("image tiles", Memory::Device),
+            depths: Kept::new("tile depths", Memory::Device),
+            colors: Kept::new("tile colors", Memory::Device),
+            entries: Kept::new("listed tiles", Memory::Device),
+            slots: Kept::new("filter dispatches", Memory::Device),
+            totals: device.buffer("filtered tiles", 4, Memory::Device)?,
+            totals_host: device.buffer("filtered tiles, host", 4, Memory::Readback)?,
+            work: device.buffer("layer work", 1, Memory::Device)?,
+        })
+    }
+
+    /// Renders a window of one opaque image; into the target, if there is one.
+    pub fn render(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: Option<&Target>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<(), Error> {
+        self.reserve(device, job)?;
+        let mut recorder = device.recorder()?;
+        self.record_clear(&mut recorder, job)?;
+        let cut = Cut::new(device, job.cloud.len())?;
+        self.record_points(&mut recorder, job, (None, None))?;
+        self.record_image(&mut recorder, job, cut, None)?;
+        job.cloud.record_stats(&mut recorder)?;
+        self.record_summary(&mut recorder)?;
+        if let Some(target) = target {
+            let pixels = bands::pixels(job.window);
+            recorder.fill("image/clear", target.image().first(pixels), 0)?;
+            recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+            let (entries, depths, colors) = (self.entries.get().all(), self.depths(job), self.colors(job));
+            let (image, image_depths) = (target.image(), target.depths());
+            let deliver = Deliver { entries, depths, colors, image, image_depths };
+            recorder.run(&deliver, &Run::new(self.deliver_dispatch(job)).push(&job.deliver_push()))?;
+            target.record_read_back(&mut recorder, pixels)?;
+        }
+        timeline.add(recorder.submit("points and filters")?);
+        self.note(job, 1, facts);
+        Ok(())
+    }
+
+    pub(super) fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        let tiles = job.tile_count();
+        self.nearest.reserve(device, bands::pixels(job.outer))?;
+        self.tiles.reserve(device, tiles)?;
+        self.entries.reserve(device, tiles)?;
+        self.depths.reserve(device, Self::places(job) + 1)?;
+        self.colors.reserve(device, Self::places(job) + 1)?;
+        self.slots.reserve(device, 4 * u64::from(job.slot_count()))?;
+        Ok(())
+    }
+
+    /// Pixels of both sides of all tiles.
+    fn places(job: &WindowJob<'_>) -> u64 {
+        2 * AREA * job.tile_count()
+    }
+
+    pub(super) fn depths(&self, job: &WindowJob<'_>) -> Slice<'_, f32> {
+        self.depths.get().slice(0, Self::places(job) + 1)
+    }
+
+    pub(super) fn colors(&self, job: &WindowJob<'_>) -> Slice<'_, [f32; 4]> {
+        self.colors.get().slice(0, Self::places(job) + 1)
+    }
+
+    /// Nearest points of the pixels that are rendered.
+    pub(super) fn nearest(&self, job: &WindowJob<'_>) -> Slice<'_, NearestSplat> {
+        self.nearest.get().slice(0, bands::pixels(job.outer))
+    }
+
+    /// Records that there is nothing yet, and what lies outside of the image.
+    pub(super) fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        job.cloud.record_clear(recorder)?;
+        recorder.fill(CLEAR, self.nearest(job), u32::MAX)?;
+        recorder.fill(CLEAR, self.totals.all(), 0)?;
+        recorder.fill(CLEAR, self.work.all(), 0)?;
+        let outside = Self::places(job);
+        recorder.fill(CLEAR, self.depths.get().slice(outside, 1), f32::INFINITY.to_bits())?;
+        recorder.fill(CLEAR, self.colors.get().slice(outside, 1), BACKGROUND_ALPHA.to_bits())?;
+        Ok(())
+    }
+
+    /// Records the copy of what was listed to the host, for [`Self::note`].
+    pub(super) fn record_summary<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
+        recorder.copy("image-space/summary", self.totals.all(), self.totals_host.all())?;
+        Ok(())
+    }
+
+    /// Adds what the filters of a window had, of whose image there were so many layers.
+    pub(super) fn note(&self, job: &WindowJob<'_>, layers: u32, facts: &mut Facts) {
+        facts.image_tiles += job.tile_count() * u64::from(layers);
+        for (sum, listed) in facts.filtered_tiles.iter_mut().zip(self.totals_host.mapped_slice()) {
+            *sum += u64::from(*listed);
+        }
+    }
+
+    /// Records the points of a layer: of a later one with limits, and of one whose dispatches the device may empty, with these.
+    pub(super) fn record_points<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        (limits, emptied): (Option<Slice<'a, u32>>, Option<Emptied<'a>>),
+    ) -> Result<(), Error> {
+        let choice = Choice { cull: job.filters.cull, limits, dispatches: emptied.map(|e| e.nearest) };
+        points::record_nearest(recorder, job.cloud, self.nearest(job), job.wide, &choice)?;
+        let (nearest, tiles) = (self.nearest(job).cast(), self.tiles.get().all());
+        let dispatch = emptied.map_or(job.measure_dispatch(), |e| Dispatch::Indirect(e.measure));
+        let run = Run::new(dispatch).push(&Self::resolve_push(job));
+        recorder.run(&Measure { nearest, tiles, work: self.work.all() }, &run)?;
+        Ok(())
+    }
+
+    fn resolve_push(job: &WindowJob<'_>) -> ResolvePush {
+        let [width, height] = job.outer_size();
+        ResolvePush { columns: job.tiles()[0], width, height }
+    }
+
+    /// Records colors and depths of the points that were found.
+    fn record_resolve<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        cut: Cut,
+        emptied: Option<Emptied<'a>>,
+    ) -> Result<(), Error> {
+        let cloud = job.cloud;
+        self.record_list(recorder, job, Listed::Resolve, (0, 0), emptied)?;
+        let resolve = Resolve {
+            camera: cloud.view(),
+            points_hi: cut.of(&cloud.points_hi),
+            points_lo: cut.of(&cloud.points_lo),
+            point_colors: cut.of(&cloud.point_colors),
+            normals: cut.of(&cloud.normals),
+            nearest: self.nearest(job).cast(),
+            entries: self.entries.get().all(),
+            depths: self.depths(job),
+            colors: self.colors(job),
+        };
+        let variant = resolve_variant(cut, job.how, cloud.has_normals(), job.transparent);
+        let run = Run::new(self.listed_dispatch(0)).push(&Self::resolve_push(job)).variant(variant);
+        recorder.run(&resolve, &run)?;
+        Ok(())
+    }
+
+    /// The tiles of a work list.
+    fn listed_dispatch(&self, slot: u32) -> Dispatch<'_> {
+        Dispatch::Indirect(self.slots.get().slice(4 * u64::from(slot), 3))
+    }
+
+    /// The tiles of a filtered image that are not background alone.
+    pub(super) fn deliver_dispatch(&self, job: &WindowJob<'_>) -> Dispatch<'_> {
+        self.listed_dispatch(job.deliver_slot())
+    }
+
+    /// Records the image of the points found, its filters, and the list of what is to be delivered.
+    pub(super) fn record_image<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        cut: Cut,
+        emptied: Option<Emptied<'a>>,
+    ) -> Result<(), Error> {
+        recorder.fill(CLEAR, self.slots.get().all(), 0)?;
+        self.record_resolve(recorder, job, cut, emptied)?;
+        let mut run = 0;
+        for (filter, iterations) in job.runs() {
+            for iteration in 0..iterations {
+                run += 1;
+                let before = if iteration > 0 && filter.is_settling() { run - 1 } else { 0 };
+                self.record_list(recorder, job, Listed::Filter(filter), (run, before), emptied)?;
+                self.record_filter(recorder, job, filter, run)?;
+            }
+        }
+        self.record_list(recorder, job, Listed::Deliver, (job.deliver_slot(), 0), emptied)
+    }
+
+    fn record_list<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        listed: Listed,
+        (slot, before): (u32, u32),
+        emptied: Option<Emptied<'a>>,
+    ) -> Result<(), Error> {
+        let list = List {
+            tiles: self.tiles.get().all(),
+            entries: self.entries.get().all(),
+            arguments: self.slots.get().all(),
+            totals: self.totals.all(),
+        };
+        let [columns, rows] = job.tiles();
+        let (distance, threshold) = (job.distance, job.filters.antialias_threshold);
+        let push = ListPush { columns, rows, before, slot, distance, threshold };
+        let dispatch = emptied.map_or(job.list_dispatch(), |e| Dispatch::Indirect(e.list));
+        recorder.run(&list, &Run::new(dispatch).push(&push).variant(listed.variant()))?;
+        Ok(())
+    }
+
+    fn record_filter<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        filter: Filter,
+        run: u32,
+    ) -> Result<(), Error> {
+        let (entries, tiles) = (self.entries.get().all(), self.tiles.get().all());
+        let tiled = Tiled { entries, tiles, depths: self.depths(job), colors: self.colors(job) };
+        let [width, height] = job.outer_size();
+        let push = FilterPush {
+            columns: job.tiles()[0],
+            tiles: job.tile_count() as u32,
+            width,
+            height,
+            run,
+            distance: job.distance,
+            far: job.far,
+            threshold: job.filters.antialias_threshold,
+        };
+        let how = Run::new(self.listed_dispatch(run)).push(&push);
+        match filter {
+            Filter::Fill => recorder.run(&Fill { tiled }, &how)?,
+            Filter::Occlusion => recorder.run(&Occlusion { tiled }, &how)?,
+            Filter::Smooth => recorder.run(&Smooth { tiled }, &how)?,
+            Filter::Antialias => recorder.run(&Antialias { tiled }, &how)?,
+        }
+        Ok(())
+    }
+}
+
+/// Alpha of background between filters, as in shaders/shared/tiled.wgsl.
+const BACKGROUND_ALPHA: f32 = -1.0;
+
+/// Bytes that a pass must at least read and write: those of filters by the tiles that they had.
+pub fn least_bytes(name: &str, facts: &Facts, cloud: &DeviceCloud, cull: bool) -> Option<u64> {
+    let [fill, occlusion, smooth, antialias] = facts.filtered_tiles.map(|tiles| tiles * AREA);
+    let normals = if cull && cloud.has_normals() { 16 } else { 0 };
+    match name {
+        // Later layers visit the points again, but how many layers each window had is not known.
+        "points/nearest" if facts.layers <= 1 => {
+            Some(facts.points * (32 + normals) * facts.windows.max(1) + facts.visible * 8)
+        }
+        "image-space/measure" => Some(facts.image_tiles * AREA * 8),
+        "image-space/fill" => Some(fill * 2 * 20),
+        "image-space/occlusion" => Some(occlusion * 2 * 20),
+        "image-space/smooth" => Some(smooth * 2 * 16),
+        "image-space/antialias" => Some(antialias * (4 + 2 * 16)),
+        _ => None,
+    }
+}

@@ -1,0 +1,193 @@
+//! The passes of image-space rendering.
+
+use crate::gpu::Variant;
+use crate::methods::peel::PeelWork;
+use crate::passes::compose::Cut;
+use crate::passes::project::{Projecting, View};
+use crate::{gpu_struct, group, pass};
+
+gpu_struct! {
+    /// Push constants of `image-space/measure` and `image-space/resolve`.
+    pub struct ResolvePush {
+        columns: u32,
+        width: u32,
+        height: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `image-space/list`.
+    pub struct ListPush {
+        columns: u32,
+        rows: u32,
+        before: u32,
+        slot: u32,
+        distance: f32,
+        threshold: f32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of the filters.
+    pub struct FilterPush {
+        columns: u32,
+        tiles: u32,
+        width: u32,
+        height: u32,
+        run: u32,
+        distance: f32,
+        far: f32,
+        threshold: f32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `image-space/deliver`.
+    pub struct DeliverPush {
+        columns: u32,
+        tiles: u32,
+        left: u32,
+        top: u32,
+        width: u32,
+        height: u32,
+    }
+}
+
+pass! {
+    /// What each tile holds.
+    pub Measure(ResolvePush) = "image-space/measure" in "image_space/measure" {
+        nearest: Read<[u32; 2]>,
+        tiles: ReadWrite<[u32; 4]>,
+        work: ReadWrite<PeelWork>,
+    }
+}
+
+pass! {
+    /// Index of the nearest point to shaded color and depth.
+    pub Resolve(ResolvePush) = "image-space/resolve" in "image_space/resolve" {
+        camera: Uniform<View>,
+        points_hi: Parts<[f32; 4]>,
+        points_lo: Parts<[f32; 4]>,
+        point_colors: Parts<[f32; 4]>,
+        normals: Parts<[f32; 4]>,
+        nearest: Read<[u32; 2]>,
+        entries: Read<[u32; 2]>,
+        depths: ReadWrite<f32>,
+        colors: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// The tiles that a filter may change, or that another pass goes through.
+    pub List(ListPush) = "image-space/list" in "image_space/list" {
+        tiles: Read<[u32; 4]>,
+        entries: ReadWrite<[u32; 2]>,
+        arguments: ReadWrite<u32>,
+        totals: ReadWrite<u32>,
+    }
+}
+
+group! {
+    /// What the filters bind; shaders/shared/filter.wgsl and tiled.wgsl say what it is.
+    pub Tiled as TiledGroup {
+        /// The work list.
+        entries: Read<[u32; 2]>,
+        /// What is known about each tile.
+        tiles: ReadWrite<[u32; 4]>,
+        /// Both sides of all tiles' depths, and one more.
+        depths: ReadWrite<f32>,
+        /// Both sides of all tiles' colors, and one more.
+        colors: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// Background in holes of a surface.
+    pub Fill(FilterPush) = "image-space/fill" in "image_space/fill" {
+        tiled: Shared<TiledGroup>,
+    }
+}
+
+pass! {
+    /// What is seen through holes of a surface.
+    pub Occlusion(FilterPush) = "image-space/occlusion" in "image_space/occlusion" {
+        tiled: Shared<TiledGroup>,
+    }
+}
+
+pass! {
+    /// A low-pass filter of what is not background.
+    pub Smooth(FilterPush) = "image-space/smooth" in "image_space/smooth" {
+        tiled: Shared<TiledGroup>,
+    }
+}
+
+pass! {
+    /// Edges of depth blended with their neighbors.
+    pub Antialias(FilterPush) = "image-space/antialias" in "image_space/antialias" {
+        tiled: Shared<TiledGroup>,
+    }
+}
+
+pass! {
+    /// The filtered image to the window.
+    pub Deliver(DeliverPush) = "image-space/deliver" in "image_space/deliver" {
+        entries: Read<[u32; 2]>,
+        depths: Read<f32>,
+        colors: Read<[f32; 4]>,
+        image: ReadWrite<[f32; 4]>,
+        image_depths: ReadWrite<f32>,
+    }
+}
+
+/// A filter; its place among those that run over tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filter {
+    /// Of background.
+    Fill = 0,
+    /// Of what is occluded.
+    Occlusion = 1,
+    /// The low-pass filter.
+    Smooth = 2,
+    /// Of edges.
+    Antialias = 3,
+}
+
+impl Filter {
+    /// In the order in which they run.
+    pub const ALL: [Self; 4] = [Self::Fill, Self::Occlusion, Self::Smooth, Self::Antialias];
+
+    /// Whether a tile that it left alone stays as it is when the filter runs again, unless something around it was changed.
+    pub fn is_settling(self) -> bool {
+        matches!(self, Self::Fill | Self::Occlusion)
+    }
+}
+
+/// What goes through a work list; the values of `FILTER` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Listed {
+    /// A filter.
+    Filter(Filter),
+    /// Shading.
+    Resolve,
+    /// What puts a finished image into the window.
+    Deliver,
+}
+
+impl Listed {
+    /// The variant of `image-space/list`.
+    pub fn variant(self) -> Variant {
+        let value = match self {
+            Self::Filter(filter) => filter as u32,
+            Self::Resolve => 4,
+            Self::Deliver => 5,
+        };
+        Variant::plain().with("FILTER", value)
+    }
+}
+
+/// A variant of `image-space/resolve`.
+pub fn resolve_variant(cut: Cut, how: &Projecting, normals: bool, transparent: bool) -> Variant {
+    let variant = how.shaded(normals).with("PARTS", cut.parts).with("PART_LENGTH", cut.len);
+    variant.with("TRANSPARENT", u32::from(transparent))
+}

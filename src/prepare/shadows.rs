@@ -1,0 +1,163 @@
+//! What a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::{Light, Shadows};
+
+/// Share of the scene's diagonal that surfaces are apart, unless a scene says it.
+const APART: f64 = 0.01;
+
+/// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(into = "Spelled")]
+pub struct Casting {
+    /// Where light comes from, its direction of length 1; not a headlight.
+    pub light: Light,
+    /// M: lights that stand for an area light; 1 without an area.
+    pub samples: u32,
+    /// Degrees around a direction, world units around a position.
+    pub light_radius: f32,
+    /// Columns and rows of the light's image.
+    pub resolution: u32,
+    /// d̃ in world units.
+    pub min_layer_distance: f32,
+    /// What the lights of an area are shifted by; 0 without an area.
+    pub seed: u64,
+}
+
+impl Casting {
+    /// Of points whose box has a diagonal of `diagonal` world units; `None` of a headlight, which casts no shadows.
+    pub fn new(light: Light, shadows: &Shadows, seed: u64, diagonal: f64) -> Option<Self> {
+        let light = match light {
+            Light::Headlight => return None,
+            Light::Direction(direction) => Light::Direction(direction.normalize_or_zero()),
+            Light::Position(_) => light,
+        };
+        let hard = shadows.light_radius == 0.0;
+        Some(Self {
+            light,
+            samples: if hard { 1 } else { shadows.samples },
+            light_radius: shadows.light_radius,
+            resolution: shadows.resolution,
+            min_layer_distance: shadows.min_layer_distance.unwrap_or((APART * diagonal) as f32),
+            seed: if hard { 0 } else { seed },
+        })
+    }
+
+    /// In which settings this is not `other`, by the names that they have in a scene.
+    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+        [
+            ("light", self.light != other.light),
+            ("samples", self.samples != other.samples),
+            ("light_radius", self.light_radius != other.light_radius),
+            ("resolution", self.resolution != other.resolution),
+            ("min_layer_distance", self.min_layer_distance != other.min_layer_distance),
+            ("seed", self.seed != other.seed),
+        ]
+        .into_iter()
+        .filter_map(|(name, differs)| differs.then_some(name))
+        .collect()
+    }
+}
+
+/// A shadow texture that is stored with a cloud.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadowTexture {
+    /// What it belongs to.
+    pub casting: Casting,
+    /// m of each point, in [0, 1], in the order of the cloud.
+    pub lit: Vec<f32>,
+}
+
+/// A [`Casting`] as a prepared file says it.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Spelled {
+    #[serde(flatten)]
+    light: SpelledLight,
+    samples: u32,
+    light_radius: f32,
+    resolution: u32,
+    min_layer_distance: f32,
+    seed: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SpelledLight {
+    Direction([f64; 3]),
+    Position([f64; 3]),
+}
+
+impl From<Casting> for Spelled {
+    fn from(casting: Casting) -> Self {
+        Self::from(&casting)
+    }
+}
+
+impl From<&Casting> for Spelled {
+    fn from(casting: &Casting) -> Self {
+        let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = *casting;
+        let light = match light {
+            Light::Position(position) => SpelledLight::Position(position.to_array()),
+            Light::Direction(direction) => SpelledLight::Direction(direction.to_array()),
+            // Nobody's: `Casting::new` makes none.
+            Light::Headlight => SpelledLight::Direction([0.0; 3]),
+        };
+        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
+    }
+}
+
+impl From<&Spelled> for Casting {
+    fn from(spelled: &Spelled) -> Self {
+        let Spelled { samples, light_radius, resolution, min_layer_distance, seed, .. } = *spelled;
+        let light = match spelled.light {
+            SpelledLight::Direction(direction) => Light::Direction(direction.into()),
+            SpelledLight::Position(position) => Light::Position(position.into()),
+        };
+        Self { light, samples, light_radius, resolution, min_layer_distance, seed }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn casting(light: Light, shadows: &Shadows, seed: u64) -> Casting {
+        Casting::new(light, shadows, seed, 200.0).expect("it casts")
+    }
+
+    #[test]
+    fn what_makes_no_difference_is_none() {
+        let (long, short) = (Light::Direction(DVec3::new(0.0, -4.0, 0.0)), Light::Direction(DVec3::NEG_Y));
+        let hard = Shadows { samples: 30, ..Shadows::default() };
+        let one = casting(long, &hard, 7);
+        assert_eq!(one, casting(short, &Shadows { samples: 1, min_layer_distance: Some(2.0), ..hard }, 8));
+        assert_eq!((one.samples, one.seed, one.min_layer_distance), (1, 0, 2.0));
+        assert_eq!(Casting::new(Light::Headlight, &hard, 0, 1.0), None);
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let soft = Shadows { light_radius: 2.0, ..Shadows::default() };
+        let one = casting(Light::Position(DVec3::ONE), &soft, 1);
+        assert_eq!(one.differences(&one), [""; 0]);
+        let other = Shadows { light_radius: 3.0, samples: 2, resolution: 5, min_layer_distance: Some(1.0) };
+        let other = casting(Light::Direction(DVec3::ONE), &other, 2);
+        let all = ["light", "samples", "light_radius", "resolution", "min_layer_distance", "seed"];
+        assert_eq!(one.differences(&other), all);
+        assert_eq!(one.differences(&Casting { seed: 2, ..one }), ["seed"]);
+    }
+
+    #[test]
+    fn a_spelled_casting_comes_back_to_the_bit() {
+        let soft = Shadows { light_radius: 0.1, ..Shadows::default() };
+        for light in [Light::Direction(DVec3::new(0.1, -0.7, 1.0 / 3.0)), Light::Position(DVec3::splat(0.1))] {
+            let one = casting(light, &soft, u64::MAX);
+            let text = serde_json::to_string(&Spelled::from(&one)).expect("plain numbers");
+            let back: Spelled = serde_json::from_str(&text).expect("as written");
+            assert_eq!(Casting::from(&back), one, "{text}");
+        }
+    }
+}

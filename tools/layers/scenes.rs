@@ -1,0 +1,101 @@
+//! The table's data sets, with a camera and a light.
+
+use std::path::{Path, PathBuf};
+
+use indicatif::ProgressBar;
+use pellucid::camera::Camera;
+use pellucid::cloud::Cloud;
+use pellucid::points::Points;
+use pellucid::scene::procedural::{self, Generated, iso};
+use pellucid::scene::{self, Light, Overrides, Scene, Shading, ShadingModel};
+use pellucid::{Result, io};
+
+use crate::table::COLUMNS;
+
+pub const TORI: &str = "tori";
+/// All of them, in the order of the table.
+pub const NAMES: [&str; 4] = ["dragon", TORI, "neghip", "hydrogen"];
+
+/// Points of what is generated, in the paper.
+const TORI_POINTS: f64 = 6e6;
+const NEGHIP_POINTS: f64 = 128e3;
+const HYDROGEN_POINTS: f64 = 535e3;
+
+/// Frames per second in Table 3, at 512² and at 1024².
+const DRAGON: [[f64; COLUMNS]; 2] = [[103.0, 35.0, 18.0, 50.0, 18.0, 9.6], [68.0, 23.0, 12.0, 49.0, 17.0, 9.0]];
+const THREE_TORI: [[f64; COLUMNS]; 2] = [[8.0, 2.7, 1.4, 4.0, 1.3, 0.6], [8.0, 2.7, 1.4, 3.7, 1.1, 0.6]];
+const NEGHIP: [[f64; COLUMNS]; 2] = [[235.0, 83.0, 43.0, 145.0, 62.0, 35.0], [82.0, 27.0, 14.0, 64.0, 35.0, 22.0]];
+const HYDROGEN: [[f64; COLUMNS]; 2] = [[72.0, 24.0, 12.0, 40.0, 14.0, 8.0], [48.0, 15.0, 8.0, 31.0, 14.0, 7.5]];
+
+/// A cloud as it is rendered.
+pub struct Subject {
+    pub name: &'static str,
+    pub points: Points,
+    pub camera: Camera,
+    pub shading: Shading,
+    /// The paper's frames per second at 512² and at 1024².
+    pub paper: [[f64; COLUMNS]; 2],
+}
+
+/// Folder of real data.
+fn data() -> PathBuf {
+    let named = std::env::var_os("PELLUCID_TEST_DATA").map(PathBuf::from);
+    named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"))
+}
+
+/// A data set; `None` if its file is not there.
+pub fn load(name: &'static str, scale: f64, seed: u64) -> Result<Option<Subject>> {
+    let points = |count: f64| vec![("points".to_owned(), (scale * count).round().max(100.0))];
+    Ok(match name {
+        "dragon" => {
+            let path = data().join("models/stanford_dragon_437k.ply");
+            if !path.is_file() {
+                return Ok(None);
+            }
+            let scene = Scene::from_clouds(&[path], &Overrides::default())?;
+            let clouds = scene::load_clouds(&scene, &ProgressBar::hidden())?;
+            Some(subject(name, &scene, clouds, DRAGON)?)
+        }
+        TORI => {
+            let made = procedural::build("tori", &points(TORI_POINTS), seed).map_err(scene::Error::from)?;
+            Some(generated(name, &made, THREE_TORI)?)
+        }
+        "neghip" => {
+            let parameters = [points(NEGHIP_POINTS), vec![("surfaces".to_owned(), 1.0)]].concat();
+            surfaces(name, "neghip_64x64x64_uint8.raw", &parameters, seed, NEGHIP)?
+        }
+        _ => surfaces(name, "hydrogen_64x64x64_float32.raw", &points(HYDROGEN_POINTS), seed, HYDROGEN)?,
+    })
+}
+
+fn surfaces(
+    name: &'static str,
+    file: &str,
+    parameters: &[(String, f64)],
+    seed: u64,
+    paper: [[f64; COLUMNS]; 2],
+) -> Result<Option<Subject>> {
+    let path = data().join("volumes").join(file);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let volume = io::volume::read(&path, None, None)?;
+    let made = iso::build_iso(&volume, &[], parameters, seed).map_err(scene::Error::from)?;
+    generated(name, &made, paper).map(Some)
+}
+
+fn generated(name: &'static str, made: &Generated, paper: [[f64; COLUMNS]; 2]) -> Result<Subject> {
+    let scene = Scene::from_toml(&made.scene_toml, Path::new(name))?;
+    let clouds = scene::take_generated(&scene, made)?;
+    subject(name, &scene, clouds, paper)
+}
+
+/// With Phong shading and a light from above that casts shadows, if it is asked for some.
+fn subject(name: &'static str, scene: &Scene, clouds: Vec<Cloud>, paper: [[f64; COLUMNS]; 2]) -> Result<Subject> {
+    let up = scene::up_axis(&clouds);
+    let points = scene::assemble(scene, clouds, false, &ProgressBar::hidden())?;
+    let (camera, _) = scene::camera(scene, &points, up)?;
+    let light = Light::Direction(camera.forward - 0.6 * camera.up + 0.4 * camera.right);
+    let shading = Shading { model: ShadingModel::Phong, specular: 0.2, light, ..Shading::default() };
+    Ok(Subject { name, points, camera, shading, paper })
+}
