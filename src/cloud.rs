@@ -11,7 +11,7 @@ pub enum UpAxis {
     /// Models (PLY): +Y is up.
     #[default]
     Y,
-    /// Surveys (LAS, LAZ): +Z is up.
+    /// Surveys and scans (all other point clouds): +Z is up.
     Z,
 }
 
@@ -30,7 +30,7 @@ pub struct Cloud {
     pub radii: Option<Vec<f32>>,
     /// LAS classification codes, or an integer property of that name.
     pub classification: Option<Vec<u8>>,
-    /// Intensity as stored (LAS: 0–65535).
+    /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1.
     pub intensity: Option<Vec<f32>>,
     /// Every other scalar property, by the name the file gives it.
     pub scalars: Vec<(String, Vec<f32>)>,

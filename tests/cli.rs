@@ -9,6 +9,7 @@ mod cli {
     mod compare;
     mod dealt;
     mod failures;
+    mod formats;
     mod frames;
     mod iso;
     mod measure;

@@ -2,9 +2,14 @@
 
 mod io {
     mod bad;
+    mod docs;
+    mod e57;
     mod las;
+    mod pcd;
     mod ply;
     mod real;
+    mod splats;
+    mod text;
 }
 
 use std::path::{Path, PathBuf};

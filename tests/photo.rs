@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 use pellucid::cloud::{Cloud, UpAxis};
 use pellucid::color::decode_srgb;
 use pellucid::io::photo::{Heights, Photo};
-use pellucid::io::{Error, load, load_placed};
+use pellucid::io::{Error, Hints, load, load_with};
 use pellucid::scene::{self, Overrides, Scene};
 use tempfile::TempDir;
 
@@ -20,7 +20,7 @@ fn write(folder: &TempDir, name: &str, picture: &DynamicImage) -> PathBuf {
 }
 
 fn read(path: &Path, photo: Option<&Photo>) -> Result<Cloud, Error> {
-    load_placed(path, photo, &ProgressBar::hidden())
+    load_with(path, Hints { photo, ..Hints::default() }, &ProgressBar::hidden())
 }
 
 #[track_caller]
@@ -263,7 +263,9 @@ fn keys_of_the_scene() {
     let cloud = Cloud { positions: vec![DVec3::ZERO], ..Cloud::default() };
     pellucid::io::ply::write(&ply, &cloud).unwrap();
     assert!(load(&ply, &progress).is_ok());
-    let message = load_placed(&ply, Some(&Photo::default()), &progress).unwrap_err().to_string();
+    let photo = Photo::default();
+    let hints = Hints { photo: Some(&photo), ..Hints::default() };
+    let message = load_with(&ply, hints, &progress).unwrap_err().to_string();
     assert!(message.contains("cloud.ply") && message.contains("this is a point cloud"), "{message}");
 }
 

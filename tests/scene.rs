@@ -143,6 +143,8 @@ fn wrong_values_name_line_column_and_what_was_expected() {
         ("[[cloud]]\npath = \"a\"\nopacity = \"x\"", "found the string \"x\""),
         ("[[cloud]]\npath = \"a\"\nneighbors = 0", "`cloud.0.neighbors` must be an integer from 1"),
         ("[[cloud]]\npath = \"a\"\nscale = -1", "`cloud.0.scale` must be a number above 0"),
+        ("[[cloud]]\npath = \"a\"\ncolumns = \"x,y\"", "`cloud.0.columns` names columns: no `z` in \"x,y\""),
+        ("[[cloud]]\npath = \"a\"\ncolumns = [\"x\"]", "`cloud.0.columns` must be a string"),
         ("[[cloud]]\npath = 3", "`cloud.0.path` must be a string"),
         ("[[cloud]]\npath = \"a\"\nsoft_classes = [256]", "`cloud.0.soft_classes` must be an integer from 0 to 255"),
         ("[[cloud]]\npath = \"a\"\naxis = { direction = [0,0,0] }", "`cloud.0.axis.direction` must be a direction"),

@@ -6,19 +6,24 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::Result;
 use pellucid::cloud::{Cloud, Prepared};
+use pellucid::io::{self, ColumnNames, Hints};
 use pellucid::prepare::shadows::Casting;
 use pellucid::scene::Light;
-use pellucid::{Result, io};
 use serde_json::{Value, json};
 
+use super::limit::usage;
 use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Point clouds, or pictures that stand for clouds.
+    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
     /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
     /// where quantiles has the F that so many points don't exceed, and `shadows` in it if they are stored. Several files: an array of these, each with `file`.
@@ -27,11 +32,14 @@ pub struct InfoArgs {
 }
 
 pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
+    let columns = args.columns.as_deref().map(ColumnNames::parse).transpose();
+    let columns = columns.map_err(|problem| usage(format!("--columns: {problem}")))?;
+    let hints = Hints { columns: columns.as_ref(), ..Hints::default() };
     let progress = talk.progress();
     let load = |file: &PathBuf| {
         progress.reset();
         progress.set_message(format!("reading {}", file.display()));
-        io::load(file, &progress)
+        io::load_with(file, hints, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
     progress.finish_and_clear();

@@ -19,7 +19,8 @@ const DEFAULT_SCENE: &str = "garden";
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
-    /// A scene file (.toml) or one or more point clouds, or pictures that stand for clouds; nothing: the built-in scene `garden`.
+    /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
+    /// that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
@@ -42,11 +43,16 @@ pub struct InputArgs {
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     radius: Option<String>,
+    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
+    /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
+    /// the file's own line of names, else by the columns' number and values.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
     /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     background: Option<String>,
     /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
-    /// vertical is Z for LAS and LAZ, Y for PLY, or the axis nearest to the scene file's camera.up.
+    /// vertical is Y for PLY, Z for all other point clouds, or the axis nearest to the scene file's camera.up.
     #[arg(long, value_enum, value_name = "NAME")]
     view: Option<ViewName>,
     /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X.
@@ -145,6 +151,9 @@ impl InputArgs {
                 return Err(scene::Error::Usage(format!("{option}: expected WxH, as in 1024x768")).into());
             };
             overrides.set(option, "image.size", &format!("[{width}, {height}]"))?;
+        }
+        if let Some(columns) = &self.columns {
+            overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
         }
         if let Some(background) = &self.background {
             // Spelled anew, since TOML does not know .5.

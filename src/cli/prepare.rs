@@ -9,7 +9,7 @@ use pellucid::cloud::{Cloud, Prepared};
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Renderer, Stop};
 use pellucid::prepare::shadows::ShadowTexture;
-use pellucid::scene::{self, Overrides, Scene};
+use pellucid::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid::{Result, io, output, prepare};
 
 use super::DeviceArgs;
@@ -34,6 +34,9 @@ pub struct PrepareArgs {
     /// describes it. May be the input.
     #[arg(short, long, value_name = "OUT.ply")]
     output: PathBuf,
+    /// What the columns of a text file (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
     /// K: neighbors of a point that decide its radius and its uncertainty; by default those of a prepared input, else 24.
     #[arg(long, value_name = "K")]
     neighbors: Option<String>,
@@ -47,7 +50,7 @@ pub struct PrepareArgs {
     /// With --field distance-to-axis: a point of the axis; by default the centre of the bounds.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_point: Option<String>,
-    /// With --field distance-to-axis: the direction of the axis; by default the vertical (Z for LAS and LAZ, Y for PLY).
+    /// With --field distance-to-axis: the direction of the axis; by default the vertical (Y for PLY, Z for all other point clouds).
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_direction: Option<String>,
     /// Where a point has no normal, store the one estimated from its neighbors. Then solid points become oriented and
@@ -87,6 +90,7 @@ impl PrepareArgs {
         overrides.set("prepare", "method.name", "soft-base")?;
         let list = |text: &String| format!("[{text}]");
         let options = [
+            ("columns", "columns", self.columns.as_ref().map(|names| format!("{names:?}"))),
             ("neighbors", "neighbors", self.neighbors.clone()),
             ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
             ("soft-classes", "soft_classes", self.soft_classes.as_ref().map(list)),
@@ -181,11 +185,12 @@ pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
     scene.warnings.iter().for_each(|warning| talk.warn(warning));
     let progress = talk.progress();
     progress.set_message(format!("reading {}", args.input.display()));
-    let cloud = io::load(&args.input, &progress)?;
+    let settings = scene.clouds.into_iter().next();
+    let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
+    let cloud = io::load_with(&args.input, hints, &progress)?;
     report_cloud(&args.input, &cloud, talk);
-    let settings = scene.clouds.into_iter().next().map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
-    let request =
-        prepare::Request { neighbors: settings.0, field: settings.1, normals: args.normals, ..Default::default() };
+    let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
+    let request = prepare::Request { neighbors, field, normals: args.normals, ..Default::default() };
     progress.reset();
     progress.set_message("finding neighbors");
     let prepared = prepare::prepared(cloud, &request, &progress);

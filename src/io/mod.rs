@@ -1,9 +1,15 @@
 //! Point-cloud files, and pictures that stand for clouds.
 
+mod channel;
+mod columns;
 mod decoder;
+mod e57;
 mod las;
+mod number;
+mod pcd;
 pub mod photo;
 pub mod ply;
+mod text;
 pub mod volume;
 
 use std::fs::File;
@@ -13,10 +19,15 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use crate::cloud::Cloud;
+pub(crate) use columns::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 use photo::Photo;
+pub use text::ColumnNames;
 
 /// Points between two steps of a progress bar.
 const PROGRESS_STEP: u64 = 1 << 16;
+
+/// First bytes of a file that are looked at to find its format.
+const START: u64 = 512;
 
 /// Why a file could not be read or written. Every message starts with the file.
 #[derive(Debug, thiserror::Error)]
@@ -49,7 +60,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// Neither the first bytes nor the extension belong to a known format.
-    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
+    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as XYZ, CSV and TXT have) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -112,51 +123,98 @@ fn non_finite_note(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" (all {count} have a coordinate that is not finite)") }
 }
 
-/// Reads a point cloud: PLY, LAS or LAZ (COPC files as LAZ), told apart by the first bytes, else by the extension; or a
-/// picture (PNG, JPEG, TIFF) as a plane of points at the origin, see [`load_placed`].
+/// What is known of a file besides its bytes.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hints<'a> {
+    /// Where a picture stands.
+    pub photo: Option<&'a Photo>,
+    /// What the columns of a text file are.
+    pub columns: Option<&'a ColumnNames>,
+}
+
+/// Reads a point cloud, of a format in docs/formats.md that is told by the first bytes, else by the extension; or a picture
+/// (PNG, JPEG, TIFF) as a plane of points at the origin.
 ///
-/// The bar's length is set to the number of points and its position follows them.
+/// The bar's length is set to the number of points, or an estimate of it, and its position follows them.
 ///
 /// # Errors
 /// If the file is missing, of no known format, damaged or without a finite point. Memory follows what the file holds,
 /// not what its header claims.
 pub fn load(path: &Path, progress: &ProgressBar) -> Result<Cloud, Error> {
-    load_placed(path, None, progress)
+    load_with(path, Hints::default(), progress)
 }
 
-/// As [`load`]; a picture stands where `photo` says.
+/// As [`load`]; a picture stands where `hints` say, and the columns of a text file are what they say. Names of columns for
+/// a file that names them itself have no effect, which is one of its warnings.
 ///
 /// # Errors
-/// Those of [`load`], and if `photo` is given for a file that is no picture.
-pub fn load_placed(path: &Path, photo: Option<&Photo>, progress: &ProgressBar) -> Result<Cloud, Error> {
+/// Those of [`load`], if there is a place of a picture for a file that is none, or if the columns aren't as many as there
+/// are names.
+pub fn load_with(path: &Path, hints: Hints, progress: &ProgressBar) -> Result<Cloud, Error> {
     let mut source = Source::open(path)?;
     let start = source.peek()?;
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let path = source.path.clone();
-    let cloud = if photo::is_picture(&start) {
-        photo::read(source, photo.unwrap_or(&Photo::default()), progress)?
-    } else if photo.is_some() {
+    let format = Format::of(&source, &start);
+    if hints.photo.is_some() && !matches!(format, Ok(Format::Picture)) {
         return Err(Error::NoPicture { path });
-    } else if start.starts_with(b"LASF") {
-        las::read(&mut source, progress)?
-    } else if start.starts_with(b"ply") {
-        ply::read(&mut source, progress)?
-    } else {
-        let start = String::from_utf8_lossy(&start).into_owned();
-        let expected = match extension.as_str() {
-            "ply" => "ply",
-            "las" | "laz" => "LASF",
-            "png" => "\\x89PNG",
-            "jpg" | "jpeg" => "\\xff\\xd8\\xff",
-            "tif" | "tiff" => "II*\\0",
-            _ => return Err(Error::UnknownFormat { path, start }),
-        };
-        return Err(source.malformed("byte 0", format!("expected `{expected}`, found {start:?}")));
+    }
+    let format = format?;
+    let mut cloud = match format {
+        Format::Picture => photo::read(source, hints.photo.unwrap_or(&Photo::default()), progress)?,
+        Format::Las => las::read(&mut source, progress)?,
+        Format::Ply => ply::read(&mut source, progress)?,
+        Format::E57 => e57::read(&mut source, progress)?,
+        Format::Pcd => pcd::read(&mut source, progress)?,
+        Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
     };
     if cloud.is_empty() {
         return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
     }
+    if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
+        cloud.warnings.push("names of columns have no effect: they are for text files".to_owned());
+    }
     Ok(cloud)
+}
+
+/// A format of files.
+#[derive(Clone, Copy)]
+enum Format {
+    Picture,
+    Las,
+    Ply,
+    E57,
+    Pcd,
+    Text(text::Kind),
+}
+
+impl Format {
+    /// The format of a file that starts so: by the first bytes, else by the extension, else as a table if there are numbers.
+    fn of(source: &Source, start: &[u8]) -> Result<Self, Error> {
+        let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let expected = match extension.as_str() {
+            _ if photo::is_picture(start) => return Ok(Self::Picture),
+            _ if start.starts_with(b"LASF") => return Ok(Self::Las),
+            _ if start.starts_with(b"ply") => return Ok(Self::Ply),
+            _ if start.starts_with(e57::MAGIC) => return Ok(Self::E57),
+            _ if pcd::is_pcd(start) || extension == "pcd" => return Ok(Self::Pcd),
+            "ply" => "ply",
+            "las" | "laz" => "LASF",
+            "e57" => "ASTM-E57",
+            "png" => "\\x89PNG",
+            "jpg" | "jpeg" => "\\xff\\xd8\\xff",
+            "tif" | "tiff" => "II*\\0",
+            other => match text::Kind::of_extension(other) {
+                Some(kind) => return Ok(Self::Text(kind)),
+                None if text::looks_like_one(start) => return Ok(Self::Text(text::Kind::Table)),
+                None => "",
+            },
+        };
+        let start = String::from_utf8_lossy(&start[..start.len().min(8)]).into_owned();
+        if expected.is_empty() {
+            return Err(Error::UnknownFormat { path: source.path.clone(), start });
+        }
+        Err(source.malformed("byte 0", format!("expected `{expected}`, found {start:?}")))
+    }
 }
 
 /// An open file with what error messages and size checks need.
@@ -192,7 +250,7 @@ impl Source {
     /// The file's first few bytes; the reader is back at its start afterwards.
     fn peek(&mut self) -> Result<Vec<u8>, Error> {
         let mut start = Vec::new();
-        let read = self.reader.by_ref().take(8).read_to_end(&mut start);
+        let read = self.reader.by_ref().take(START).read_to_end(&mut start);
         read.and_then(|_| self.reader.rewind()).map_err(|e| self.read_error(e))?;
         Ok(start)
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::{Cloud, UpAxis};
-use crate::io::ply::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
+use crate::io::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 
 /// Values that differ by less than this share of the largest one are equal but for rounding.
 const LEAST_RANGE: f64 = 1e-9;

@@ -20,7 +20,7 @@ pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, 
     let load = |cloud: &CloudSettings| {
         progress.reset();
         progress.set_message(format!("reading {}", cloud.path.display()));
-        io::load_placed(&cloud.path, cloud.photo.as_ref(), progress)
+        io::load_with(&cloud.path, cloud.hints(), progress)
     };
     scene.clouds.iter().map(load).collect()
 }

@@ -11,6 +11,7 @@ use super::photo;
 use super::settings::*;
 use super::table::{Range, Table};
 use super::tree::{self, Node, Value};
+use crate::io::ColumnNames;
 use crate::prepare::field::Field;
 
 /// Scene files are text written by hand; one above this size is something else.
@@ -204,7 +205,7 @@ fn light(table: &Table<'_>) -> Result<Option<Light>, Error> {
 const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
 
 fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -> Result<CloudSettings, Error> {
-    let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale", "photo"];
+    let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale", "photo", "columns"];
     table.refuse_unknown(&[&own[..], &FIELD_KEYS].concat())?;
     Ok(CloudSettings {
         path: path(table, folder)?,
@@ -216,7 +217,15 @@ fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -
         translate: table.vector("translate")?.unwrap_or(DVec3::ZERO),
         scale: table.number("scale", Range::POSITIVE)?.unwrap_or(1.0),
         photo: photo::read(table, folder, warnings)?,
+        columns: columns(table)?,
     })
+}
+
+fn columns(table: &Table<'_>) -> Result<Option<ColumnNames>, Error> {
+    let (Some(text), Some(node)) = (table.string("columns")?, table.get("columns")) else { return Ok(None) };
+    ColumnNames::parse(text)
+        .map(Some)
+        .map_err(|problem| table.error("columns", node, format!("names columns: {problem}")))
 }
 
 fn warn_of_fields(cloud: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::view::View;
 use crate::io::photo::Photo;
+use crate::io::{ColumnNames, Hints};
 use crate::passes::bin::Order;
 use crate::prepare::field::Field;
 
@@ -97,6 +98,15 @@ pub struct CloudSettings {
     pub scale: f64,
     /// Where a picture stands, before `scale` and `translate`; at the origin if it isn't said.
     pub photo: Option<Photo>,
+    /// What the columns of a text file are; by its header or its values if it isn't said.
+    pub columns: Option<ColumnNames>,
+}
+
+impl CloudSettings {
+    /// What the settings say of the file.
+    pub fn hints(&self) -> Hints<'_> {
+        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref() }
+    }
 }
 
 /// A scene: everything a frame is made of but the points themselves.

@@ -54,7 +54,8 @@ fn missing_empty_and_truncated_files() {
         ("cut.ply", whole[..whole.len() - 1].to_vec(), "truncated file or wrong header"),
         ("cut.las", las(10, false)[..500].to_vec(), "truncated file or wrong header"),
         ("cut.laz", las(10, true)[..450].to_vec(), ".laz: "),
-        ("notes.txt", b"1 2 3\n".to_vec(), "known format (PLY, LAS, LAZ, COPC)"),
+        ("notes.txt", b"to do\n".to_vec(), "line 1: no column `x`, only [to, do]"),
+        ("notes.md", b"to do\n".to_vec(), "known format (PLY, LAS, LAZ, COPC, E57, PCD"),
     ] {
         fs::write(inside(&folder, name), content).unwrap();
         assert_unusable(&folder, name, &[says]);
@@ -65,27 +66,77 @@ fn missing_empty_and_truncated_files() {
 fn headers_that_lie_cost_no_memory() {
     let folder = folder();
     let count = 1_000_000_000_000;
+    let pcd = |data: &str| {
+        let header = format!("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH {count}\nHEIGHT 1\nDATA {data}\n");
+        [header.as_bytes(), &[0; 1200]].concat()
+    };
+    let grid = format!("{count}\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3\n");
     for (name, content) in [
         ("binary.ply", ply("binary_little_endian", count, &[0; 1200])),
         ("big.ply", ply("binary_big_endian", count, &[0; 1200])),
         ("ascii.ply", ply("ascii", count, &b"1 2 3\n".repeat(100))),
         ("plain.las", las(count, false)),
         ("packed.laz", las(count, true)),
+        ("ascii.pcd", pcd("ascii")),
+        ("binary.pcd", pcd("binary")),
+        ("compressed.pcd", pcd("binary_compressed")),
+        ("scan.pts", format!("{count}\n1 2 3\n").into_bytes()),
+        ("grid.ptx", grid.into_bytes()),
+        ("count.e57", e57(|xml| xml.replace("recordCount=\"5\"", &format!("recordCount=\"{count}\"")))),
     ] {
         fs::write(inside(&folder, name), content).unwrap();
         assert_unusable(&folder, name, &["1000000000000"]);
         #[cfg(unix)]
         assert_modest(&folder, name);
     }
+    // What announces no number of points that could be checked, but much else.
+    let numbers = "FIELDS x y z\nCOUNT 1 1 1000000000\nPOINTS 0\nDATA binary\n";
+    let constant = "<returnCount type=\"Integer\" minimum=\"5\" maximum=\"5\"/>".repeat(1000);
+    let prototype = "<prototype type=\"Structure\">";
+    let bit = "type=\"Integer\" minimum=\"0\" maximum=\"1\"/>";
+    for (name, content) in [
+        ("numbers.pcd", numbers.as_bytes().to_vec()),
+        ("line.csv", vec![b'1'; 4 << 20]),
+        ("fields.csv", b"x,".repeat(400_000)),
+        ("constants.e57", e57(|xml| xml.replace(prototype, &format!("{prototype}{constant}")))),
+        ("bits.e57", e57(|xml| xml.replace("Count=\"5", "Count=\"6").replace("type=\"Float\">0</cartesianX>", bit))),
+        ("deep.e57", e57(|xml| xml.replace("</e57Root>", &("<a>".repeat(100_000) + "</e57Root>")))),
+    ] {
+        fs::write(inside(&folder, name), content).unwrap();
+        assert_unusable(&folder, name, &[name]);
+        #[cfg(unix)]
+        assert_modest(&folder, name);
+    }
 }
 
-/// Asserts that `info` gets along with 1 GiB of address space: the message is the same, and not that of an allocator.
+/// An E57 file of five points with its XML changed.
+fn e57(change: impl Fn(String) -> String) -> Vec<u8> {
+    use e57::{E57Writer, Record, RecordValue};
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = E57Writer::new(&mut bytes, "file").unwrap();
+    let prototype = vec![Record::CARTESIAN_X_F64, Record::CARTESIAN_Y_F64, Record::CARTESIAN_Z_F64];
+    let mut cloud = writer.add_pointcloud("scan", prototype).unwrap();
+    (0..5).for_each(|_| cloud.add_point(vec![RecordValue::Double(1.0); 3]).unwrap());
+    cloud.finalize().unwrap();
+    drop(cloud);
+    writer.finalize_customized_xml(|xml| Ok(change(xml))).unwrap();
+    drop(writer);
+    bytes.into_inner()
+}
+
+/// Address space in KiB in which `info` must get along: 200 MiB.
+#[cfg(unix)]
+const MODEST: u32 = 200 << 10;
+
+/// Asserts that `info` gets along with little address space: the message is the same, and not that of an allocator.
 #[cfg(unix)]
 fn assert_modest(folder: &TempDir, name: &str) {
     let binary = pellucid(folder, &[]).get_program().to_owned();
     let mut shell = assert_cmd::Command::new("sh");
-    shell.current_dir(folder).args(["-c", "ulimit -v 1048576 && exec \"$0\" info \"$1\""]).arg(binary).arg(name);
-    let output = shell.output().unwrap();
+    let script = format!("ulimit -v {MODEST} && exec \"$0\" info \"$1\"");
+    // An allocator reserves address space for each thread that it never touches.
+    shell.current_dir(folder).env("MALLOC_ARENA_MAX", "1").env("RAYON_NUM_THREADS", "1");
+    let output = shell.args(["-c", &script]).arg(binary).arg(name).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{name}: {stderr}");
     assert!(stderr.starts_with(&format!("error: {name}: ")), "{stderr}");

@@ -13,7 +13,7 @@ fn missing_empty_folder_and_unknown() {
     assert!(matches!(load(&folder.0.path().join("none.ply")), Err(Error::Missing { .. })));
     assert!(matches!(load(folder.0.path()), Err(Error::Folder { .. })));
     assert_refused("a.ply", "", &["empty file (0 bytes)"]);
-    assert_refused("a.txt", "1 2 3\n", &["known format (PLY, LAS, LAZ, COPC)", "1 2 3"]);
+    assert_refused("a.dat", "one 2 3\n", &["known format (PLY, LAS, LAZ, COPC, E57, PCD", "one 2 3"]);
     assert_refused("a.las", "ABCDEFGH", &["byte 0", "expected `LASF`", "ABCD"]);
     assert_refused("a.PLY", "plain text", &["byte 0", "expected `ply`", "plain te"]);
     assert_refused("a.ply", "plywood\nend_header\n", &["line 1", "plywood"]);

@@ -15,22 +15,22 @@
 //!
 //! Values out of range are clamped, a color that is not a number is 0. Normals and colors need all three properties;
 //! otherwise, and for any other name, a property is a scalar column of its own name. What `pellucid prepare` adds is told
-//! by a comment (docs/prepared-clouds.md).
+//! by a comment (docs/prepared-clouds.md). Vertices that are Gaussian splats are told by their properties (`splats`).
 
-mod columns;
 mod header;
 mod payload;
 mod prepared;
+mod splats;
 mod write;
 
 use indicatif::ProgressBar;
 use ply_rs_bw::ply::Encoding;
 
+use super::columns::{Column, Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::Cloud;
-use columns::Columns;
-pub(crate) use columns::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 use header::{Element, Kind};
+use splats::Splats;
 pub use write::{write, write_prepared};
 
 /// Reads the vertices of a PLY file.
@@ -41,7 +41,10 @@ pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud,
         return Err(source.malformed("header", format!("no element `vertex`, only [{}]", names.join(", "))));
     };
     let vertex = &header.elements[at];
-    let mut columns = Columns::new(vertex).map_err(|missing| Error::MissingProperty {
+    let scalars = vertex.scalars();
+    let splats = Splats::of(&scalars);
+    let named = splats.as_ref().map_or(&scalars, Splats::columns);
+    let mut columns = Columns::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
         path: source.path.clone(),
         missing,
         found: vertex.names(),
@@ -50,8 +53,12 @@ pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud,
     check_claim(source, &header.elements[..=at], header.len, text)?;
     progress.set_length(vertex.count);
     let mut row = Vec::with_capacity(vertex.properties.len());
+    let mut splat = Vec::new();
     let mut take = |row: &[f64], index: u64| {
-        columns.push(row);
+        match &splats {
+            None => columns.push(row),
+            Some(splats) => columns.push(splats.convert(row, &mut splat)),
+        }
         if (index + 1).is_multiple_of(PROGRESS_STEP) {
             progress.inc(PROGRESS_STEP);
         }
@@ -78,6 +85,9 @@ pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud,
     progress.set_position(vertex.count);
     let mut cloud = columns.finish();
     prepared::recognize(&mut cloud, &header.comments);
+    if splats.is_some() {
+        cloud.warnings.push(splats::NOTE.to_owned());
+    }
     Ok(cloud)
 }
 
@@ -109,6 +119,12 @@ impl Element {
     /// Bytes of the shortest line: a digit and a separator for each value.
     fn least_text(&self) -> u64 {
         2 * self.properties.len() as u64
+    }
+
+    /// The properties that are no lists.
+    fn scalars(&self) -> Vec<Column> {
+        let scalar = |p: &header::Property| Some(Column::new(&p.name, p.kind.scalar()?.clone()));
+        self.properties.iter().filter_map(scalar).collect()
     }
 
     /// The scalar properties, for messages.

@@ -7,11 +7,11 @@ use glam::Vec3;
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, PropertyType, ScalarType, Version};
 use ply_rs_bw::writer::Writer;
 
-use super::columns::{LINEAR_COLOR, is_known};
 use super::prepared::{self, FIELD, LIT};
 use crate::cloud::Cloud;
 use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
+use crate::io::columns::{LINEAR_COLOR, is_known};
 use crate::prepare::field::without_blanks;
 
 /// Writes a cloud: float positions if that keeps every one exactly, else double; colors and alphas as 8 bits (colors

@@ -1,10 +1,12 @@
-//! From the values of a vertex to the columns of a cloud, by the names of its properties (the table in `ply`).
+//! From the rows of a table to the columns of a cloud, by the names of the table's columns (the table in `ply`).
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use super::header::{Element, ScalarType};
-use crate::cloud::{Cloud, UpAxis};
-use crate::color::decode_srgb;
+pub(super) use ply_rs_bw::ply::ScalarType;
+
+use super::channel::{self, Channel};
+use crate::cloud::Cloud;
 
 const POSITION: [[&str; 3]; 1] = [["x", "y", "z"]];
 const NORMAL: [[&str; 3]; 3] =
@@ -24,12 +26,47 @@ pub(crate) const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 /// How far from 1 a normal's length may be to be left as it is: float32 unit vectors are within 2e-7.
 const UNIT_TOLERANCE: f32 = 1e-6;
 
+/// A column of a file: a name and the type of its values.
+pub(super) struct Column {
+    pub name: String,
+    pub kind: ScalarType,
+}
+
+impl Column {
+    pub fn new(name: impl Into<String>, kind: ScalarType) -> Self {
+        Self { name: name.into(), kind }
+    }
+}
+
+/// What tells the number that stands for full intensity in colors and alphas.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum FullScale {
+    /// The type: bytes reach 255, shorts 65535, floats 1.
+    Typed,
+    /// The values of the whole file, unless they are bytes.
+    Measured,
+}
+
+/// Where colors come from.
+enum Rgb {
+    Typed([Channel; 3]),
+    /// Kept as they are until the largest is known.
+    Measured([usize; 3], Vec<[f32; 3]>),
+}
+
+/// Where alphas come from.
+enum Alpha {
+    Typed(Channel),
+    /// Kept as they are until the largest is known.
+    Measured(usize, Vec<f32>),
+}
+
 /// Columns that grow row by row, and where in a row each finds its values.
 pub(super) struct Columns {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
-    color: Option<[Channel; 3]>,
-    alpha: Option<Channel>,
+    color: Option<Rgb>,
+    alpha: Option<Alpha>,
     radius: Option<usize>,
     classification: Option<usize>,
     classification_name: String,
@@ -40,9 +77,9 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Finds the columns of a vertex element; fails with the coordinate that is missing.
-    pub fn new(vertex: &Element) -> Result<Self, &'static str> {
-        let mut names = Names::of(vertex);
+    /// Finds the columns of a table; fails with the coordinate that is missing.
+    pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
+        let mut names = Names::of(columns);
         let coordinates = ["x", "y", "z"];
         let Some(position) = names.take_three(&POSITION) else {
             let missing = coordinates.into_iter().find(|name| names.find(name).is_none());
@@ -50,8 +87,15 @@ impl Columns {
         };
         let normal = names.take_three(&NORMAL);
         let linear = names.take_three(&LINEAR_COLOR).map(|at| at.map(Channel::linear_float));
-        let color = linear.or_else(|| names.take_three(&COLOR).map(|at| at.map(|at| names.channel(at))));
-        let alpha = names.take(&ALPHA).map(|at| names.channel(at));
+        let color = linear.map(Rgb::Typed).or_else(|| {
+            let at = names.take_three(&COLOR)?;
+            let measured = full_scale == FullScale::Measured && at.iter().any(|&at| !names.is_byte(at));
+            Some(if measured { Rgb::Measured(at, Vec::new()) } else { Rgb::Typed(at.map(|at| names.channel(at))) })
+        });
+        let alpha = names.take(&ALPHA).map(|at| {
+            let measured = full_scale == FullScale::Measured && !names.is_byte(at);
+            if measured { Alpha::Measured(at, Vec::new()) } else { Alpha::Typed(names.channel(at)) }
+        });
         let radius = names.take(&RADIUS);
         let classification = names.take(&CLASSIFICATION_NAMES);
         let intensity = names.take(&INTENSITY_NAMES);
@@ -63,7 +107,6 @@ impl Columns {
             radii: radius.map(|_| Vec::new()),
             intensity: intensity.map(|_| Vec::new()),
             scalars: scalars.iter().map(|&at| (names.original[at].clone(), Vec::new())).collect(),
-            up: UpAxis::Y,
             ..Cloud::default()
         };
         let classification_name = classification.map(|at| names.original[at].clone()).unwrap_or_default();
@@ -95,11 +138,17 @@ impl Columns {
         if let (Some(at), Some(normals)) = (self.normal, &mut cloud.normals) {
             normals.push(unit_or_zero(Vec3::from(at.map(|at| row[at] as f32))));
         }
-        if let (Some(channels), Some(colors)) = (&self.color, &mut cloud.colors) {
-            colors.push(Vec3::from(channels.each_ref().map(|channel| channel.linear(row))));
+        match (&mut self.color, &mut cloud.colors) {
+            (Some(Rgb::Typed(channels)), Some(colors)) => {
+                colors.push(Vec3::from(channels.each_ref().map(|channel| channel.linear(row))));
+            }
+            (Some(Rgb::Measured(at, encoded)), _) => encoded.push(at.map(|at| row[at] as f32)),
+            _ => {}
         }
-        if let (Some(channel), Some(alphas)) = (&self.alpha, &mut cloud.alphas) {
-            alphas.push(channel.unit(row));
+        match (&mut self.alpha, &mut cloud.alphas) {
+            (Some(Alpha::Typed(channel)), Some(alphas)) => alphas.push(channel.unit(row)),
+            (Some(Alpha::Measured(at, stored)), _) => stored.push(row[*at] as f32),
+            _ => {}
         }
         if let (Some(at), Some(radii)) = (self.radius, &mut cloud.radii) {
             let radius = row[at] as f32;
@@ -116,7 +165,7 @@ impl Columns {
         }
     }
 
-    /// The cloud. Normals that are all zero are none.
+    /// The cloud, its vertical +Y. Normals that are all zero are none.
     pub fn finish(self) -> Cloud {
         let mut cloud = self.cloud;
         if self.classification.is_some() {
@@ -125,6 +174,14 @@ impl Columns {
             } else {
                 cloud.scalars.push((self.classification_name, self.codes));
             }
+        }
+        if let Some(Rgb::Measured(_, encoded)) = self.color {
+            cloud.colors = channel::measured(&encoded);
+        }
+        if let Some(Alpha::Measured(_, stored)) = self.alpha {
+            let full = channel::full_scale(stored.par_iter().copied()).unwrap_or(1.0);
+            let unit = |value: f32| if value.is_nan() { 1.0 } else { (value / full).clamp(0.0, 1.0) };
+            cloud.alphas = Some(stored.into_iter().map(unit).collect());
         }
         cloud.normals = cloud.normals.filter(|normals| normals.iter().any(|&n| n != Vec3::ZERO));
         cloud
@@ -140,26 +197,6 @@ fn unit_or_zero(normal: Vec3) -> Vec3 {
     normal.as_dvec3().try_normalize().map_or(Vec3::ZERO, |unit| unit.as_vec3())
 }
 
-/// A color or alpha channel.
-struct Channel {
-    at: usize,
-    scale: Scale,
-    /// Linear values of the integers of that type; empty for floats.
-    table: Vec<f32>,
-}
-
-#[derive(Clone, Copy)]
-enum Scale {
-    /// Integers up to this are 0–1. Signed bytes are bytes that someone declared wrongly.
-    Integer {
-        largest: u16,
-        signed_byte: bool,
-    },
-    Float,
-    /// As it is.
-    Linear,
-}
-
 /// Whether the reader would take a property of this name for one of its columns, if need be together with others.
 pub(super) fn is_known(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
@@ -168,67 +205,7 @@ pub(super) fn is_known(name: &str) -> bool {
     threes.chain(ones).any(|known| *known == lower)
 }
 
-impl Channel {
-    fn linear_float(at: usize) -> Self {
-        Self { at, scale: Scale::Linear, table: Vec::new() }
-    }
-
-    fn new(at: usize, scalar: &ScalarType) -> Self {
-        let scale = match scalar {
-            ScalarType::Float | ScalarType::Double => Scale::Float,
-            ScalarType::UShort => Scale::Integer { largest: u16::MAX, signed_byte: false },
-            ScalarType::Char => Scale::Integer { largest: 255, signed_byte: true },
-            ScalarType::UChar | ScalarType::Short | ScalarType::Int | ScalarType::UInt => {
-                Scale::Integer { largest: 255, signed_byte: false }
-            }
-        };
-        let table = match scale {
-            Scale::Integer { largest, .. } => {
-                (0..=largest).map(|value| decode_srgb(f32::from(value) / f32::from(largest))).collect()
-            }
-            Scale::Float | Scale::Linear => Vec::new(),
-        };
-        Self { at, scale, table }
-    }
-
-    /// The stored integer, clamped to its range.
-    fn integer(&self, row: &[f64], largest: u16, signed_byte: bool) -> u16 {
-        let value = row[self.at];
-        let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };
-        // The conversion saturates, and turns NaN into 0.
-        (value as u16).min(largest)
-    }
-
-    /// The linear value of an sRGB-encoded channel.
-    fn linear(&self, row: &[f64]) -> f32 {
-        match self.scale {
-            Scale::Integer { largest, signed_byte } => self.table[usize::from(self.integer(row, largest, signed_byte))],
-            Scale::Float => {
-                let value = row[self.at] as f32;
-                if value.is_nan() { 0.0 } else { decode_srgb(value.clamp(0.0, 1.0)) }
-            }
-            Scale::Linear => {
-                let value = row[self.at] as f32;
-                if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
-            }
-        }
-    }
-
-    /// The value itself in [0, 1]; what is not a number counts as 1.
-    fn unit(&self, row: &[f64]) -> f32 {
-        match self.scale {
-            Scale::Integer { largest, signed_byte } => {
-                f32::from(self.integer(row, largest, signed_byte)) / f32::from(largest)
-            }
-            Scale::Float | Scale::Linear => {
-                let value = row[self.at] as f32;
-                if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
-            }
-        }
-    }
-}
-
-/// The scalar properties of an element that no column has taken yet.
+/// The columns of a table that none of the cloud has taken yet.
 struct Names {
     original: Vec<String>,
     lower: Vec<Option<String>>,
@@ -236,12 +213,11 @@ struct Names {
 }
 
 impl Names {
-    fn of(element: &Element) -> Self {
-        let scalars = || element.properties.iter().filter_map(|p| Some((&p.name, p.kind.scalar()?)));
+    fn of(columns: &[Column]) -> Self {
         Self {
-            original: scalars().map(|(name, _)| name.clone()).collect(),
-            lower: scalars().map(|(name, _)| Some(name.to_ascii_lowercase())).collect(),
-            types: scalars().map(|(_, scalar)| scalar.clone()).collect(),
+            original: columns.iter().map(|column| column.name.clone()).collect(),
+            lower: columns.iter().map(|column| Some(column.name.to_ascii_lowercase())).collect(),
+            types: columns.iter().map(|column| column.kind.clone()).collect(),
         }
     }
 
@@ -261,6 +237,10 @@ impl Names {
             self.lower[at] = None;
         }
         Some(at)
+    }
+
+    fn is_byte(&self, at: usize) -> bool {
+        self.types[at] == ScalarType::UChar
     }
 
     fn channel(&self, at: usize) -> Channel {

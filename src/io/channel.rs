@@ -1,0 +1,131 @@
+//! Color and alpha channels: which stored number is full intensity, and what the others are in linear light.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::columns::ScalarType;
+use crate::color::decode_srgb;
+
+/// Floats up to here are meant to reach 1, whatever their rounding.
+const UNIT: f32 = 1.0 + 1e-3;
+
+/// A color or alpha channel.
+pub(super) struct Channel {
+    at: usize,
+    scale: Scale,
+    /// Linear values of the integers of that type; empty for floats.
+    table: Vec<f32>,
+}
+
+#[derive(Clone, Copy)]
+enum Scale {
+    /// Integers up to this are 0–1. Signed bytes are bytes that someone declared wrongly.
+    Integer {
+        largest: u16,
+        signed_byte: bool,
+    },
+    Float,
+    /// As it is.
+    Linear,
+}
+
+impl Channel {
+    /// The channel of linear floats at a place of the row.
+    pub fn linear_float(at: usize) -> Self {
+        Self { at, scale: Scale::Linear, table: Vec::new() }
+    }
+
+    /// The channel at a place of the row, by the type that it is stored as.
+    pub fn new(at: usize, scalar: &ScalarType) -> Self {
+        let scale = match scalar {
+            ScalarType::Float | ScalarType::Double => Scale::Float,
+            ScalarType::UShort => Scale::Integer { largest: u16::MAX, signed_byte: false },
+            ScalarType::Char => Scale::Integer { largest: 255, signed_byte: true },
+            ScalarType::UChar | ScalarType::Short | ScalarType::Int | ScalarType::UInt => {
+                Scale::Integer { largest: 255, signed_byte: false }
+            }
+        };
+        let table = match scale {
+            Scale::Integer { largest, .. } => {
+                (0..=largest).map(|value| decode_srgb(f32::from(value) / f32::from(largest))).collect()
+            }
+            Scale::Float | Scale::Linear => Vec::new(),
+        };
+        Self { at, scale, table }
+    }
+
+    /// The stored integer, clamped to its range.
+    fn integer(&self, row: &[f64], largest: u16, signed_byte: bool) -> u16 {
+        let value = row[self.at];
+        let value = if signed_byte && value < 0.0 { value + 256.0 } else { value };
+        // The conversion saturates, and turns NaN into 0.
+        (value as u16).min(largest)
+    }
+
+    /// The linear value of an sRGB-encoded channel.
+    pub fn linear(&self, row: &[f64]) -> f32 {
+        match self.scale {
+            Scale::Integer { largest, signed_byte } => self.table[usize::from(self.integer(row, largest, signed_byte))],
+            Scale::Float => {
+                let value = row[self.at] as f32;
+                if value.is_nan() { 0.0 } else { decode_srgb(value.clamp(0.0, 1.0)) }
+            }
+            Scale::Linear => {
+                let value = row[self.at] as f32;
+                if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
+            }
+        }
+    }
+
+    /// The value itself in [0, 1]; what is not a number counts as 1.
+    pub fn unit(&self, row: &[f64]) -> f32 {
+        match self.scale {
+            Scale::Integer { largest, signed_byte } => {
+                f32::from(self.integer(row, largest, signed_byte)) / f32::from(largest)
+            }
+            Scale::Float | Scale::Linear => {
+                let value = row[self.at] as f32;
+                if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) }
+            }
+        }
+    }
+}
+
+/// The number that stands for full intensity in values whose type doesn't tell: 1 if none is larger, else 255, else
+/// 65535. `None` if no value is above 0.
+pub(super) fn full_scale(values: impl ParallelIterator<Item = f32>) -> Option<f32> {
+    let largest = values.filter(|value| value.is_finite()).max_by(f32::total_cmp).filter(|&largest| largest > 0.0)?;
+    Some(match largest {
+        _ if largest <= UNIT => 1.0,
+        _ if largest <= 255.0 => 255.0,
+        _ => 65535.0,
+    })
+}
+
+/// Linear colors of sRGB-encoded ones whose range is that of all of them ([`full_scale`]). Colors that are nowhere above
+/// 0 are none; one without any number is white, as points without color are.
+pub(super) fn measured(encoded: &[[f32; 3]]) -> Option<Vec<Vec3>> {
+    let full = full_scale(encoded.par_iter().flat_map_iter(|color| *color))?;
+    let channel = |value: f32| if value.is_nan() { 0.0 } else { decode_srgb((value / full).clamp(0.0, 1.0)) };
+    let linear = |color: &[f32; 3]| {
+        if color.iter().all(|value| value.is_nan()) { Vec3::ONE } else { Vec3::from(color.map(channel)) }
+    };
+    Some(encoded.par_iter().map(linear).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_range_is_that_of_all_values() {
+        let decoded = |value: f32, full: f32| decode_srgb(value / full);
+        assert_eq!(measured(&[[0.0; 3], [-1.0, f32::NAN, 0.0]]), None);
+        assert_eq!(measured(&[[0.5, 1.0, 0.0]]).unwrap(), [Vec3::new(decoded(0.5, 1.0), 1.0, 0.0)]);
+        let bytes = measured(&[[0.5, 1.0, 0.0], [51.0, 255.0, -3.0]]).unwrap();
+        assert_eq!(bytes[0], Vec3::new(decoded(0.5, 255.0), decoded(1.0, 255.0), 0.0));
+        assert_eq!(bytes[1], Vec3::new(decoded(51.0, 255.0), 1.0, 0.0));
+        let shorts = measured(&[[256.0, 0.0, 0.0], [f32::INFINITY, f32::NAN, 0.0], [f32::NAN; 3]]).unwrap();
+        assert_eq!(shorts, [Vec3::new(decoded(256.0, 65535.0), 0.0, 0.0), Vec3::X, Vec3::ONE]);
+    }
+}

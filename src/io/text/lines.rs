@@ -1,0 +1,234 @@
+//! Lines of a text file, and the fields of a line.
+
+use std::io::{BufRead, Read};
+
+use crate::io::number::number;
+use crate::io::{Error, Source};
+
+/// Longest line that is read: a table of numbers has no longer ones.
+const MAX_LINE: u64 = 1 << 20;
+
+/// The lines of a text, one at a time.
+pub(super) struct Lines<'s> {
+    pub source: &'s mut Source,
+    bytes: Vec<u8>,
+    /// Number of the line last read, from 1.
+    pub number: u64,
+    /// Bytes of the lines read so far.
+    pub read: u64,
+}
+
+impl<'s> Lines<'s> {
+    pub fn new(source: &'s mut Source) -> Self {
+        Self { source, bytes: Vec::new(), number: 0, read: 0 }
+    }
+
+    /// Reads the next line that is not blank into `line`, without white space at its ends; false at the end of the file.
+    pub fn next(&mut self, line: &mut String) -> Result<bool, Error> {
+        loop {
+            self.bytes.clear();
+            let read = self.source.reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut self.bytes);
+            let read = read.map_err(|e| self.source.read_error(e))? as u64;
+            if read == 0 {
+                return Ok(false);
+            }
+            self.number += 1;
+            self.read += read;
+            if read == MAX_LINE && !self.bytes.ends_with(b"\n") {
+                return Err(self.malformed(format!("longer than {MAX_LINE} bytes: this is no table of numbers")));
+            }
+            let text = String::from_utf8_lossy(&self.bytes);
+            let text = if self.number == 1 { text.trim_start_matches('\u{feff}') } else { &text }.trim();
+            if !text.is_empty() {
+                line.clear();
+                line.push_str(text);
+                return Ok(true);
+            }
+        }
+    }
+
+    /// An error about the line last read.
+    pub fn malformed(&self, cause: impl Into<String>) -> Error {
+        self.source.malformed(format!("line {}", self.number), cause)
+    }
+
+    /// An error about a field of the line last read.
+    pub fn wrong(&self, fault: Fault) -> Error {
+        match fault.column {
+            Some(column) => self.source.malformed(format!("line {}, column {column}", self.number), fault.cause),
+            None => self.malformed(fault.cause),
+        }
+    }
+}
+
+/// What is wrong with a line.
+pub(super) struct Fault {
+    /// Where the field starts, in characters from 1, if it is about one.
+    column: Option<usize>,
+    cause: String,
+}
+
+/// The text of a comment; `None` for other lines.
+pub(super) fn comment(line: &str) -> Option<&str> {
+    line.strip_prefix('#').or_else(|| line.strip_prefix("//")).map(str::trim)
+}
+
+/// What separates the fields of a line.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Delimiter {
+    /// One or more blanks or tabs.
+    Blanks,
+    /// Exactly one of these.
+    Char(char),
+}
+
+impl Delimiter {
+    /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields.
+    pub fn of(line: &str) -> Self {
+        let tabs = line.matches('\t').count() >= 2 && line.split('\t').all(|field| !field.trim().contains(' '));
+        match line {
+            _ if line.contains(';') => Self::Char(';'),
+            _ if line.contains(',') => Self::Char(','),
+            _ if tabs => Self::Char('\t'),
+            _ => Self::Blanks,
+        }
+    }
+
+    /// Hands the fields of a line over one by one, without white space and quotes around them.
+    fn each<'l>(self, line: &'l str, take: impl FnMut(&'l str) -> Result<(), Fault>) -> Result<(), Fault> {
+        match self {
+            Self::Blanks => line.split_ascii_whitespace().map(bare).try_for_each(take),
+            Self::Char(c) => line.split(c).map(bare).try_for_each(take),
+        }
+    }
+
+    /// The fields of a line of names. In quotes they may have the delimiter in them.
+    pub fn names(self, line: &str) -> Vec<String> {
+        let mut names = Vec::new();
+        if line.contains('"') {
+            let delimiter = if let Self::Char(c) = self { c } else { ' ' };
+            let line = tidy(line, delimiter);
+            let mut builder = csv::ReaderBuilder::new();
+            let mut reader = builder.has_headers(false).delimiter(delimiter as u8).from_reader(line.as_bytes());
+            let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
+            names.extend(record.iter().map(|name| bare(name).to_owned()));
+        } else {
+            let _ = self.each(line, |name| {
+                names.push(name.to_owned());
+                Ok(())
+            });
+        }
+        // After a delimiter at the end comes nothing.
+        names.pop_if(|name| name.is_empty());
+        names
+    }
+
+    /// The numbers of a line; an empty field is not a number.
+    pub fn numbers(self, line: &str, row: &mut Vec<f64>) -> Result<(), Fault> {
+        row.clear();
+        let mut last_empty = false;
+        self.each(line, |field| {
+            last_empty = field.is_empty();
+            let value = if last_empty { Some(f64::NAN) } else { number(field) };
+            row.push(value.ok_or_else(|| fault(line, field))?);
+            Ok(())
+        })?;
+        if last_empty {
+            row.pop();
+        }
+        Ok(())
+    }
+
+    /// As [`Delimiter::numbers`], of lines that must have so many fields.
+    pub fn row(self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
+        self.numbers(line, row)?;
+        if row.len() + 1 == columns && matches!(self, Self::Char(c) if line.ends_with(c)) {
+            row.push(f64::NAN);
+        }
+        // Blanks at the end of a line of tabs are gone, and with them the tabs of its empty fields.
+        if self == Self::Char('\t') && (3..columns).contains(&row.len()) {
+            row.resize(columns, f64::NAN);
+        }
+        if row.len() == columns {
+            return Ok(());
+        }
+        Err(Fault { column: None, cause: format!("expected {columns} values, found {}", row.len()) })
+    }
+}
+
+/// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote begins
+/// a field only right behind it; and white space that delimits is a single blank.
+fn tidy(line: &str, delimiter: char) -> String {
+    let mut quoted = false;
+    let mut tidy = String::with_capacity(line.len());
+    for c in line.chars() {
+        quoted ^= c == '"';
+        let c = if !quoted && c.is_whitespace() && delimiter == ' ' { ' ' } else { c };
+        let redundant = c.is_whitespace() && c != delimiter || c == ' ' && delimiter == ' ';
+        if quoted || !(redundant && tidy.ends_with(delimiter)) {
+            tidy.push(c);
+        }
+    }
+    tidy
+}
+
+fn bare(field: &str) -> &str {
+    let field = field.trim();
+    field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).unwrap_or(field).trim()
+}
+
+/// The error about a field, which is a part of the line.
+fn fault(line: &str, field: &str) -> Fault {
+    let bytes = (field.as_ptr() as usize).saturating_sub(line.as_ptr() as usize);
+    let column = line.get(..bytes).map_or(0, |before| before.chars().count()) + 1;
+    let shown: String = field.chars().take(40).collect();
+    Fault { column: Some(column), cause: format!("`{shown}` is not a number") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn delimiters() {
+        for (line, delimiter) in [
+            ("1 2 3", Delimiter::Blanks),
+            ("1\t2 3", Delimiter::Blanks),
+            ("1 \t2 \t3", Delimiter::Char('\t')),
+            ("1\t2\t\t4", Delimiter::Char('\t')),
+            ("1, 2, 3", Delimiter::Char(',')),
+            ("1;2,5;3", Delimiter::Char(';')),
+        ] {
+            assert_eq!(Delimiter::of(line), delimiter, "{line}");
+        }
+    }
+
+    fn numbers(line: &str, columns: usize) -> Result<String, (Option<usize>, String)> {
+        let mut row = Vec::new();
+        let read = Delimiter::of(line).row(line, columns, &mut row);
+        read.map(|()| format!("{row:?}")).map_err(|fault| (fault.column, fault.cause))
+    }
+
+    #[test]
+    fn fields() {
+        assert_eq!(numbers("1   2\t3", 3).unwrap(), "[1.0, 2.0, 3.0]");
+        assert_eq!(numbers("\"1\", 2 ,3e2,", 3).unwrap(), "[1.0, 2.0, 300.0]");
+        assert_eq!(numbers("1,,3", 3).unwrap(), "[1.0, NaN, 3.0]");
+        assert_eq!(numbers("1,2,3,", 4).unwrap(), "[1.0, 2.0, 3.0, NaN]");
+        assert_eq!(numbers("1\t2\t3", 5).unwrap(), "[1.0, 2.0, 3.0, NaN, NaN]");
+        assert_eq!(numbers("1 2", 3), Err((None, "expected 3 values, found 2".into())));
+        assert_eq!(numbers("1,2,3,4,", 3), Err((None, "expected 3 values, found 4".into())));
+        assert_eq!(numbers("µ 2 3", 3), Err((Some(1), "`µ` is not a number".into())));
+        assert_eq!(numbers("1;2; 3m", 3), Err((Some(6), "`3m` is not a number".into())));
+    }
+
+    #[test]
+    fn names() {
+        let names = |line: &str| Delimiter::of(line).names(line);
+        assert_eq!(names("X Y  Z"), ["X", "Y", "Z"]);
+        assert_eq!(names("\"X\", \"y,z\" ,\"\","), ["X", "y,z", ""]);
+        assert_eq!(names("\"a b\"  \t\"c\" d"), ["a b", "c", "d"]);
+        assert_eq!(names("\"a\"\t\t \"c\""), ["a", "", "c"]);
+        assert_eq!(names("a,,c,"), ["a", "", "c"]);
+    }
+}

@@ -1,0 +1,203 @@
+//! What the columns of a table are: as the user says, as a header says, or as their values look.
+
+use std::collections::HashMap;
+
+use crate::io::columns::{Column, ScalarType};
+
+/// What the columns of a text file are, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnNames(Vec<String>);
+
+impl ColumnNames {
+    /// Splits names at commas. They are `x y z`, `r g b`, `a` (alpha), `i` (intensity), `nx ny nz`, `radius`, `class`, the
+    /// names that a PLY file has for these, `-` for a column to skip, and any other word for a scalar; in any case.
+    ///
+    /// # Errors
+    /// A coordinate is missing, a name comes twice, or there is nothing between two commas.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+        if let Some(at) = names.iter().position(String::is_empty) {
+            return Err(format!("name {} of {text:?} is empty (a column to skip is `-`)", at + 1));
+        }
+        let known: Vec<String> = names.iter().map(|name| canonical(name).to_ascii_lowercase()).collect();
+        let twice = (0..known.len()).find(|&at| known[at] != "-" && known[..at].contains(&known[at]));
+        if let Some(at) = twice {
+            return Err(format!("`{}` comes twice in {text:?}", names[at]));
+        }
+        match ["x", "y", "z"].into_iter().find(|&name| !known.iter().any(|known| known == name)) {
+            Some(missing) => Err(format!("no `{missing}` in {text:?}, as in \"x,y,z,-,r,g,b\"")),
+            None => Ok(Self(names)),
+        }
+    }
+
+    pub(super) fn as_slice(&self) -> &[String] {
+        &self.0
+    }
+}
+
+/// The columns of a table that are used, and where a line has them.
+pub(super) struct Layout {
+    pub columns: Vec<Column>,
+    pub at: Vec<usize>,
+}
+
+impl Layout {
+    /// The layout of named columns: `-` is none, and a name that came before gets a number.
+    pub fn of(names: &[String]) -> Self {
+        let mut taken: HashMap<String, usize> = HashMap::new();
+        let (mut columns, mut at) = (Vec::new(), Vec::new());
+        for (index, name) in names.iter().enumerate().filter(|(_, name)| *name != "-") {
+            let name = if name.is_empty() { format!("column_{}", index + 1) } else { canonical(name).to_owned() };
+            let count = taken.entry(name.to_ascii_lowercase()).or_insert(0);
+            *count += 1;
+            let name = if *count == 1 { name } else { format!("{name}_{count}") };
+            columns.push(Column::new(name, ScalarType::Double));
+            at.push(index);
+        }
+        Self { columns, at }
+    }
+}
+
+/// The short names that only tables have.
+fn canonical(name: &str) -> &str {
+    match name {
+        "a" | "A" => "alpha",
+        "i" | "I" => "intensity",
+        _ => name,
+    }
+}
+
+/// What PTS and PTX files have, by the number of their columns.
+pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
+    let names: &[&str] = match columns {
+        3 => &["x", "y", "z"],
+        4 => &["x", "y", "z", "intensity"],
+        6 => &["x", "y", "z", "red", "green", "blue"],
+        7 => &["x", "y", "z", "intensity", "red", "green", "blue"],
+        _ => return None,
+    };
+    Some(names.iter().map(|name| (*name).to_owned()).collect())
+}
+
+/// What the columns of a table without names are, by number and values (docs/formats.md): x, y, z; then, from the left,
+/// three that are unit vectors are a normal, three that are colors a color, and one before the color, or the only one,
+/// is the intensity. What is left is `column_N`. `rows` has `columns` values for each point.
+pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
+    let mut names: Vec<String> = (1..=columns).map(|number| format!("column_{number}")).collect();
+    let set = |names: &mut [String], at: usize, new: &[&str]| {
+        names.iter_mut().skip(at).zip(new).for_each(|(name, new)| *name = (*new).to_owned());
+    };
+    set(&mut names, 0, &["x", "y", "z"]);
+    let (mut normal, mut color) = (None, None);
+    let mut at = 3;
+    while at < columns {
+        let three = at + 3 <= columns;
+        if three && normal.is_none() && is_normal(rows, columns, at) {
+            normal = Some(at);
+            set(&mut names, at, &["nx", "ny", "nz"]);
+            at += 3;
+        } else if three && color.is_none() && is_color(rows, columns, at) {
+            color = Some(at);
+            set(&mut names, at, &["red", "green", "blue"]);
+            at += 3;
+        } else {
+            at += 1;
+        }
+    }
+    if columns == 4 || color == Some(4) {
+        set(&mut names, 3, &["intensity"]);
+    }
+    names
+}
+
+/// How far from 1 a written unit vector's length may be: two decimals.
+const UNIT_TOLERANCE: f64 = 0.02;
+
+/// Whether all three numbers are unit vectors or zero, and not all zero.
+fn is_normal(rows: &[f64], columns: usize, at: usize) -> bool {
+    let length = |row: &[f64]| row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();
+    let mut units = 0;
+    let fits = rows.chunks_exact(columns).map(length).all(|length| {
+        units += usize::from(length > 0.0);
+        length == 0.0 || (length - 1.0).abs() <= UNIT_TOLERANCE || length.is_nan()
+    });
+    fits && units > 0
+}
+
+/// Whether three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
+fn is_color(rows: &[f64], columns: usize, at: usize) -> bool {
+    let mut largest = [0f64; 3];
+    let mut integers = true;
+    for row in rows.chunks_exact(columns) {
+        for (value, largest) in row[at..at + 3].iter().zip(&mut largest) {
+            if value.is_nan() {
+                continue;
+            }
+            if !(0.0..=65535.0).contains(value) {
+                return false;
+            }
+            integers &= value.fract() == 0.0;
+            *largest = largest.max(*value);
+        }
+    }
+    let most = largest.into_iter().fold(0.0, f64::max);
+    if !integers {
+        return most <= 1.0;
+    }
+    // One channel of 16 bits beside two of 8 is something else; one that is all 0 may be anything.
+    let wide = |value: f64| value > 255.0;
+    largest.iter().all(|&value| value <= 1.0 || wide(value) == wide(most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(columns: usize, rows: &[f64]) -> String {
+        by_values(columns, rows)[3..].join(" ")
+    }
+
+    #[test]
+    fn columns_by_their_values() {
+        let p = [0.5, 0.5, 0.5];
+        let row = |rest: &[f64]| names(3 + rest.len(), &[&p[..], rest].concat());
+        assert_eq!(row(&[25.0]), "intensity");
+        assert_eq!(row(&[25.0, 26.0]), "column_4 column_5");
+        assert_eq!(row(&[25.0, 26.0, 255.0]), "red green blue");
+        assert_eq!(row(&[25.0, 26.0, 256.0]), "column_4 column_5 column_6");
+        assert_eq!(row(&[1025.0, 0.0, 256.0]), "red green blue");
+        assert_eq!(row(&[0.25, 0.0, 1.0]), "red green blue");
+        assert_eq!(row(&[0.0, 0.0, 1.0]), "nx ny nz");
+        assert_eq!(row(&[0.58, -0.58, 0.58]), "nx ny nz");
+        assert_eq!(row(&[0.25, 0.0, 1.5]), "column_4 column_5 column_6");
+        assert_eq!(row(&[-1613.0, 52.0, 70.0, 64.0]), "intensity red green blue");
+        assert_eq!(row(&[0.25, 52.0, 70.0, 64.0]), "intensity red green blue");
+        assert_eq!(row(&[3000.0, 52.0, 70.0, 64.0]), "intensity red green blue");
+        assert_eq!(row(&[52.0, 70.0, 64.0, 255.0]), "red green blue column_7");
+        assert_eq!(row(&[52.0, 70.0, 64.0, 0.6, 0.0, 0.8]), "red green blue nx ny nz");
+        assert_eq!(row(&[0.6, 0.0, 0.8, 52.0, 70.0, 64.0]), "nx ny nz red green blue");
+        assert_eq!(row(&[-7.0, 52.0, 70.0, 64.0, 0.6, 0.0, 0.8]), "intensity red green blue nx ny nz");
+        assert_eq!(row(&[f64::NAN, 70.0, 64.0]), "red green blue");
+    }
+
+    #[test]
+    fn one_value_of_all_decides() {
+        let rows = [[0.0, 0.0, 0.0, 10.0, 20.0, 30.0], [0.0, 0.0, 0.0, 10.0, -20.0, 30.0]];
+        assert_eq!(names(6, &rows[0]), "red green blue");
+        assert_eq!(names(6, rows.as_flattened()), "column_4 column_5 column_6");
+    }
+
+    #[test]
+    fn names_of_the_user() {
+        assert_eq!(ColumnNames::parse("X, y,z,-,-,I,a").unwrap().as_slice(), ["X", "y", "z", "-", "-", "I", "a"]);
+        for (text, says) in [
+            ("", "name 1 of \"\" is empty"),
+            ("x,y,,z", "name 3"),
+            ("x,y", "no `z` in \"x,y\""),
+            ("x,y,z,X", "`X` comes twice"),
+            ("x,y,z,a,alpha", "`alpha` comes twice"),
+        ] {
+            assert!(ColumnNames::parse(text).unwrap_err().contains(says), "{text}");
+        }
+    }
+}
