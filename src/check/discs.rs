@@ -1,24 +1,20 @@
 //! Transparent discs: composition of many, of few, of none, in whatever order they come.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::stage::{Dot, apart, at, bytes_apart, cloud, frame, pixels};
-use super::{Case, Finding, Stage, each};
-use crate::methods::Error;
-use crate::reference::abuffer::{Fragment, composite};
+use super::naive::over;
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
+use super::{Case, Finding, Stage, Trouble, each};
 use crate::scene::{DiscShape, Discs, Hybrid, Method, Peel, Stochastic};
 
-/// Half a unit in the last place, relative: what a rounding to float32 takes at most.
-const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
-
 /// The methods that keep every fragment.
-fn exact() -> Vec<Method> {
+pub(super) fn exact() -> Vec<Method> {
     let discs = Discs::default();
     vec![Method::ABuffer(discs), Method::LinkedList(discs), Method::Sorted(discs)]
 }
 
 /// And the one that goes through all points once for each layer.
-fn with_peel() -> Vec<Method> {
+pub(super) fn with_peel() -> Vec<Method> {
     [exact(), vec![Method::Peel(Peel::default())]].concat()
 }
 
@@ -61,38 +57,14 @@ fn lengths() -> Vec<Case> {
     [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(of).into()
 }
 
-fn dot(depth: f64, color: Vec3, opacity: f32) -> Dot {
-    Dot { position: at(0, 0, depth), color, opacity, ..Dot::default() }
-}
-
-/// Over in float32 with the product of 1 − α: what everybody writes first.
-fn over(dots: &[Dot]) -> [f32; 4] {
-    let (mut color, mut rest) = (Vec3::ZERO, 1f32);
-    for dot in dots {
-        color += dot.color * (dot.opacity * rest);
-        rest *= 1.0 - dot.opacity;
-    }
-    [color.x, color.y, color.z, 1.0 - rest]
-}
-
-/// The exact pixel of dots from near to far.
-fn composed(dots: &[Dot]) -> [f64; 4] {
-    let fragment =
-        |(i, dot): (usize, &Dot)| Fragment { z: -dot.position.z, index: i as u32, alpha: f64::from(dot.opacity) };
-    let fragments: Vec<Fragment> = dots.iter().enumerate().map(fragment).collect();
-    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
-    let exact = composite(&fragments, &colors);
-    [exact.color.x, exact.color.y, exact.color.z, exact.alpha]
-}
-
 /// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;
 /// each takes two products and two sums. A list's runs have up to 256 layers, a tile's up to 2048.
-fn roundings(method: &Method, n: usize) -> f64 {
+pub(super) fn roundings(method: &Method, n: usize) -> f64 {
     let run = n.min(if method.lists().is_some() { 256 } else { 2048 });
     4.0 * (run + n.div_ceil(run)) as f64
 }
 
-fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let dots: Vec<Dot> = (0..100_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
@@ -101,7 +73,7 @@ fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
     Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&dots), &wanted) })
 }
 
-fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let dots: Vec<Dot> = (0..10_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-6)).collect();
     let wanted = composed(&dots)[3];
     let found = stage.pixel(&dots, method)?[3];
@@ -111,7 +83,7 @@ fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
 }
 
 /// Opacity falls with the length, so that the last layers still count; colors differ from layer to layer.
-fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Error> {
+fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Trouble> {
     let opacity = (3.0 / n as f32).min(0.5);
     let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / n as f32);
     let dots: Vec<Dot> = (0..n).map(|i| dot(1.0 + f64::from(i), color(i), opacity)).collect();
@@ -126,7 +98,7 @@ fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Error> {
     Ok(Finding { error: apart(&found, &wanted), bound, naive })
 }
 
-fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let dots = vec![dot(5.0, Vec3::new(0.25, 0.5, 1.0), 0.1); 300];
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
@@ -143,7 +115,7 @@ fn tied() -> Vec<Dot> {
 }
 
 /// Bytes that change when the input is permuted, and how many would by composition in the order of arrival.
-fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Result<Finding, Error> {
+fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Result<Finding, Trouble> {
     let dots = tied();
     let mut other = dots.clone();
     permute(&mut other);
@@ -158,7 +130,7 @@ fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Re
     Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: naive as f64 })
 }
 
-fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+pub(super) fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     permuted(stage, method, |dots| {
         dots.swap(0, 77);
         dots[..40].rotate_left(13);
@@ -166,11 +138,11 @@ fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
     })
 }
 
-fn reversed(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+pub(super) fn reversed(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     permuted(stage, method, |dots| dots.reverse())
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let red = Vec3::new(1.0, 0.0, 0.0);
     // What isn't there lies before, between and behind.
     let dots = [
@@ -187,7 +159,7 @@ fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
     Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: 1.0 })
 }
 
-fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let opacity = 1.0 - f32::EPSILON / 2.0;
     let dots = [dot(1.0, Vec3::ZERO, opacity), dot(2.0, Vec3::ONE, 1.0)];
     let found = stage.pixel(&dots, method)?;
@@ -196,7 +168,7 @@ fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
     Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: wanted[0] })
 }
 
-fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Error> {
+fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let size = [5, 5];
     let disc = Dot { position: at(2, 2, 3.0), radius: 2.0, normal: Vec3::X, opacity: 0.5, ..Dot::default() };
     let image = stage.render(&cloud(&[disc]), &frame(pixels(size), size, method))?.image;

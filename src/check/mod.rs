@@ -3,12 +3,24 @@
 //! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond the
 //! bound, or the case would notice nothing.
 
+mod approximate;
+mod cameras;
+mod cuts;
 mod discs;
+mod machinery;
+mod moved;
+mod naive;
+mod opaque;
+mod prepared;
+mod sizes;
+mod soft;
+mod spbr;
 mod stage;
+mod stochastic;
 
-use crate::gpu::Device;
-use crate::methods;
+use crate::gpu::{self, Device};
 use crate::scene::Method;
+use crate::{Error, io, methods, scene};
 
 pub use stage::Stage;
 
@@ -21,7 +33,49 @@ pub struct Case {
     run: Run,
 }
 
-type Run = Box<dyn Fn(&mut Stage) -> Result<Finding, methods::Error>>;
+type Run = Box<dyn Fn(&mut Stage) -> Result<Finding, Trouble>>;
+
+/// Why a case has no finding.
+#[derive(Debug)]
+enum Trouble {
+    /// The device lacks what it needs.
+    Lacks(String),
+    /// It could not be rendered.
+    Failed(Error),
+}
+
+impl From<methods::Error> for Trouble {
+    /// A device without subgroups has no methods that go through tiles, one without writes from fragment shaders no
+    /// rasteriser; what a case of this size can't bind or allocate, a device has no room for. Everything else is wrong.
+    fn from(error: methods::Error) -> Self {
+        use gpu::Error::{OutOfMemory, TooLarge};
+        use methods::Error::{Gpu, NoHardwareRaster, NoSubgroups};
+        match error {
+            NoSubgroups { .. } | NoHardwareRaster { .. } | Gpu(OutOfMemory { .. } | TooLarge { .. }) => {
+                Self::Lacks(error.to_string())
+            }
+            error => Self::Failed(error.into()),
+        }
+    }
+}
+
+impl From<gpu::Error> for Trouble {
+    fn from(error: gpu::Error) -> Self {
+        methods::Error::from(error).into()
+    }
+}
+
+impl From<io::Error> for Trouble {
+    fn from(error: io::Error) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+impl From<scene::Error> for Trouble {
+    fn from(error: scene::Error) -> Self {
+        Self::Failed(error.into())
+    }
+}
 
 /// What became of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +104,7 @@ pub enum Verdict {
     /// The device lacks what it needs.
     NotApplicable(String),
     /// It could not be rendered.
-    Failed(methods::Error),
+    Failed(Error),
 }
 
 impl Verdict {
@@ -66,7 +120,26 @@ impl Verdict {
 
 /// All cases, family by family. No two have the same name.
 pub fn cases() -> Vec<Case> {
-    [discs::cases()].into_iter().flatten().collect()
+    let families = [
+        discs::cases(),
+        approximate::cases(),
+        stochastic::cases(),
+        spbr::cases(),
+        soft::cases(),
+        opaque::cases(),
+        moved::cases(),
+        cameras::cases(),
+        sizes::cases(),
+        prepared::cases(),
+        cuts::cases(),
+        machinery::cases(),
+    ];
+    families.into_iter().flatten().collect()
+}
+
+/// A case of its own.
+fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Finding, Trouble> + 'static) -> Case {
+    Case { name: name.to_owned(), about, run: Box::new(run) }
 }
 
 /// The same case for each of some methods.
@@ -74,7 +147,7 @@ fn each(
     methods: &[Method],
     name: &str,
     about: &'static str,
-    run: fn(&mut Stage, Method) -> Result<Finding, methods::Error>,
+    run: fn(&mut Stage, Method) -> Result<Finding, Trouble>,
 ) -> Vec<Case> {
     let case = |method: &Method| {
         let method = *method;
@@ -88,9 +161,8 @@ impl Case {
     pub fn run(&self, stage: &mut Stage) -> Verdict {
         match (self.run)(stage) {
             Ok(finding) => Verdict::Found(finding),
-            // A device without shuffles has no methods that go through tiles; one without memory for an allocation can't do it.
-            Err(error @ methods::Error::NoSubgroups { .. }) => Verdict::NotApplicable(error.to_string()),
-            Err(error) => Verdict::Failed(error),
+            Err(Trouble::Lacks(what)) => Verdict::NotApplicable(what),
+            Err(Trouble::Failed(error)) => Verdict::Failed(error),
         }
     }
 }

@@ -8,7 +8,11 @@ use crate::image::Image;
 use crate::methods::{Error, Factors, Frame, Rendered, Renderer, Stop};
 use crate::points::Points;
 use crate::prepare::order;
+use crate::reference::abuffer::{Fragment, composite};
 use crate::scene::{ColorSpace, Method, Shading};
+
+/// Half a unit in the last place, relative: what a rounding to float32 takes at most.
+pub const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
 
 /// A device with a renderer.
 pub struct Stage {
@@ -128,4 +132,30 @@ pub fn apart(found: &[f32], wanted: &[f64]) -> f64 {
     pairs
         .map(|(f, w)| (f64::from(*f) - w).abs())
         .fold(0.0, |most, d| if d.is_nan() { f64::INFINITY } else { d.max(most) })
+}
+
+/// A dot of one pixel on the ray of the only pixel.
+pub fn dot(depth: f64, color: Vec3, opacity: f32) -> Dot {
+    Dot { position: at(0, 0, depth), color, opacity, ..Dot::default() }
+}
+
+/// The exact pixel of dots from near to far.
+pub fn composed(dots: &[Dot]) -> [f64; 4] {
+    let fragment =
+        |(i, dot): (usize, &Dot)| Fragment { z: -dot.position.z, index: i as u32, alpha: f64::from(dot.opacity) };
+    let fragments: Vec<Fragment> = dots.iter().enumerate().map(fragment).collect();
+    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+    let exact = composite(&fragments, &colors);
+    [exact.color.x, exact.color.y, exact.color.z, exact.alpha]
+}
+
+/// The largest difference between the pixels of an image and those that should be; infinite for NaN.
+pub fn pixels_apart(found: &[[f32; 4]], wanted: &[[f64; 4]]) -> f64 {
+    apart(found.as_flattened(), wanted.as_flattened())
+}
+
+/// Moves points and camera: the same picture, if no digit is lost.
+pub fn shifted(dots: &[Dot], camera: Camera, by: DVec3) -> (Vec<Dot>, Camera) {
+    let dots = dots.iter().map(|dot| Dot { position: dot.position + by, ..*dot }).collect();
+    (dots, Camera { eye: camera.eye + by, ..camera })
 }
