@@ -3,7 +3,7 @@
 mod common;
 
 use common::with_device;
-use pellucid::check::{self, Verdict};
+use pellucid::check::{self, Group, Verdict};
 
 #[test]
 fn every_case_passes_and_would_notice_the_naive_formula() {
@@ -34,4 +34,29 @@ fn names_differ() {
     names.sort();
     names.dedup();
     assert_eq!(names.len(), count);
+}
+
+#[test]
+fn every_method_has_hard_cases() {
+    let cases = check::cases();
+    for method in pellucid::scene::METHODS {
+        let of = cases.iter().filter(|case| case.name.split('/').next() == Some(*method));
+        assert!(*method == "auto" || of.count() > 0, "{method} has none");
+    }
+}
+
+#[test]
+fn the_page_about_numerics_holds_them_all() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/numerics.md");
+    let page = std::fs::read_to_string(page).expect("docs/numerics.md");
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    let cases = check::cases();
+    let wanted: Vec<String> = check::groups(&cases).iter().map(Group::columns).collect();
+    for (row, columns) in rows.iter().zip(&wanted) {
+        assert!(
+            row.starts_with(columns.as_str()),
+            "`pellucid check --markdown` prints the table: {columns}, not {row}"
+        );
+    }
+    assert_eq!(rows.len(), wanted.len());
 }

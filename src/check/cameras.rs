@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::discs::{exact, roundings, with_peel};
 use super::naive::over;
-use super::stage::{Dot, HALF_ULP, apart, cloud, composed, dot, pixels, pixels_apart};
+use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, dot, pixels, pixels_apart};
 use super::{Case, Finding, Stage, Trouble, each};
 use crate::camera::{Camera, Projection};
 use crate::reference::{abuffer, coverage};
@@ -29,6 +29,7 @@ pub(super) fn cases() -> Vec<Case> {
         Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
     ];
     let all = [with_peel(), others.to_vec()].concat();
+    let limits = [with_peel(), others[..6].to_vec()].concat();
     [
         each(
             &exact(),
@@ -43,7 +44,19 @@ pub(super) fn cases() -> Vec<Case> {
             "tilted discs 170 degrees wide, each ray by itself, against float64",
             wide,
         ),
+        each(
+            &oriented,
+            "through-the-eye",
+            "tilted discs that reach behind the camera, against float64",
+            through_the_eye,
+        ),
         each(&exact(), "depth-range", "depths from 1 to 1e6, in float32 steps apart: in their order", depth_range),
+        each(
+            &limits,
+            "depth-limits",
+            "at near and at far, and a unit in the last place beyond: the first two",
+            depth_limits,
+        ),
         each(&all, "behind", "points behind the camera, in its eye, before near and behind far: nothing", behind),
     ]
     .into_iter()
@@ -137,6 +150,20 @@ fn wide(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, camera, method, by_distance)
 }
 
+fn through_the_eye(stage: &mut Stage, method: Method) -> Found {
+    let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
+    let tilted = |dot: &Dot| Dot {
+        radius: 40.0 * dot.radius,
+        opacity: 0.02,
+        normal: Vec3::new(dot.normal.y, 0.9, 0.3 * dot.normal.x).normalize(),
+        ..*dot
+    };
+    let dots: Vec<Dot> = some(60, DVec3::NEG_Z * 2.0, DVec3::new(1.0, 1.0, 1.0), 0.1).iter().map(tilted).collect();
+    // An outline from the corners of a box, of which some have a negative depth: as if the discs ended before the eye.
+    let cut = |dot: &Dot| Dot { radius: dot.radius.min(-dot.position.z as f32), ..*dot };
+    against_float64(stage, &dots, camera, method, cut)
+}
+
 fn depth_range(stage: &mut Stage, method: Method) -> Found {
     let camera = Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     // Eight depths a unit of float32 apart, at both ends and between.
@@ -159,6 +186,17 @@ fn depth_range(stage: &mut Stage, method: Method) -> Found {
     by_key.sort_by(|a, b| key(a).total_cmp(&key(b)));
     let naive = apart(&over(&by_key), &wanted);
     Ok(Finding { error: apart(&found, &wanted), bound: roundings(&method, 40) * HALF_ULP, naive })
+}
+
+fn depth_limits(stage: &mut Stage, method: Method) -> Found {
+    let camera = Camera { near: 8.0, far: 1000.0, ..pixels([4, 1]) };
+    let depths = [8f32.next_down(), 8.0, 1000.0, 1000f32.next_up()];
+    let dot = |(x, depth): (u32, &f32)| Dot { position: at(x, 0, f64::from(*depth)), ..Dot::default() };
+    let dots: Vec<Dot> = (0..).zip(&depths).map(dot).collect();
+    let image = stage.image(&dots, camera, [4, 1], method)?;
+    let wanted = [[0.0; 4], [1.0; 4], [1.0; 4], [0.0; 4]];
+    // Clipped where (z - near) / (far - near) is not above 0 and below 1.
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 0.0, naive: 1.0 })
 }
 
 fn behind(stage: &mut Stage, method: Method) -> Found {

@@ -67,12 +67,14 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
 
 fn budget(stage: &mut Stage, method: Method) -> Found {
     let size = [48, 32];
-    let dots = crowd(600, 6.0);
+    // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
+    let tiled = method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
     let whole = frame(pixels(size), size, method);
     let points = cloud(&dots);
     let free = stage.render(&points, &whole)?;
-    // Half as much again each time, from what is too little for a row until it does.
-    let mut budget = 48u64 << 10;
+    // Half as much again each time, from what is too little for anything until it does.
+    let mut budget = 2u64 << 10;
     let cut = loop {
         let attempt = stage.render(&points, &Frame { memory_budget: Some(budget), ..whole });
         match attempt {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, each};
-use crate::scene::{DiscShape, Discs, Hybrid, Method, Peel, Stochastic};
+use crate::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
 
 /// The methods that keep every fragment.
 pub(super) fn exact() -> Vec<Method> {
@@ -26,6 +26,7 @@ fn exact_coverage() -> Vec<Method> {
 }
 
 pub(super) fn cases() -> Vec<Case> {
+    let gaussian = Method::ABuffer(Discs { falloff: Falloff::Gaussian, ..Discs::default() });
     let tilted = Method::ABuffer(Discs { shape: DiscShape::Oriented, ..Discs::default() });
     [
         each(&exact(), "faint-layers", "100 000 layers of opacity 1e-7 in a pixel: 1 - (1 - 1e-7)^100000", faint),
@@ -39,6 +40,13 @@ pub(super) fn cases() -> Vec<Case> {
         each(&with_peel(), "opacity-0-and-1", "nothing of opacity 0, nothing behind opacity 1", extremes),
         lengths(),
         each(&with_peel(), "nearly-opaque", "opacities of 1 - 2^-24: what shines through is not lost", nearly_opaque),
+        each(&with_peel(), "least-opacity", "three layers of opacity 2^-125: 3 · 2^-125", least_opacity),
+        each(
+            &[gaussian],
+            "no-radius",
+            "radii of 0 to 1e-3 with a Gaussian: at the rim, exp(-2) of the opacity",
+            no_radius,
+        ),
         each(&[tilted], "edge-on", "a disc seen from its edge covers the pixel of its centre, at its depth", edge_on),
     ]
     .into_iter()
@@ -166,6 +174,31 @@ fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> 
     // 2^-24 of white; one rounding of a product. Stopping where an 8-bit step is saturated would lose it.
     let wanted = [1.0 - f64::from(opacity); 3];
     Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: wanted[0] })
+}
+
+fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    // Above the least normal number, below which a device may take it for 0.
+    let opacity = f32::MIN_POSITIVE * 2.0;
+    let dots = [1.0, 2.0, 3.0].map(|depth| dot(depth, Vec3::ONE, opacity));
+    let image = stage.image(&dots, pixels([1, 1]), [1, 1], method)?;
+    let wanted = 3.0 * f64::from(opacity);
+    // It has an opacity, so its depth is that of the image. 1 - T is 0.
+    let depth = if image.depth[0] == 1.0 { 0.0 } else { 1.0 };
+    let error = apart(&image.rgba[0], &[wanted; 4]);
+    Ok(Finding { error: error.max(depth), bound: 12.0 * HALF_ULP * wanted, naive: apart(&over(&dots), &[wanted; 4]) })
+}
+
+fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    // In the middle of their pixels and beside it: d / r of 0 / 0 and of what is larger than 1.
+    let radii = [0.0, 0.0, 1e-45, 1e-3];
+    let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
+    let dot = |(x, radius): (u32, &f32)| Dot { position: at(x, 0, 3.0) + beside(x), radius: *radius, ..Dot::default() };
+    let dots: Vec<Dot> = (0..).zip(&radii).map(dot).collect();
+    let image = stage.image(&dots, pixels([4, 1]), [4, 1], method)?;
+    let wanted = [(-2f64).exp(); 4];
+    let error = image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
+    // Vulkan allows 3 + 2 · 2 units of an exponential.
+    Ok(Finding { error, bound: 16.0 * HALF_ULP * wanted[0], naive: f64::INFINITY })
 }
 
 fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {

@@ -17,12 +17,14 @@ mod soft;
 mod spbr;
 mod stage;
 mod stochastic;
+mod table;
 
 use crate::gpu::{self, Device};
 use crate::scene::Method;
 use crate::{Error, io, methods, scene};
 
 pub use stage::Stage;
+pub use table::{Group, groups, markdown};
 
 /// A hard case.
 pub struct Case {

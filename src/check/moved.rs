@@ -1,9 +1,9 @@
 //! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the bytes that they give at the
-//! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding.
+//! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding. And scenes in other units.
 
 use glam::{DVec3, Vec3};
 
-use super::stage::{Dot, bytes_apart, cloud, frame, shifted};
+use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, pixels_apart, shifted};
 use super::{Case, Finding, Stage, Trouble, each};
 use crate::camera::{Camera, Projection};
 use crate::image::Image;
@@ -36,10 +36,20 @@ pub(super) fn cases() -> Vec<Case> {
         Method::SoftExpress(soft),
         Method::OneLayer(OneLayer::default()),
     ];
-    let mut all = each(&methods, "georeferenced", "moved by (500000, 4500000, 100): no byte changes", moved);
+    let about = "moved by (500000, 4500000, 100): no byte changes";
+    let scales = "times 2^30 and 2^-30, camera and all: no byte of a color changes";
+    // The others number their random words by points, of which there is one more.
+    let known = |method: &&Method| !matches!(method, Method::Stochastic(_));
+    let others: Vec<Method> = methods.iter().filter(known).copied().collect();
+    let outliers = "a point at 1e20 that is not seen: colors as without it";
+    let mut all = [
+        each(&methods, "georeferenced", about, moved),
+        each(&methods, "scaled", scales, scaled),
+        each(&others, "outlier", outliers, outlier),
+    ];
     // Two of them are of one method.
-    all[1].name = "abuffer/georeferenced-oriented".to_owned();
-    all
+    all.iter_mut().for_each(|cases| cases[1].name += "-oriented");
+    all.into_iter().flatten().collect()
 }
 
 /// Points on a grid of 1/1024 in a cube of side 2, one in three with a field that makes it soft.
@@ -76,4 +86,42 @@ fn moved(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let rounded = |dot: &Dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot };
     let single = render(&far.iter().map(rounded).collect::<Vec<_>>(), far_camera)?;
     Ok(Finding { error: bytes_apart(&here, &there), bound: 0.0, naive: bytes_apart(&here, &single) })
+}
+
+fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let mut render = |factor: f64| -> Result<Vec<[f32; 4]>, Trouble> {
+        let scaled = |dot: &Dot| Dot { position: dot.position * factor, radius: dot.radius * factor as f32, ..*dot };
+        let dots: Vec<Dot> = dots().iter().map(scaled).collect();
+        let camera = camera();
+        let camera =
+            Camera { eye: camera.eye * factor, near: camera.near * factor, far: camera.far * factor, ..camera };
+        Ok(stage.render(&cloud(&dots), &frame(camera, SIZE, method))?.image.rgba)
+    };
+    let plain = render(1.0)?;
+    let mut error = 0.0;
+    for power in [30, -30] {
+        let other = render(2f64.powi(power))?;
+        let differ =
+            |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        error += plain.iter().zip(&other).map(differ).sum::<usize>() as f64;
+    }
+    // Something is drawn; an absolute tolerance of 1e-6, at which all depths are equal and all radii none, draws nothing.
+    let drawn = plain.iter().flatten().filter(|c| **c > 0.0).count();
+    Ok(Finding { error, bound: 0.0, naive: drawn as f64 })
+}
+
+fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let mut render = |dots: &[Dot]| Ok::<_, Trouble>(stage.image(dots, camera(), SIZE, method)?.rgba);
+    let dots = dots();
+    let alone = render(&dots)?;
+    let far = Dot { position: DVec3::new(1e20, -1e20, 1e20), radius: 0.1, opacity: 0.5, ..Dot::default() };
+    let with = render(&[dots.as_slice(), &[far]].concat())?;
+    // Counted from the middle of a box that holds them all, the others fall together.
+    let middle = 0.5 * far.position;
+    let rounded = |dot: &Dot| Dot { position: (dot.position - middle) + middle, ..*dot };
+    let lost = render(&dots.iter().map(rounded).collect::<Vec<_>>())?;
+    let wanted: Vec<[f64; 4]> = alone.iter().map(|pixel| pixel.map(f64::from)).collect();
+    // The order of points in memory changes, and with it that of sums: compensated ones, as for equal colors.
+    let bound = 18.0 * HALF_ULP;
+    Ok(Finding { error: pixels_apart(&with, &wanted), bound, naive: pixels_apart(&lost, &wanted) })
 }

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::stage::{frame, pixels};
+use super::stage::{at, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, each, one};
 use crate::points::Points;
 use crate::prepare::ensembles::{Dealt, Surface};
@@ -39,6 +39,7 @@ pub(super) fn cases() -> Vec<Case> {
         each(&spbr(true), "slanted", "a plane at 60 degrees, Eq. 2: 1 - (1 - 0.3)^2", tilted),
         each(&spbr(false), "slanted-corrected", "the same without the shading effect: 0.3", tilted),
         each(&spbr(true), "two-planes", "0.4 before 0.7: 0.4 + 0.6 · 0.7", two_planes),
+        each(&spbr(true), "opacity-0-and-1", "one point on each pixel: opaque in all images, or in none", extremes),
         each(&spbr(true), "ensembles", "the variance of a pixel is that of 20 independent images", independent),
         each(&simplified, "each-point-once", "one point on each pixel is in one of 7 images: A = 1/7", once),
     ]
@@ -108,7 +109,7 @@ fn density(alpha: f64, k: f64) -> f64 {
 }
 
 fn white_plane(stage: &mut Stage, k: f64) -> Found {
-    let list = dealt(vec![plane(1, density(0.5, k), 0.0, 10.0, 0.5)]);
+    let list = dealt(vec![plane(10 + k as u64, density(0.5, k), 0.0, 10.0, 0.5)]);
     let found = alphas(stage, &list, Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() }))?;
     let naive = if k > 1.0 {
         // Copies dealt to any ensemble, perhaps twice to one: T becomes T^(1 - (k - 1) / 2L).
@@ -148,15 +149,30 @@ fn independent(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: (variance / wanted - 1.0).abs(), bound, naive: f64::from(ENSEMBLES) - 1.0 })
 }
 
-fn once(stage: &mut Stage, method: Method) -> Found {
+/// One point in the middle of each pixel.
+fn grid(opacity: f32) -> Dealt {
     let points = Points {
-        positions: (0..4096).map(|i| super::stage::at(i % 64, i / 64, 10.0)).collect(),
+        positions: (0..4096).map(|i| at(i % 64, i / 64, 10.0)).collect(),
         colors: vec![Vec3::ONE; 4096],
-        opacities: vec![1.0; 4096],
+        opacities: vec![opacity; 4096],
         radii: vec![0.0; 4096],
         ..Points::default()
     };
-    let found = alphas(stage, &dealt(vec![(points, 1.0)]), method)?;
+    dealt(vec![(points, 1.0)])
+}
+
+fn extremes(stage: &mut Stage, method: Method) -> Found {
+    let mut error = 0f64;
+    for opacity in [0.0, 1.0] {
+        let found = alphas(stage, &grid(opacity), method)?;
+        error = found.iter().map(|alpha| (alpha - f64::from(opacity)).abs()).fold(error, f64::max);
+    }
+    // ln(1 - α) is infinite, and so are the points that are wanted.
+    Ok(Finding { error, bound: 0.0, naive: f64::INFINITY })
+}
+
+fn once(stage: &mut Stage, method: Method) -> Found {
+    let found = alphas(stage, &grid(1.0), method)?;
     let apart = |alpha: &f64| (alpha - 1.0 / 7.0).abs();
     // Each point in each image with probability 1/7.
     let drawn = |i: u32| (0..7).filter(|e| threefry2x32([i, *e], [0, 0])[0] < u32::MAX / 7).count() as f64 / 7.0;
