@@ -122,7 +122,7 @@ fn narrow(stage: &mut Stage, method: Method) -> Found {
     // One point for each eighth row, 1e-4 of a pixel from its border.
     let dot = |i: u32| {
         let depth = 50.0 + f64::from(i * 37 % 512) / 11.0;
-        let row = f64::from(8 * i + 4) + if i % 2 == 0 { 1e-4 } else { -1e-4 };
+        let row = f64::from(8 * i + 4) + if i.is_multiple_of(2) { 1e-4 } else { -1e-4 };
         Dot { position: DVec3::new(0.0, (2048.0 - row) * depth / focal, -depth), ..Dot::default() }
     };
     let dots: Vec<Dot> = (0..512).map(dot).collect();

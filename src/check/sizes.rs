@@ -162,7 +162,7 @@ fn border(stage: &mut Stage, method: Method) -> Found {
     };
     let dots: Vec<Dot> = (0..25).map(dot).collect();
     let image = stage.image(&dots, pixels(size), size, method)?;
-    let wanted = |pixel: usize| if pixel % 3 == 0 && pixel / 15 % 3 == 0 { 1.0 } else { 0.0 };
+    let wanted = |pixel: usize| if pixel.is_multiple_of(3) && (pixel / 15).is_multiple_of(3) { 1.0 } else { 0.0 };
     let error = (0..225).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
     // The nearest centre, where two are as near: half to even takes the left one of an odd border.
     let naive = (0..5).map(|i| 3.0 * f64::from(i)).filter(|x| (x - 0.5).round_ties_even() != *x).count();
