@@ -71,6 +71,7 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+pub mod check;
 pub mod choice;
 pub mod cloud;
 pub mod color;

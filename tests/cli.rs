@@ -3,6 +3,7 @@
 mod cli {
     mod bad;
     mod brightness;
+    mod check;
     mod choice;
     #[cfg(unix)]
     mod ci;

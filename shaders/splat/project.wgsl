@@ -41,18 +41,18 @@ override PART: u32 = 0u;
 override RUN: u32 = 8u;
 
 // Half extent of a tilted disc along one axis of the screen, at depth 1, as (below, above) the projected centre.
-// e solves A e^2 - 2 e r^2 b - r^2 c = 0 with A = Z^2 - r^2 (1 - n_z^2): the plane through the eye and a line x = const
-// touches the disc. A <= 0: the disc reaches the eye's plane and may cover any part of the screen.
-fn extent_perspective(slope: f32, n: f32, n_z: f32, depth: f32, radius: f32) -> vec2<f32> {
-    let squared = radius * radius;
-    let a = depth * depth - squared * (1.0 - n_z * n_z);
+// e solves A e^2 - 2 e q^2 b - q^2 c = 0 with A = 1 - q^2 (1 - n_z^2) and q = r / Z, in whatever units: the plane through the eye
+// and a line x = const touches the disc. A <= 0: the disc reaches the eye's plane and may cover any part of the screen.
+fn extent_perspective(slope: f32, n: f32, n_z: f32, ratio: f32) -> vec2<f32> {
+    let squared = ratio * ratio;
+    let a = 1.0 - squared * (1.0 - n_z * n_z);
     let m = n - slope * n_z;
     let b = slope + m * n_z;
     let c = max(1.0 + slope * slope - m * m, 0.0);
-    if !(a > 1e-6 * depth * depth) {
+    if !(a > 1e-6) {
         return vec2<f32>(HUGE);
     }
-    let root = sqrt(max(squared * squared * b * b + a * squared * c, 0.0));
+    let root = ratio * sqrt(max(squared * b * b + a * c, 0.0));
     return vec2<f32>(max((root - squared * b) / a, 0.0), max((root + squared * b) / a, 0.0));
 }
 
@@ -94,11 +94,10 @@ fn extents(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<f32> {
             let half = splat.radius * sqrt(max(vec2<f32>(1.0) - n.xy * n.xy, vec2<f32>(0.0))) + margin;
             return half.xyxy;
         }
-        let depth = splat.depth + view.eye_hi.w;
-        let radius = splat.radius * depth / view.focal.x;
+        let ratio = splat.radius / view.focal.x;
         let slope = center / view.focal.x;
-        let x = extent_perspective(slope.x, n.x, n.z, depth, radius) * view.focal.x + margin;
-        let y = extent_perspective(slope.y, n.y, n.z, depth, radius) * view.focal.x + margin;
+        let x = extent_perspective(slope.x, n.x, n.z, ratio) * view.focal.x + margin;
+        let y = extent_perspective(slope.y, n.y, n.z, ratio) * view.focal.x + margin;
         return vec4<f32>(x.x, y.x, x.y, y.y);
     }
     return vec4<f32>(splat.radius);

@@ -1,5 +1,6 @@
 //! The commands and what they share: options to library calls, results to standard output, the rest to standard error.
 
+mod check;
 mod compare;
 mod compare_profiles;
 mod dealt;
@@ -52,6 +53,8 @@ enum Command {
     Stress(stress::StressArgs),
     /// Measure what accuracy costs in time: every method and setting on one scene, against the exact image.
     Tradeoff(tradeoff::TradeoffArgs),
+    /// Run the numerically hard cases on a device: what each is off, and what it may be.
+    Check(check::CheckArgs),
     /// Print which passes a frame would have, and why.
     Plan(plan::PlanArgs),
     /// Compute radii and the field of soft transparency once, and store them with the cloud.
@@ -107,6 +110,7 @@ pub fn run() -> Result<ExitCode> {
         Command::Profile(args) => profile::run(args, talk),
         Command::Stress(args) => stress::run(args, talk),
         Command::Tradeoff(args) => tradeoff::run(args, talk),
+        Command::Check(args) => check::run(args, talk),
         Command::Plan(args) => plan::run(args, talk),
         Command::Prepare(args) => prepare::run(args, talk),
         Command::Info(args) => info::run(args, talk),

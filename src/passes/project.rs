@@ -352,6 +352,21 @@ fn split(v: DVec3) -> (Vec3, Vec3) {
     (hi, (v - hi.as_dvec3()).as_vec3())
 }
 
+/// Points that tell the middle of all.
+const TELLING: usize = 4096;
+
+/// What positions are counted from: the median of each coordinate, of evenly many of them if they are many. Points far off,
+/// however far, take no digits from the others, as they do from the middle of a box around all.
+fn middle(positions: &[DVec3]) -> DVec3 {
+    let step = positions.len().div_ceil(TELLING).max(1);
+    let median = |axis: usize| {
+        let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
+        let half = all.len() / 2;
+        if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
+    };
+    DVec3::new(median(0), median(1), median(2))
+}
+
 fn padded(v: Vec3) -> [f32; 4] {
     [v.x, v.y, v.z, 0.0]
 }
@@ -538,7 +553,7 @@ impl DeviceCloud {
     }
 
     fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
-        let origin = points.bounds().map_or(DVec3::ZERO, |b| b.center());
+        let origin = middle(&points.positions);
         let len = points.len() as u64;
         let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
         // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.

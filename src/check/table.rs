@@ -1,0 +1,106 @@
+//! The list of cases as a table: docs/numerics.md holds it.
+
+use super::{Case, Finding, Verdict};
+
+/// A case and the methods for which it is run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group {
+    /// The part of the name behind the method's.
+    pub case: String,
+    /// What it is about.
+    pub about: &'static str,
+    /// The methods, in the order of the cases.
+    pub methods: Vec<String>,
+    /// Where its cases stand in the list.
+    pub members: Vec<usize>,
+}
+
+/// The cases by what they are about, in the order of the first of each.
+pub fn groups<'a>(cases: impl IntoIterator<Item = &'a Case>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (i, case) in cases.into_iter().enumerate() {
+        let (method, name) = case.name.split_once('/').unwrap_or(("", &case.name));
+        let known = groups.iter_mut().find(|group| group.case == name && group.about == case.about);
+        if let Some(group) = known {
+            group.methods.push(method.to_owned());
+            group.members.push(i);
+        } else {
+            let (methods, members) = (vec![method.to_owned()], vec![i]);
+            groups.push(Group { case: name.to_owned(), about: case.about, methods, members });
+        }
+    }
+    groups
+}
+
+impl Group {
+    /// The first columns of the group's row: case, methods, what it is about.
+    pub fn columns(&self) -> String {
+        let methods: Vec<String> = self.methods.iter().map(|method| format!("`{method}`")).collect();
+        format!("| `{}` | {} | {} |", self.case, methods.join(", "), self.about)
+    }
+}
+
+/// A Markdown table of cases that were run, by what they are about: the largest error found and allowed, and the smallest of the
+/// naive formula.
+pub fn markdown(results: &[(&Case, Verdict)]) -> String {
+    let mut table =
+        "| case | methods | what is known | error | bound | naive |\n|---|---|---|---|---|---|\n".to_owned();
+    for group in groups(results.iter().map(|(case, _)| *case)) {
+        let found: Vec<Finding> = group.members.iter().filter_map(|i| finding(&results[*i].1)).collect();
+        let most = |of: fn(&Finding) -> f64| found.iter().map(of).fold(0.0, f64::max);
+        let naive = found.iter().map(|finding| finding.naive).fold(f64::INFINITY, f64::min);
+        let numbers = if found.len() < group.members.len() {
+            "not applicable | |".to_owned()
+        } else {
+            format!("{} | {} | {}", number(most(|f| f.error)), number(most(|f| f.bound)), number(naive))
+        };
+        table += &format!("{} {numbers} |\n", group.columns());
+    }
+    table
+}
+
+fn finding(verdict: &Verdict) -> Option<Finding> {
+    match verdict {
+        Verdict::Found(finding) => Some(*finding),
+        _ => None,
+    }
+}
+
+/// Two digits; whole numbers are counts.
+fn number(value: f64) -> String {
+    match value {
+        v if !v.is_finite() => "∞".to_owned(),
+        v if v == v.trunc() && v < 1e6 => format!("{v}"),
+        v if (0.01..1000.0).contains(&v) => format!("{v:.2}"),
+        v => format!("{v:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::check::{Trouble, one};
+
+    fn case(name: &str, about: &'static str) -> Case {
+        one(name, about, |_| Err(Trouble::Lacks("everything".into())))
+    }
+
+    #[test]
+    fn a_row_for_what_cases_are_about() {
+        let cases = [case("a/x", "first"), case("a/y", "second"), case("b/x", "first"), case("b/y", "third")];
+        let found = groups(&cases);
+        let rows: Vec<String> = found.iter().map(Group::columns).collect();
+        assert_eq!(rows, ["| `x` | `a`, `b` | first |", "| `y` | `a` | second |", "| `y` | `b` | third |"]);
+        assert_eq!(found[0].members, [0, 2]);
+
+        let of = |error, bound, naive| Verdict::Found(Finding { error, bound, naive });
+        let lacks = || Verdict::NotApplicable("no subgroups".into());
+        let verdicts = [of(0.0, 2e-6, 0.5), of(12.0, 0.0, 3.0), of(1e-7, 1e-6, f64::INFINITY), lacks()];
+        let results: Vec<(&Case, Verdict)> = cases.iter().zip(verdicts).collect();
+        let table = markdown(&results);
+        let lines: Vec<&str> = table.lines().skip(2).collect();
+        assert_eq!(lines[0], "| `x` | `a`, `b` | first | 1.0e-7 | 2.0e-6 | 0.50 |");
+        assert_eq!(lines[1], "| `y` | `a` | second | 12 | 0 | 3 |");
+        assert_eq!(lines[2], "| `y` | `b` | third | not applicable | | |");
+    }
+}
