@@ -774,8 +774,9 @@ impl DeviceCloud {
         let part = if self.has_fields { how.part } else { Part::All };
         let variant = project_variant(&Projecting { part, ..*how }, self.has_normals);
         for (chunk, (first, count)) in self.chunks().enumerate() {
-            let normals =
-                if used_normals(how, self.has_normals) { self.normals.slice(first, count) } else { self.normals.all() };
+            let used = used_normals(how, self.has_normals);
+            // One stands in where none are read: all of them may be more than can be bound.
+            let normals = if used { self.normals.slice(first, count) } else { self.normals.slice(0, 1) };
             let pass = Project {
                 camera: self.view.all(),
                 points_hi: self.points_hi.slice(first, count),

@@ -669,7 +669,11 @@ impl Ensembles {
             camera: cloud.view(),
             points_hi: self.column(job, Column::High, bound),
             points_lo: self.column(job, Column::Low, bound),
-            normals: if cloud.has_normals() { self.column(job, Column::Normal, bound) } else { cloud.normals.all() },
+            normals: if cloud.has_normals() {
+                self.column(job, Column::Normal, bound)
+            } else {
+                cloud.normals.slice(0, 1)
+            },
             counters: self.counters.get().all(),
             large: self.large.get().all(),
         }
