@@ -5,8 +5,7 @@ use glam::{DVec3, Vec3};
 use super::discs::roundings;
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, each};
-use crate::methods::{Frame, Rendered};
-use crate::points::Points;
+use crate::methods::Frame;
 use crate::reference::abuffer::{Fragment, composite};
 use crate::scene::{
     BlendedSplats, Density, DiscShape, Discs, Hybrid, LongLists, Method, Peel, Shells, Soft, Stochastic,
@@ -66,18 +65,6 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
     (1..=count).map(of).collect()
 }
 
-/// The frame with the least memory that does: half as much again each time, from what is too little for anything.
-pub(super) fn tightest(stage: &mut Stage, points: &Points, whole: &Frame) -> Result<Rendered, Trouble> {
-    let mut budget = 2u64 << 10;
-    loop {
-        let attempt = stage.render(points, &Frame { memory_budget: Some(budget), ..*whole });
-        match attempt {
-            Err(error) if error.is_refusal() && budget < 64 << 20 => budget += budget / 2,
-            found => return Ok(found?),
-        }
-    }
-}
-
 fn budget(stage: &mut Stage, method: Method) -> Found {
     let size = [48, 32];
     // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
@@ -86,7 +73,15 @@ fn budget(stage: &mut Stage, method: Method) -> Found {
     let whole = frame(pixels(size), size, method);
     let points = cloud(&dots);
     let free = stage.render(&points, &whole)?;
-    let cut = tightest(stage, &points, &whole)?;
+    // Half as much again each time, from what is too little for anything until it does.
+    let mut budget = 2u64 << 10;
+    let cut = loop {
+        let attempt = stage.render(&points, &Frame { memory_budget: Some(budget), ..whole });
+        match attempt {
+            Err(error) if error.is_refusal() && budget < 64 << 20 => budget += budget / 2,
+            found => break found?,
+        }
+    };
     let was_cut = cut.facts.windows > free.facts.windows || cut.facts.bands > free.facts.bands;
     let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
     // A pool of fixed size loses what comes last: the pixels beyond it, 20 bytes each.

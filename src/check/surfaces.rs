@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
-use super::{Case, Finding, Stage, Trouble, cuts, each, one};
+use super::{Case, Finding, Stage, Trouble, each, one};
 use crate::image::Image;
 use crate::methods::{Frame, Rendered};
 use crate::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
@@ -315,12 +315,19 @@ fn scattered(size: [u32; 2], count: u32) -> Vec<Dot> {
 
 fn budget(stage: &mut Stage, method: Method) -> Found {
     let size = [160, 120];
-    let points = cloud(&scattered(size, 12_000));
+    let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
     let whole = frame(pixels(size), size, method);
-    let free = stage.render(&points, &whole)?;
-    let cut = cuts::tightest(stage, &points, &whole)?;
-    let was_cut = cut.facts.windows > free.facts.windows;
-    let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
+    let free = stage.renderer.render(&mut cloud, &whole)?;
+    // Less and less, until it takes several windows; too little for any is refused.
+    let mut budget = 8u64 << 20;
+    let cut = loop {
+        let cut = stage.renderer.render(&mut cloud, &Frame { memory_budget: Some(budget), ..whole })?;
+        if cut.facts.windows > free.facts.windows {
+            break cut;
+        }
+        budget = budget / 4 * 3;
+    };
+    let error = bytes_apart(&free.image, &cut.image);
     // Filters that end where a window does: two columns on each side of a border through the image.
     Ok(Finding { error, bound: 0.0, naive: f64::from(4 * size[1]) * PIXEL })
 }
