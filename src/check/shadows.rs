@@ -65,8 +65,8 @@ fn sheet(columns: std::ops::Range<i32>, rows: std::ops::Range<i32>, depth: f64, 
 fn slanted(stage: &mut Stage) -> Found {
     let resolution = 16;
     let across = 1.5 * 48f64.hypot(40.0) / f64::from(resolution - 2);
-    // Depths of a plane differ by tan θ over a pixel of the light, the filter reaches one farther: 1.5 pixels from the middle of
-    // one, at most. d̃ / cos θ is more than three times the pixel's tan θ for every θ if d̃ is three pixels, corner to corner.
+    // Over a pixel of the light, from corner to corner, depths of a plane differ by tan θ of its width, and the filter takes them
+    // from the next: two of them. Three pixels over cos θ are more, whatever θ is.
     let shadows = hard(resolution, 3.0 * across as f32);
     let (mut error, mut naive) = (0.0, 0.0);
     for degrees in [0.0, 30.0, 60.0, 80.0f64] {
