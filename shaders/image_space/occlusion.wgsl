@@ -7,6 +7,7 @@ fn is_looked_at(depth: f32) -> bool {
     return !is_background(depth);
 }
 
+// Below the depth itself, even where d~ is less than a unit of it in the last place: what is as near hides nothing.
 fn floor_of(depth: f32) -> f32 {
-    return depth - p.distance;
+    return min(depth - p.distance, key_depth(depth_key(depth) - 1u));
 }

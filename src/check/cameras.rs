@@ -8,7 +8,10 @@ use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, dot, pixels, pixel
 use super::{Case, Finding, Stage, Trouble, each};
 use crate::camera::{Camera, Projection};
 use crate::reference::{abuffer, coverage};
-use crate::scene::{BlendedSplats, DiscShape, Discs, Interpolated, Method, OneLayer, ScreenSplats, Soft, Stochastic};
+use crate::scene::{
+    BlendedSplats, DiscShape, Discs, ImageSpace, Interpolated, Method, OneLayer, PeelLayers, ScreenSplats, Soft,
+    Stochastic,
+};
 
 type Found = Result<Finding, Trouble>;
 
@@ -27,6 +30,8 @@ pub(super) fn cases() -> Vec<Case> {
         Method::SoftExpress(Soft::default()),
         Method::OneLayer(OneLayer::default()),
         Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
+        Method::ImageSpace(ImageSpace::default()),
+        Method::PeelLayers(PeelLayers::default()),
     ];
     let all = [with_peel(), others.to_vec()].concat();
     let limits = [with_peel(), others[..6].to_vec()].concat();

@@ -12,11 +12,13 @@ mod moved;
 mod naive;
 mod opaque;
 mod prepared;
+mod shadows;
 mod sizes;
 mod soft;
 mod spbr;
 mod stage;
 mod stochastic;
+mod surfaces;
 mod table;
 
 use crate::gpu::{self, Device};
@@ -129,6 +131,8 @@ pub fn cases() -> Vec<Case> {
         spbr::cases(),
         soft::cases(),
         opaque::cases(),
+        surfaces::cases(),
+        shadows::cases(),
         moved::cases(),
         cameras::cases(),
         sizes::cases(),

@@ -8,16 +8,20 @@ use super::{Case, Finding, Stage, Trouble, each};
 use crate::camera::{Camera, Projection};
 use crate::image::Image;
 use crate::scene::{
-    BlendedSplats, Density, DiscShape, Discs, Hybrid, Interpolated, Method, OneLayer, Peel, ScreenSplats, Shells, Soft,
-    Stochastic,
+    BlendedSplats, Density, DiscShape, Discs, Hybrid, ImageSpace, Interpolated, Method, OneLayer, Peel, PeelLayers,
+    ScreenSplats, Shells, Soft, Stochastic,
 };
 
 const SIZE: [u32; 2] = [40, 30];
+/// d̃: what it is by itself depends on the box of all points.
+const DISTANCE: f32 = 0.25;
+const LAYERS: u32 = 4;
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let soft = Soft { density: Density::Softness(0.4), shells: Shells::Fixed(3), ..Soft::default() };
+    let filters = ImageSpace { min_layer_distance: Some(DISTANCE), ..ImageSpace::default() };
     let methods = [
         Method::ABuffer(discs),
         Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs }),
@@ -35,6 +39,8 @@ pub(super) fn cases() -> Vec<Case> {
         Method::SoftConcentric(soft),
         Method::SoftExpress(soft),
         Method::OneLayer(OneLayer::default()),
+        Method::ImageSpace(filters),
+        Method::PeelLayers(PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: LAYERS }),
     ];
     let about = "moved by (500000, 4500000, 100): no byte changes";
     let scales = "times 2^30 and 2^-30, camera and all: no byte of a color changes";
@@ -95,6 +101,7 @@ fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
         let camera = camera();
         let camera =
             Camera { eye: camera.eye * factor, near: camera.near * factor, far: camera.far * factor, ..camera };
+        let method = with_distance(method, DISTANCE * factor as f32);
         Ok(stage.render(&cloud(&dots), &frame(camera, SIZE, method))?.image.rgba)
     };
     let plain = render(1.0)?;
@@ -108,6 +115,16 @@ fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     // Something is drawn; an absolute tolerance of 1e-6, at which all depths are equal and all radii none, draws nothing.
     let drawn = plain.iter().flatten().filter(|c| **c > 0.0).count();
     Ok(Finding { error, bound: 0.0, naive: drawn as f64 })
+}
+
+/// With another d̃, if it has one.
+fn with_distance(method: Method, distance: f32) -> Method {
+    let apart = |filters| ImageSpace { min_layer_distance: Some(distance), ..filters };
+    match method {
+        Method::ImageSpace(filters) => Method::ImageSpace(apart(filters)),
+        Method::PeelLayers(layers) => Method::PeelLayers(PeelLayers { filters: apart(layers.filters), ..layers }),
+        method => method,
+    }
 }
 
 fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -125,6 +142,11 @@ fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
         // A corner of the box lies behind the camera, so that depths are counted from the eye: two ends of each of ten spheres
         // on a ray, rounded by half a unit of 8, at an absorption λ r of at most 7 for a unit of length.
         10.0 * 2.0 * 8.0 * HALF_ULP * 7.0
+    } else if method.filters().is_some() {
+        // What a depth is counted from changes, too: an edge has 8 depths below 8, each with 4 roundings, over 4 d̃; half of it is
+        // the share of the neighbors. Smoothing adds 18 roundings; color and alpha of a layer count in all behind it.
+        let edge = 8.0 * 4.0 * 8.0 / (4.0 * f64::from(DISTANCE)) / 2.0;
+        2.0 * f64::from(LAYERS) * (edge + 18.0) * HALF_ULP
     } else {
         // The order of points in memory changes, and with it that of sums: compensated ones, as for equal colors.
         18.0 * HALF_ULP

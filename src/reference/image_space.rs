@@ -81,7 +81,9 @@ impl Layer {
     pub fn occluded_replaced(&self, distance: f64) -> Self {
         self.taken(|pixel| {
             let d = self.depth[pixel];
-            let stays = d.is_infinite() || self.is_masked(pixel, |depth| depth > d - distance);
+            // What is as near hides nothing, however small the distance is.
+            let floor = (d - distance).min(d.next_down());
+            let stays = d.is_infinite() || self.is_masked(pixel, |depth| depth > floor);
             if stays { pixel } else { self.nearest(pixel) }
         })
     }

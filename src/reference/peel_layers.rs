@@ -23,7 +23,8 @@ pub fn layers(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3]
         }
         let layer = image_space::layer(size, &found, colors, |index| f64::from(points.opacities[index]));
         let layer = layer.filtered(filters, distance, camera.far);
-        from = layer.depth.iter().map(|depth| depth + distance).collect();
+        // However small the distance is, a layer is not its own next one.
+        from = layer.depth.iter().map(|depth| (depth + distance).max(depth.next_up())).collect();
         layers.push(layer);
     }
     layers
