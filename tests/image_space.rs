@@ -427,9 +427,9 @@ fn a_scanned_surface_equals_the_reference_and_is_closed() {
             let inside = (601..600 * 449 - 1).filter(|pixel| !there(*pixel) && pixel % 600 > 0 && pixel % 600 < 599);
             inside.filter(|p| [1, 599, 600, 601].iter().all(|o| there(p - o) && there(p + o))).count()
         };
-        let (before, after) = (holes(ImageSpace { fill: 0, ..filters }), holes(filters));
+        // An iteration more than the reference's: the last ones have their ring since the second only.
+        let (before, after) = (holes(ImageSpace { fill: 0, ..filters }), holes(ImageSpace { fill: 3, ..filters }));
         println!("holes of one pixel: {before}, filled: {after}");
-        // Some have their ring since the last iteration only.
-        assert!(before > 1000 && after < 10, "{before} {after}");
+        assert!(before > 1000 && after == 0, "{before} {after}");
     });
 }

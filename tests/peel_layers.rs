@@ -318,7 +318,7 @@ fn nested_tori_have_a_layer_for_each_surface_that_a_ray_meets() {
             seen[depths.len()] += 1;
         }
         println!("pixels by number of surfaces: {seen:?}, {} layers", rendered.facts.layers);
-        assert!(seen[6] > 1000 && seen[4] > 100 && seen[2] > 100 && seen[0] > 1000, "{seen:?}");
+        assert!(seen[6] > 1000 && seen[4] > 200 && seen[2] > 200 && seen[0] > 1000, "{seen:?}");
     });
 }
 
@@ -361,8 +361,7 @@ fn no_budget_and_no_other_frame_changes_a_byte() {
         let whole = renderer.render(&mut cloud, &frame).expect("renders");
         assert_eq!(whole.facts.windows, 1);
         let mut cuts = 0;
-        // Filters reach beyond a window, layer by layer: less than half a megabyte would not do.
-        for budget in [1 << 20, 640 << 10, 512 << 10] {
+        for budget in [1 << 20, 512 << 10, 256 << 10] {
             frame.memory_budget = Some(budget);
             let cut = renderer.render(&mut cloud, &frame).expect("renders");
             cuts += usize::from(cut.facts.windows > 1);
