@@ -19,6 +19,10 @@ pub enum Error {
     /// The frame does not fit or cannot be rendered as asked.
     #[error(transparent)]
     Render(#[from] crate::methods::Error),
+    /// There is no window to show anything in.
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    NoDisplay(#[from] crate::viewer::NoDisplay),
 }
 
 /// A result with the crate's [`Error`].
@@ -31,6 +35,8 @@ impl Error {
             Self::Scene(e) => e.exit_status(),
             Self::Output(e) => e.exit_status(),
             Self::Load(_) | Self::Gpu(_) | Self::Render(_) => 1,
+            #[cfg(feature = "viewer")]
+            Self::NoDisplay(_) => 1,
         }
     }
 }

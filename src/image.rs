@@ -27,6 +27,11 @@ pub struct Image {
 impl Image {
     /// The image over a background: C + (1 − A)·background.
     pub fn composed(&self, background: Vec3) -> Vec<[f32; 3]> {
-        self.rgba.iter().map(|&[r, g, b, a]| (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()).collect()
+        self.rgba.iter().map(|pixel| Self::over(*pixel, background)).collect()
+    }
+
+    /// A premultiplied pixel over a background.
+    pub fn over([r, g, b, a]: [f32; 4], background: Vec3) -> [f32; 3] {
+        (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()
     }
 }

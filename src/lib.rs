@@ -93,5 +93,7 @@ pub mod random;
 pub mod reference;
 pub mod report;
 pub mod scene;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 
 pub use error::{Error, Result};

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser and jq as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
+# layers, a browser, jq and a display without a screen as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
 # Does nothing, at once, where nothing is missing.
 set -euo pipefail
 
@@ -85,6 +85,14 @@ has_browser() {
     [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
 } >/dev/null
 
+# What the window library loads when `view` runs on X11; Wayland's are part of its desktops.
+has_x11() {
+    local library
+    for library in libX11.so.6 libX11-xcb.so.1 libXcursor.so.1 libXi.so.6 libxkbcommon-x11.so.0; do
+        [[ $libraries == *"$library"* ]] || return 1
+    done
+}
+
 # Fills `names` and `packages` with what is missing.
 find_missing() {
     names=() packages=()
@@ -99,6 +107,12 @@ find_missing() {
     if $for_tests && ! command -v jq >/dev/null; then names+=("jq, which docs/ci/pellucid.yml uses") packages+=(jq); fi
     if $for_tests && ! has_browser; then
         names+=("a browser (Chromium or Chrome; or name it in CHROME)") packages+=(chromium)
+    fi
+    if $for_tests && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
+        names+=("Xvfb and xdotool, a display and a user for the tests of the window") packages+=(xvfb xdotool)
+    fi
+    if $for_tests && ! has_x11; then
+        names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
     fi
 }
 

@@ -4,17 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::ProgressBar;
-use pellucid::Result;
 use pellucid::camera::Camera;
 use pellucid::cloud::Cloud;
 use pellucid::points::{Arranged, Points};
 use pellucid::prepare::shadows::ShadowTexture;
-use pellucid::scene::{self, Method, Overrides, Scene, ScreenSplats, View, ViewName, procedural};
+use pellucid::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
+use pellucid::{Result, output};
 
 use super::talk::Talk;
-
-/// The built-in scene that is rendered when there is no input.
-const DEFAULT_SCENE: &str = "garden";
 
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
@@ -31,7 +28,7 @@ pub struct InputArgs {
     method: Option<String>,
     /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
-    size: Option<String>,
+    pub size: Option<String>,
     /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
     /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -63,7 +60,7 @@ pub struct InputArgs {
     elevation: Option<f64>,
     /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
+    pub seed: u64,
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -108,15 +105,7 @@ impl Resolved {
 
     /// The metadata of an image. `method` and `device` are what was taken in the end.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
-        let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
-        vec![
-            entry("scene", &self.name),
-            entry("method", method),
-            entry("settings", &self.scene.settings),
-            entry("device", device),
-            entry("version", env!("CARGO_PKG_VERSION")),
-            entry("seed", &self.seed.to_string()),
-        ]
+        output::metadata(&self.name, method, &self.scene.settings, device, self.seed)
     }
 }
 
@@ -143,7 +132,8 @@ impl InputArgs {
         name.into()
     }
 
-    fn overrides(&self) -> Result<Overrides> {
+    /// The options as keys of the scene file.
+    pub fn overrides(&self) -> Result<Overrides> {
         let mut overrides = Overrides::default();
         if let Some(size) = &self.size {
             let option = format!("--size {size}");
@@ -175,7 +165,8 @@ impl InputArgs {
         Ok(overrides)
     }
 
-    fn view(&self) -> View {
+    /// The view that was asked for.
+    pub fn view(&self) -> View {
         View { name: self.view, azimuth: self.azimuth, elevation: self.elevation }
     }
 }
@@ -244,34 +235,13 @@ impl Loaded {
 /// Reads the inputs and applies the options.
 pub fn read(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
     let overrides = args.overrides()?;
-    let (mut scene, clouds) = load(args, &overrides, progress)?;
+    let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
+    let mut scene = document.scene()?;
     scene.camera.view = args.view();
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, talk);
     }
-    let names: Vec<_> = args.inputs.iter().map(|input| input.display().to_string()).collect();
-    let name = if names.is_empty() { DEFAULT_SCENE.to_owned() } else { names.join(" ") };
     Ok(Loaded { name, scene, clouds, seed: args.seed })
-}
-
-fn load(args: &InputArgs, overrides: &Overrides, progress: &ProgressBar) -> Result<(Scene, Vec<Cloud>)> {
-    let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    let scene = match args.inputs.as_slice() {
-        [] => {
-            let generated = procedural::build(DEFAULT_SCENE, &[], args.seed).map_err(scene::Error::from)?;
-            let scene = Scene::from_toml_with(&generated.scene_toml, Path::new(DEFAULT_SCENE), overrides)?;
-            let clouds = scene::take_generated(&scene, &generated)?;
-            return Ok((scene, clouds));
-        }
-        [path] if is_scene(path) => Scene::read(path, overrides)?,
-        inputs if inputs.iter().any(is_scene) => {
-            let problem = "a scene file (.toml) comes alone: give either one scene file or point clouds";
-            return Err(scene::Error::Usage(problem.into()).into());
-        }
-        inputs => Scene::from_clouds(inputs, overrides)?,
-    };
-    let clouds = scene::load_clouds(&scene, progress)?;
-    Ok((scene, clouds))
 }
 
 /// Says what was read and what was odd about it.

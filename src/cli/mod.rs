@@ -19,6 +19,8 @@ mod session;
 mod stress;
 mod talk;
 mod tradeoff;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -63,6 +65,9 @@ enum Command {
     Info(info::InfoArgs),
     /// Write one of the built-in scenes.
     Scene(scene::SceneArgs),
+    /// Look at a scene in a window: turn it, change its settings, see what each pass costs.
+    #[cfg(feature = "viewer")]
+    View(view::ViewArgs),
     /// List the Vulkan devices.
     Devices(devices::DevicesArgs),
     /// Compare two pictures or two profiles.
@@ -115,6 +120,8 @@ pub fn run() -> Result<ExitCode> {
         Command::Prepare(args) => prepare::run(args, talk),
         Command::Info(args) => info::run(args, talk),
         Command::Scene(args) => scene::run(args, talk),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => view::run(args, talk),
         Command::Devices(args) => devices::run(args, talk),
         Command::Compare(args) => compare::run(args, talk),
     }

@@ -8,9 +8,8 @@ use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::image::Image;
 use pellucid::methods::brightness::{self, Applied};
 use pellucid::methods::spbr;
-use pellucid::methods::{Factors, Frame, Rendered, Renderer, Stop};
+use pellucid::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid::passes::project::DeviceCloud;
-use pellucid::points::Arranged;
 use pellucid::profile::Profile;
 use pellucid::{Result, output, plan};
 
@@ -58,26 +57,13 @@ impl Session {
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
         let frame = Frame {
-            camera: resolved.camera,
-            size: resolved.scene.image.size,
-            shading: resolved.scene.shading,
-            color: resolved.scene.image.color,
-            method: resolved.scene.method,
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
             stop,
-            seed: resolved.seed,
-            max_error: None,
-            shadows: resolved.scene.shadows,
-            factors: Factors::default(),
+            ..Frame::of(&resolved.scene, resolved.camera, resolved.seed)
         };
         let renderer = Renderer::new(&device)?;
-        let mut cloud = renderer.upload_arranged(&resolved.arranged)?;
-        if let (Arranged::Canonical(points), Some(texture)) = (&resolved.arranged, &resolved.shadow_texture) {
-            let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
-            let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);
-            cloud.put_lit(&device, points, texture.casting, lit)?;
-        }
+        let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;
         Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 

@@ -167,6 +167,15 @@ impl<T: GpuType> Buffer<T> {
         self.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
     }
 
+    /// Writes words of four bytes to the front of a [`Memory::Upload`] buffer, each as `word` has it.
+    #[cfg(feature = "viewer")]
+    pub(super) fn write_words(&mut self, bytes: &[u8], word: impl Fn([u8; 4]) -> [u8; 4] + Sync) {
+        use rayon::prelude::*;
+        let to = self.mapped_mut()[..bytes.len()].par_chunks_exact_mut(4);
+        let from = bytes.par_chunks_exact(4);
+        to.zip(from).for_each(|(to, from)| to.copy_from_slice(&word([from[0], from[1], from[2], from[3]])));
+    }
+
     /// The content of a [`Memory::Readback`] buffer.
     pub fn mapped_slice(&self) -> &[T] {
         &bytemuck::cast_slice(self.mapped())[..self.len as usize]

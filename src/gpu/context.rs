@@ -18,6 +18,10 @@ const BLOCK_BYTES: u64 = 8 << 20;
 
 pub struct Context {
     pub device: ash::Device,
+    #[cfg(feature = "viewer")]
+    pub physical: vk::PhysicalDevice,
+    #[cfg(feature = "viewer")]
+    pub queue_family: u32,
     pub queue: vk::Queue,
     pub command_pool: vk::CommandPool,
     pub info: DeviceInfo,
@@ -73,6 +77,10 @@ impl Context {
         let debug = instance.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
+            #[cfg(feature = "viewer")]
+            physical,
+            #[cfg(feature = "viewer")]
+            queue_family: family,
             queue,
             command_pool,
             info,
@@ -186,8 +194,13 @@ fn create_device(
         .maintenance4(true)
         .subgroup_size_control(info.subgroup.is_some())
         .compute_full_subgroups(info.subgroup.is_some());
+    #[cfg(feature = "viewer")]
+    let extensions: &[_] = if instance.surface.is_some() { &[ash::khr::swapchain::NAME.as_ptr()] } else { &[] };
+    #[cfg(not(feature = "viewer"))]
+    let extensions = &[];
     let create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
+        .enabled_extension_names(extensions)
         .enabled_features(&core)
         .push_next(&mut features12)
         .push_next(&mut features13);

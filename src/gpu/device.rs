@@ -8,7 +8,7 @@ use ash::vk;
 
 use super::context::Context;
 use super::image::{self, Attachment, Format};
-use super::instance::Instance;
+use super::instance::{Instance, Messages};
 use super::{Buffer, Error, GpuType, Memory, Recorder};
 
 /// How to open a device.
@@ -164,8 +164,13 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
             }
         }
     }
-    if queue_family(instance, physical).is_none() {
-        lacks.push("a queue for compute and graphics with timestamps".to_owned());
+    match queue_family(instance, physical) {
+        None => lacks.push("a queue for compute and graphics with timestamps".to_owned()),
+        #[cfg(feature = "viewer")]
+        Some(family) if instance.surface.as_ref().is_some_and(|s| !s.takes_from(&instance.raw, physical, family)) => {
+            lacks.push("a way to show pictures in this window".to_owned());
+        }
+        Some(_) => {}
     }
     let (kind, rank) = match basic.device_type {
         vk::PhysicalDeviceType::DISCRETE_GPU => ("discrete", 0),
@@ -218,7 +223,20 @@ pub struct Device(pub(super) Arc<Context>);
 impl Device {
     /// Opens the device that `options` names, or the best one.
     pub fn open(options: &DeviceOptions) -> Result<Self, Error> {
-        let instance = Instance::new(options.validation)?;
+        Self::open_on(Instance::new(options.validation)?, options)
+    }
+
+    /// Opens the device that `options` names, or the best one of those that can show pictures in a window.
+    /// [`Screen`](super::window::Screen) shows them.
+    ///
+    /// # Errors
+    /// As of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
+    #[cfg(feature = "viewer")]
+    pub fn open_for(options: &DeviceOptions, window: super::window::Handle) -> Result<Self, Error> {
+        Self::open_on(Instance::for_window(options.validation, window)?, options)
+    }
+
+    fn open_on(instance: Instance, options: &DeviceOptions) -> Result<Self, Error> {
         let found = enumerate(&instance)?;
         if found.is_empty() {
             return Err(Error::NoDevice);
@@ -297,9 +315,24 @@ impl Device {
         self.0.instance.messages.snapshot()
     }
 
+    /// What the validation layers say, to be read when the device is gone.
+    pub fn validation_log(&self) -> ValidationLog {
+        ValidationLog(self.0.instance.messages.clone())
+    }
+
     /// An error if the validation layers said anything.
     pub fn check_validation(&self) -> Result<(), Error> {
-        let messages = self.validation_messages();
+        self.validation_log().check()
+    }
+}
+
+/// The messages of the validation layers; outlives the device, so that those about its end are in it, too.
+pub struct ValidationLog(Arc<Messages>);
+
+impl ValidationLog {
+    /// An error if the validation layers said anything.
+    pub fn check(&self) -> Result<(), Error> {
+        let messages = self.0.snapshot();
         if messages.is_empty() { Ok(()) } else { Err(Error::Validation(messages)) }
     }
 }

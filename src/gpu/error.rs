@@ -29,6 +29,9 @@ pub enum Error {
         /// What is missing, separated by commas.
         missing: String,
     },
+    /// Nothing can be shown in a window here.
+    #[error("no picture can be shown in a window: {0}; `pellucid render` writes it to a file")]
+    NoSurface(String),
     /// Validation was asked for, but its layer is not installed.
     #[error(
         "validation asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian, Ubuntu: vulkan-validationlayers)"

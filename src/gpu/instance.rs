@@ -1,6 +1,6 @@
 //! The Vulkan instance, with a debug messenger whose messages are collected.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
@@ -29,13 +29,29 @@ pub struct Instance {
     pub messages: Arc<Messages>,
     /// Whether VK_EXT_debug_utils is enabled: labels and names need it.
     pub debug_utils: bool,
+    /// What frames are shown on, if there is a window.
+    #[cfg(feature = "viewer")]
+    pub surface: Option<super::window::Surface>,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    _entry: ash::Entry,
+    entry: ash::Entry,
 }
 
 impl Instance {
     /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is collected.
     pub fn new(validation: bool) -> Result<Self, Error> {
+        Self::with_extensions(validation, &[])
+    }
+
+    /// As [`Instance::new`], with the surface of a window.
+    #[cfg(feature = "viewer")]
+    pub fn for_window(validation: bool, window: super::window::Handle) -> Result<Self, Error> {
+        let mut instance = Self::with_extensions(validation, super::window::extensions(&window)?)?;
+        instance.surface = Some(super::window::Surface::new(&instance.entry, &instance.raw, window)?);
+        Ok(instance)
+    }
+
+    /// `wanted` are names of further extensions.
+    fn with_extensions(validation: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
         // SAFETY: loading the system's Vulkan loader runs its initialisers; there is no other way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
@@ -50,23 +66,35 @@ impl Instance {
 
         let application = vk::ApplicationInfo::default().application_name(c"pellucid").api_version(vk::API_VERSION_1_3);
         let layer_names = [VALIDATION_LAYER.as_ptr()];
-        let extension_names = [ext::debug_utils::NAME.as_ptr()];
+        let mut extension_names = wanted.to_vec();
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if debug_utils {
-            info = info.enabled_extension_names(&extension_names);
+            extension_names.push(ext::debug_utils::NAME.as_ptr());
         }
+        let mut info =
+            vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&extension_names);
         if validation {
             info = info.enabled_layer_names(&layer_names).push_next(&mut features);
         }
         // SAFETY: every pointer in `info` lives to the end of this function.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => Error::NoDevice,
+            vk::Result::ERROR_EXTENSION_NOT_PRESENT if !wanted.is_empty() => {
+                Error::NoSurface("no Vulkan driver here knows windows of this kind".into())
+            }
             result => Error::Vulkan { call: "vkCreateInstance", result },
         })?;
 
-        let mut instance = Self { raw, messages: Arc::default(), debug_utils, messenger: None, _entry: entry };
+        let mut instance = Self {
+            raw,
+            messages: Arc::default(),
+            debug_utils,
+            #[cfg(feature = "viewer")]
+            surface: None,
+            messenger: None,
+            entry,
+        };
         if validation {
             instance.listen()?;
         }
@@ -74,7 +102,7 @@ impl Instance {
     }
 
     fn listen(&mut self) -> Result<(), Error> {
-        let loader = ext::debug_utils::Instance::new(&self._entry, &self.raw);
+        let loader = ext::debug_utils::Instance::new(&self.entry, &self.raw);
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
                 vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
@@ -96,6 +124,10 @@ impl Drop for Instance {
     fn drop(&mut self) {
         // SAFETY: the device keeps an Arc of this instance, so nothing made from it is left.
         unsafe {
+            #[cfg(feature = "viewer")]
+            if let Some(surface) = self.surface.take() {
+                surface.destroy();
+            }
             if let Some((loader, messenger)) = self.messenger.take() {
                 loader.destroy_debug_utils_messenger(messenger, None);
             }

@@ -17,9 +17,11 @@ mod pipeline;
 mod recorder;
 pub mod shader;
 mod spirv;
+#[cfg(feature = "viewer")]
+pub mod window;
 
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
-pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
+pub use device::{Device, DeviceInfo, DeviceOptions, Limits, ValidationLog, devices};
 pub use error::Error;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;

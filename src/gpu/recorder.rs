@@ -328,15 +328,15 @@ impl<'a> Recorder<'a> {
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let start = Instant::now();
-            let result = device
-                .queue_submit2(context.queue, &[submit], fence)
-                .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX));
+            let submitted = device.queue_submit2(context.queue, &[submit], fence);
+            // Whoever shows pictures in a window may submit while this one waits.
+            drop(guard);
+            let result = submitted.and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX));
             let wall = start.elapsed();
             device.destroy_fence(fence, None);
             result.map_err(lost("vkQueueSubmit2"))?;
             wall
         };
-        drop(guard);
         Ok(Submitted { passes: self.read_times()?, wall })
     }
 

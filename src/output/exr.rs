@@ -11,7 +11,7 @@ use crate::scene::ColorSpace;
 
 /// R, G, B composed and linear, A, Z and the list lengths, layers and standard errors if there are any.
 pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) -> io::Result<()> {
-    let composed = image.composed(background(options));
+    let composed = image.composed(background(options.background, options.color));
     let linear = |value: f32| match options.color {
         ColorSpace::Linear => value,
         ColorSpace::Encoded => decode_srgb(value),

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 pub use file::{check_folder, write_atomically};
+pub(crate) use png::to_byte;
 pub use read::{LinearImage, read_image};
 
 use crate::color;
@@ -124,6 +125,20 @@ pub struct WriteOptions {
     pub metadata: Vec<(String, String)>,
 }
 
+/// The metadata of an image: the inputs as they were named, the method that was taken, the scene's keys as JSON
+/// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
+pub fn metadata(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
+    let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
+    vec![
+        entry("scene", name),
+        entry("method", method),
+        entry("settings", settings),
+        entry("device", device),
+        entry("version", env!("CARGO_PKG_VERSION")),
+        entry("seed", &seed.to_string()),
+    ]
+}
+
 /// An image format by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
@@ -171,24 +186,23 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
 /// A missing folder, `pixels` of another number than `size` says, and what the system says while writing.
 pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
     let [width, height] = size;
-    let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| png::to_byte(color::encode_srgb(*linear))).collect();
+    let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
     write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
 }
 
 /// An image over a background (linear RGB) in linear light: what the R, G and B of an EXR hold.
 pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
-    let options = WriteOptions { background, color, transparent: false, metadata: Vec::new() };
-    let mut pixels = image.composed(self::background(&options));
+    let mut pixels = image.composed(self::background(background, color));
     if color == ColorSpace::Encoded {
         pixels.iter_mut().for_each(|pixel| *pixel = pixel.map(color::decode_srgb));
     }
     LinearImage { width: image.width, height: image.height, pixels }
 }
 
-/// The background in the space of the image's values.
-fn background(options: &WriteOptions) -> Vec3 {
-    match options.color {
-        ColorSpace::Linear => options.background,
-        ColorSpace::Encoded => Vec3::from_array(options.background.to_array().map(color::encode_srgb)),
+/// A linear background in the space of an image's values.
+pub(crate) fn background(linear: Vec3, color: ColorSpace) -> Vec3 {
+    match color {
+        ColorSpace::Linear => linear,
+        ColorSpace::Encoded => Vec3::from_array(linear.to_array().map(color::encode_srgb)),
     }
 }

@@ -17,7 +17,12 @@ pub(super) fn encode(out: impl Write, image: &Image, options: &WriteOptions) -> 
         let pixels = image.rgba.iter().map(|&[r, g, b, a]| straight([r, g, b], a, encoded));
         pixels.flatten().collect()
     } else {
-        image.composed(background(options)).iter().flatten().map(|value| to_byte(encoded(*value))).collect()
+        image
+            .composed(background(options.background, options.color))
+            .iter()
+            .flatten()
+            .map(|value| to_byte(encoded(*value)))
+            .collect()
     };
     encode_bytes(out, image.width, image.height, options.transparent, &bytes, &options.metadata)
 }
@@ -33,7 +38,7 @@ fn straight(color: [f32; 3], alpha: f32, encoded: impl Fn(f32) -> f32) -> [u8; 4
 }
 
 /// The nearest of 256 steps; NaN is 0.
-pub(super) fn to_byte(value: f32) -> u8 {
+pub(crate) fn to_byte(value: f32) -> u8 {
     // In float64, since 255·x + 0.5 would be rounded up to the next step just below half of one. The cast of NaN is 0.
     (255.0 * f64::from(value.clamp(0.0, 1.0)) + 0.5).floor() as u8
 }

@@ -92,7 +92,8 @@ fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Requ
 ///
 /// Positions become scale·p + translate in float64; those that are not finite then are dropped. Colors stay linear,
 /// whatever the scene's color space; clouds without color are white. A radius is the scene's, else the file's times
-/// `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0. F is there if the method
+/// `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
+/// them. F is there if the method
 /// asks for it. Neighbors and fields are found in the cloud's own coordinates, before `scale` and `translate` round them:
 /// that is what a prepared file holds.
 ///
@@ -147,9 +148,10 @@ fn transformed(
     let found = prepare::find(&cloud, request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
+    let factor = f64::from(settings.radius_factor);
     let radii = match (settings.radius, found.radii.or(cloud.radii)) {
-        (Some(radius), _) => vec![radius; count],
-        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale)).collect(),
+        (Some(radius), _) => vec![scaled(radius, factor); count],
+        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale * factor)).collect(),
         (None, None) => vec![0.0; count],
     };
     let colors = match (settings.color, cloud.colors) {

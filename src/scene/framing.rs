@@ -39,18 +39,12 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
     }
     let settings = &scene.camera;
     let up = settings.up.and_then(nearest_axis).unwrap_or(up);
-    let projection = match settings.height {
-        Some(height) => Projection::Orthographic { height },
-        None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
-    };
-    let pose = Pose::new(settings, &Subject { points, bounds, radius }, projection, scene.image.size, up);
-    let (near, far) = depths(settings, &pose, &bounds, radius);
-    // Axes are computed around the origin: far from it, eye + direction would be rounded.
-    let Some(axes) = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection, near, far) else {
+    let pose = Pose::new(settings, &Subject { points, bounds, radius }, projection(settings), scene.image.size, up);
+    let Some(camera) = placed(settings, &pose, &bounds, radius) else {
         let problem = format!("{} points along the view {}; leave it out or turn it", pose.up, pose.forward);
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
     };
-    let camera = Camera { eye: pose.eye, ..axes };
+    let (near, far) = (camera.near, camera.far);
     if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
@@ -66,6 +60,32 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         ));
     }
     Ok((camera, warnings))
+}
+
+/// The camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a scene of these
+/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if `up` points
+/// along the view, or if coordinates are too large.
+pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
+    let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
+    let camera = placed(settings, &pose, bounds, radius)?;
+    let usable = camera.eye.is_finite() && camera.far.is_finite() && camera.near > 0.0 && camera.near < camera.far;
+    Some(camera).filter(|_| usable)
+}
+
+fn projection(settings: &CameraSettings) -> Projection {
+    match settings.height {
+        Some(height) => Projection::Orthographic { height },
+        None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
+    }
+}
+
+/// The camera of a pose; `None` if its `up` points along the view.
+fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    let (near, far) = depths(settings, pose, bounds, radius);
+    // Axes are computed around the origin: far from it, eye + direction would be rounded.
+    let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), near, far)?;
+    Some(Camera { eye: pose.eye, ..axes })
 }
 
 /// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.

@@ -69,6 +69,12 @@ const METHOD_KEYS: &[(&str, &[&[&str]])] = &[
     ("spbr-simplified", &[&["ensembles", "brightness"]]),
 ];
 
+/// The keys of a method beside `name`, in the order of its list; none of a method that there isn't.
+pub fn method_keys(method: &str) -> Vec<&'static str> {
+    let groups = METHOD_KEYS.iter().filter(|(name, _)| *name == method).flat_map(|(_, groups)| groups.iter());
+    groups.flat_map(|group| group.iter().copied()).collect()
+}
+
 /// Whether `key` is one of `method`'s own.
 pub(crate) fn belongs(method: &str, key: &str) -> bool {
     METHOD_KEYS.iter().any(|(name, groups)| *name == method && groups.iter().any(|group| group.contains(&key)))

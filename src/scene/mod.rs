@@ -4,11 +4,13 @@
 //! clouds the [`Points`](crate::points::Points) and the [`Camera`](crate::camera::Camera) of a frame.
 
 mod assemble;
+mod document;
 mod error;
 mod framing;
 mod keys;
 mod layers;
 mod method;
+mod open;
 mod overrides;
 mod parse;
 mod photo;
@@ -19,11 +21,13 @@ mod tree;
 mod view;
 
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use document::{Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
-pub use framing::camera;
-pub use keys::METHODS;
+pub use framing::{camera, camera_at};
+pub use keys::{METHODS, method_keys};
 pub use layers::note_of_layers;
+pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;
 pub use settings::*;
 pub use view::{View, ViewName};

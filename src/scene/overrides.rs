@@ -29,6 +29,11 @@ impl Overrides {
         Ok(())
     }
 
+    /// Sets a dotted key to a value.
+    pub(super) fn put(&mut self, key: &str, value: Node) {
+        self.entries.push((key.split('.').map(str::to_owned).collect(), value));
+    }
+
     /// As [`Overrides::set`], from `KEY=VALUE`.
     ///
     /// # Errors

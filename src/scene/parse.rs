@@ -4,13 +4,14 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::document::Document;
 use super::error::{Error, Place};
 use super::method;
 use super::overrides::Overrides;
 use super::photo;
 use super::settings::*;
 use super::table::{Range, Table};
-use super::tree::{self, Node, Value};
+use super::tree::{Node, Value};
 use crate::io::ColumnNames;
 use crate::prepare::field::Field;
 
@@ -31,9 +32,7 @@ impl Scene {
     /// # Errors
     /// Whatever is wrong with the text (with line and column) or with an option (by its name).
     pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        let mut root = tree::parse(text, origin)?;
-        overrides.apply(&mut root)?;
-        read_scene(&root, origin.parent())
+        Document::from_toml(text, origin, overrides)?.scene()
     }
 
     /// The scene in the file `path`, with options laid over it.
@@ -41,7 +40,7 @@ impl Scene {
     /// # Errors
     /// A file that is missing, empty, too large or not text, and all of [`Scene::from_toml_with`].
     pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
-        Self::from_toml_with(&read_text(path)?, path, overrides)
+        Document::read(path, overrides)?.scene()
     }
 
     /// A scene of cloud files with every default, and options laid over it.
@@ -52,21 +51,12 @@ impl Scene {
         paths: impl IntoIterator<Item = impl AsRef<Path>>,
         overrides: &Overrides,
     ) -> Result<Self, Error> {
-        let place = || Place::Option("the command line".into());
-        let cloud = |path: &Path| {
-            let path = Node { place: place(), value: Value::Path(path.to_owned()) };
-            Node { place: place(), value: Value::Table([("path".to_owned(), (place(), path))].into()) }
-        };
-        let clouds = paths.into_iter().map(|path| cloud(path.as_ref())).collect();
-        let clouds = Node { place: place(), value: Value::Array(clouds) };
-        let mut root = Node { place: place(), value: Value::Table([("cloud".to_owned(), (place(), clouds))].into()) };
-        overrides.apply(&mut root)?;
-        read_scene(&root, None)
+        Document::from_clouds(paths, overrides)?.scene()
     }
 }
 
 /// A scene file's text.
-fn read_text(path: &Path) -> Result<String, Error> {
+pub(super) fn read_text(path: &Path) -> Result<String, Error> {
     use std::io::Read;
     let failed = |source| Error::Read { path: path.to_owned(), source };
     let mut bytes = Vec::new();
@@ -88,7 +78,7 @@ fn read_text(path: &Path) -> Result<String, Error> {
     })
 }
 
-fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
+pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let table = Table::root(root)?;
     table.refuse_unknown(&["image", "camera", "shading", "cloud", "method", "shadows"])?;
     let mut warnings = Vec::new();
@@ -205,13 +195,15 @@ fn light(table: &Table<'_>) -> Result<Option<Light>, Error> {
 const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
 
 fn cloud(table: &Table<'_>, folder: Option<&Path>, warnings: &mut Vec<String>) -> Result<CloudSettings, Error> {
-    let own = ["path", "color", "opacity", "radius", "neighbors", "translate", "scale", "photo", "columns"];
+    let own =
+        ["path", "color", "opacity", "radius", "radius_factor", "neighbors", "translate", "scale", "photo", "columns"];
     table.refuse_unknown(&[&own[..], &FIELD_KEYS].concat())?;
     Ok(CloudSettings {
         path: path(table, folder)?,
         color: table.color("color")?,
         opacity: table.number32("opacity", Range::UNIT)?.unwrap_or(1.0),
         radius: table.number32("radius", Range::NOT_NEGATIVE)?,
+        radius_factor: table.number32("radius_factor", Range::NOT_NEGATIVE)?.unwrap_or(1.0),
         neighbors: table.integer("neighbors", 1, 65_535)?.map(|k| k as usize),
         field: field(table, warnings)?,
         translate: table.vector("translate")?.unwrap_or(DVec3::ZERO),

@@ -87,6 +87,8 @@ pub struct CloudSettings {
     pub opacity: f32,
     /// World units, not scaled; else the file's own, else Eq. 20.
     pub radius: Option<f32>,
+    /// Factor on the radii, wherever they come from, at least 0.
+    pub radius_factor: f32,
     /// K of Eq. 20 and 21, at least 1; else that of a prepared file, else 24.
     pub neighbors: Option<usize>,
     /// What tells solid points from soft ones, in the scene's coordinates; else what a prepared file holds, else

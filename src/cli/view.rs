@@ -1,0 +1,58 @@
+//! `pellucid view`.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid::gpu::DeviceOptions;
+use pellucid::viewer::{Display, Options};
+use pellucid::{Result, scene};
+
+use super::DeviceArgs;
+use super::input::{InputArgs, report_cloud};
+use super::talk::Talk;
+
+/// Columns and rows of a window that nobody gave a size.
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
+/// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file of which `render` makes the same picture, byte for
+/// byte. Files dropped onto the window are opened. --size is that of the window.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Milliseconds that a frame should take while something moves: methods that get better with the number of samples,
+    /// ensembles or layers take as many as fit. At rest nothing is left out.
+    #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
+    budget: f64,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a number above 0".into())
+}
+
+pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode> {
+    // Before anything is read: without a display that would be in vain.
+    let display = Display::connect()?;
+    let ViewArgs { input, device, budget } = args;
+    let progress = talk.progress();
+    let opened = scene::open(&input.inputs, &input.overrides()?, input.seed, &progress)?;
+    progress.finish_and_clear();
+    let scene = opened.document.scene()?;
+    for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
+        report_cloud(&settings.path, cloud, talk);
+    }
+    let options = Options {
+        opened,
+        view: input.view(),
+        seed: input.seed,
+        device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
+        memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
+        size: if input.size.is_some() { scene.image.size } else { SIZE },
+        budget_ms: budget,
+    };
+    display.show(options, Box::new(move |line| talk.detail(format_args!("view: {line}"))))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,232 @@
+//! A scene as its keys and values: read from a file, changed key by key, written again.
+
+use std::path::{Path, PathBuf};
+
+use super::error::{Error, Place};
+use super::overrides::Overrides;
+use super::parse;
+use super::settings::Scene;
+use super::tree::{self, Node, Value};
+
+/// The keys of a scene with their values, as a file and options gave them. What isn't given isn't there.
+#[derive(Debug, Clone)]
+pub struct Document {
+    root: Node,
+    /// What the files of clouds are relative to.
+    folder: Option<PathBuf>,
+}
+
+/// A value for a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Setting {
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Integer(u32),
+    /// True or false.
+    Flag(bool),
+    /// A string.
+    Word(String),
+    /// Some numbers.
+    Numbers(Vec<f64>),
+    /// Some whole numbers.
+    Integers(Vec<u32>),
+}
+
+impl Document {
+    /// The document that `text` is, with options laid over it. `origin` is the file's path: named in errors, and clouds are
+    /// relative to its folder.
+    ///
+    /// # Errors
+    /// A text that is no TOML, options for keys that can't be there.
+    pub fn from_toml(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        let mut root = tree::parse(text, origin)?;
+        overrides.apply(&mut root)?;
+        Ok(Self { root, folder: origin.parent().map(Path::to_owned) })
+    }
+
+    /// The document in the file `path`, with options laid over it.
+    ///
+    /// # Errors
+    /// A file that is missing, empty, too large or not text, and all of [`Document::from_toml`].
+    pub fn read(path: &Path, overrides: &Overrides) -> Result<Self, Error> {
+        Self::from_toml(&parse::read_text(path)?, path, overrides)
+    }
+
+    /// A document of cloud files, with options laid over it.
+    ///
+    /// # Errors
+    /// Options for keys that can't be there.
+    pub fn from_clouds(
+        paths: impl IntoIterator<Item = impl AsRef<Path>>,
+        overrides: &Overrides,
+    ) -> Result<Self, Error> {
+        let place = || Place::Option("the command line".into());
+        let cloud = |path: &Path| {
+            let path = Node { place: place(), value: Value::Path(path.to_owned()) };
+            Node { place: place(), value: Value::Table([("path".to_owned(), (place(), path))].into()) }
+        };
+        let clouds = paths.into_iter().map(|path| cloud(path.as_ref())).collect();
+        let clouds = Node { place: place(), value: Value::Array(clouds) };
+        let mut root = Node { place: place(), value: Value::Table([("cloud".to_owned(), (place(), clouds))].into()) };
+        overrides.apply(&mut root)?;
+        Ok(Self { root, folder: None })
+    }
+
+    /// The scene that the document describes.
+    ///
+    /// # Errors
+    /// Whatever is wrong with a key or value, and where it was given.
+    pub fn scene(&self) -> Result<Scene, Error> {
+        parse::read_scene(&self.root, self.folder.as_deref())
+    }
+
+    /// Gives a dotted key a value, as `--set` does, if what comes out is a scene; else all stays as it was.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the value, or with the scene that it would make.
+    pub fn set(&mut self, key: &str, value: Setting) -> Result<Scene, Error> {
+        let mut changed = self.clone();
+        changed.put(key, value)?;
+        let scene = changed.scene()?;
+        *self = changed;
+        Ok(scene)
+    }
+
+    /// Gives a dotted key a value, whether the scene allows it or not.
+    ///
+    /// # Errors
+    /// A key that goes through something that holds no keys.
+    pub fn put(&mut self, key: &str, value: Setting) -> Result<(), Error> {
+        let place = Place::Option("the viewer".into());
+        let mut overrides = Overrides::default();
+        overrides.put(key, Node { value: value.into_value(&place), place });
+        overrides.apply(&mut self.root)
+    }
+
+    /// Takes a key `TABLE.KEY` out, if it is there.
+    pub fn remove(&mut self, table: &str, key: &str) {
+        if let Value::Table(entries) = &mut self.root.value
+            && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(table)
+        {
+            entries.remove(key);
+        }
+    }
+
+    /// The document as a TOML text for a file in `folder`. Files of clouds are found from there: by their names below it, else
+    /// by their absolute paths.
+    ///
+    /// # Errors
+    /// A path that isn't UTF-8, which TOML can't hold, or no current folder.
+    pub fn to_toml(&self, folder: &Path) -> Result<String, Error> {
+        let absolute =
+            |path: &Path| std::path::absolute(path).map_err(|source| Error::Read { path: path.to_owned(), source });
+        // The empty path is the current folder.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let target = absolute(folder)?;
+        let moved = |path: &Path| {
+            let path = absolute(&self.folder.as_deref().map_or_else(|| path.into(), |folder| folder.join(path)))?;
+            let path = path.strip_prefix(&target).map(Path::to_owned).unwrap_or(path);
+            path.into_os_string().into_string().map_err(|path| {
+                Error::Usage(format!("{}: a scene file can't hold this path, which is not UTF-8", path.display()))
+            })
+        };
+        let value = to_toml(&self.root, &[], &moved)?;
+        Ok(toml::to_string(&value).unwrap_or_default())
+    }
+}
+
+impl Setting {
+    fn into_value(self, place: &Place) -> Value {
+        let node = |value| Node { place: place.clone(), value };
+        match self {
+            Self::Number(x) => Value::Float(x),
+            Self::Integer(i) => Value::Integer(i.into()),
+            Self::Flag(flag) => Value::Boolean(flag),
+            Self::Word(word) => Value::String(word),
+            Self::Numbers(list) => Value::Array(list.into_iter().map(|x| node(Value::Float(x))).collect()),
+            Self::Integers(list) => Value::Array(list.into_iter().map(|i| node(Value::Integer(i.into()))).collect()),
+        }
+    }
+}
+
+/// A value with the files in it moved. `keys` lead to it.
+fn to_toml(node: &Node, keys: &[&str], moved: &dyn Fn(&Path) -> Result<String, Error>) -> Result<toml::Value, Error> {
+    let is_file = matches!(keys, ["cloud", "path"] | ["cloud", "photo", "heights"]);
+    Ok(match &node.value {
+        Value::Table(entries) => {
+            let entry = |(key, (_, node)): (&String, &(Place, Node))| {
+                Ok((key.clone(), to_toml(node, &[keys, &[key.as_str()]].concat(), moved)?))
+            };
+            toml::Value::Table(entries.iter().map(entry).collect::<Result<_, Error>>()?)
+        }
+        Value::Array(items) => {
+            toml::Value::Array(items.iter().map(|item| to_toml(item, keys, moved)).collect::<Result<_, _>>()?)
+        }
+        Value::String(text) if is_file => toml::Value::String(moved(Path::new(text))?),
+        Value::Path(path) => toml::Value::String(moved(path)?),
+        Value::String(text) => toml::Value::String(text.clone()),
+        Value::Integer(i) => toml::Value::Integer(*i),
+        Value::Float(f) => toml::Value::Float(*f),
+        Value::Boolean(flag) => toml::Value::Boolean(*flag),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "
+        [image]
+        background = [0.86, 0.1, 1]
+        [camera]
+        eye = [4500000.1, 0.30000000000000004, -1e-300]
+        [[cloud]]
+        path = 'a.ply'
+        opacity = 0.25
+        [[cloud]]
+        path = '/data/b.ply'
+        [method]
+        name = 'sorted'
+        shape = 'flat'
+    ";
+
+    fn document() -> Document {
+        Document::from_toml(TEXT, Path::new("/scans/s.toml"), &Overrides::default()).unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_the_same_scene() {
+        let (document, plain) = (document(), |scene: Scene| Scene { settings: String::new(), ..scene });
+        for folder in ["/scans", "/scans/views", "/elsewhere"] {
+            let text = document.to_toml(Path::new(folder)).unwrap();
+            let again = Document::from_toml(&text, &Path::new(folder).join("t.toml"), &Overrides::default()).unwrap();
+            assert_eq!(plain(again.scene().unwrap()), plain(document.scene().unwrap()), "{text}");
+        }
+        assert!(document.to_toml(Path::new("/scans")).unwrap().contains("path = \"a.ply\""));
+        assert!(document.to_toml(Path::new("/else")).unwrap().contains("path = \"/scans/a.ply\""));
+    }
+
+    #[test]
+    fn a_value_that_makes_no_scene_changes_nothing() {
+        let mut document = document();
+        let scene = document.set("cloud.*.opacity", Setting::Number(0.5)).unwrap();
+        assert_eq!(scene.clouds.iter().map(|cloud| cloud.opacity).collect::<Vec<_>>(), [0.5, 0.5]);
+        let error = document.set("cloud.1.opacity", Setting::Number(1.5)).unwrap_err().to_string();
+        assert!(error.contains("the viewer") && error.contains("cloud.1.opacity"), "{error}");
+        assert_eq!(document.scene().unwrap().clouds[1].opacity, 0.5);
+        document.put("camera.height", Setting::Number(3.0)).unwrap();
+        document.remove("camera", "eye");
+        assert_eq!(document.scene().unwrap().camera.eye, None);
+        assert_eq!(document.scene().unwrap().camera.height, Some(3.0));
+    }
+
+    #[test]
+    fn clouds_of_the_command_line_are_found_from_anywhere() {
+        let document = Document::from_clouds(["scan.laz"], &Overrides::default()).unwrap();
+        assert!(document.to_toml(Path::new("")).unwrap().contains("path = \"scan.laz\""));
+        let elsewhere = document.to_toml(Path::new("/elsewhere")).unwrap();
+        let here = std::env::current_dir().unwrap().join("scan.laz");
+        assert!(elsewhere.contains(&here.display().to_string()), "{elsewhere}");
+    }
+}

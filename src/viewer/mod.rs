@@ -1,0 +1,97 @@
+//! The window of `pellucid view`: what `render` makes, live.
+//!
+//! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
+//! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
+//! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
+//!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
+//! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
+//!   [`Screen`](crate::gpu::window::Screen).
+
+mod app;
+mod controls;
+mod display;
+mod draft;
+mod model;
+mod navigate;
+mod overlay;
+mod panel;
+mod pointer;
+mod save;
+mod stage;
+mod ui;
+mod worker;
+
+use winit::event_loop::EventLoop;
+
+use crate::Result;
+use crate::gpu::DeviceOptions;
+use crate::scene::{Opened, View};
+
+/// What to show, and how.
+pub struct Options {
+    /// The scene and its clouds.
+    pub opened: Opened,
+    /// The view asked for, if any.
+    pub view: View,
+    /// Seed of stochastic methods and of the built-in scene.
+    pub seed: u64,
+    /// The device to open.
+    pub device: DeviceOptions,
+    /// Device bytes for a frame's fragments.
+    pub memory_budget: Option<u64>,
+    /// Columns and rows of the window.
+    pub size: [u32; 2],
+    /// Milliseconds that a frame should take while things move.
+    pub budget_ms: f64,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[error("no window can be opened: {reason}; `pellucid render` needs none and writes a picture")]
+pub struct NoDisplay {
+    reason: String,
+}
+
+fn no_display(reason: impl std::fmt::Display) -> crate::Error {
+    // The system's errors name the file and line of the window library first.
+    let reason = reason.to_string();
+    let reason = reason.rsplit_once("): ").map_or(reason.as_str(), |(_, reason)| reason);
+    NoDisplay { reason: reason.trim_end_matches('.').to_owned() }.into()
+}
+
+/// A connection to the display.
+pub struct Display(EventLoop<app::Wake>);
+
+impl Display {
+    /// Connects, which is only possible on the main thread.
+    ///
+    /// # Errors
+    /// [`NoDisplay`] if there is none, or if a library that it needs is missing.
+    pub fn connect() -> Result<Self> {
+        // The window library panics where a library of the system is missing.
+        let hook = std::panic::take_hook();
+        std::panic::set_hook(Box::new(|_| {}));
+        let made = std::panic::catch_unwind(|| EventLoop::with_user_event().build());
+        std::panic::set_hook(hook);
+        match made {
+            Ok(Ok(event_loop)) => Ok(Self(event_loop)),
+            Ok(Err(error)) => Err(no_display(error)),
+            Err(panic) => {
+                let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+                Err(no_display(text.unwrap_or("the window library gave up")))
+            }
+        }
+    }
+
+    /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
+    ///
+    /// # Errors
+    /// No device that can show pictures in the window, a device that is lost, validation messages. What is wrong with a scene or a
+    /// setting later on is shown in the window.
+    pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
+        let mut app = app::App::new(options, self.0.create_proxy(), say);
+        let ran = self.0.run_app(&mut app);
+        app.finish()?;
+        ran.map_err(no_display)
+    }
+}

@@ -1,0 +1,360 @@
+//! What the viewer knows: the scene, the camera, the last picture, and when the next one is due. No window, no device.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+
+use super::navigate::{self, Navigator};
+use super::save::Saving;
+use super::stage::Pose;
+use super::worker::{News, Picture, Request, Task};
+use crate::camera::Projection;
+use crate::scene::{Document, Scene, Setting, View};
+use crate::{Error, Result};
+
+/// How long nothing may move for a picture without omissions to be due.
+const REST: Duration = Duration::from_millis(150);
+
+/// Frames of which times are kept.
+pub const HISTORY: usize = 120;
+
+/// Pixels around the pointer in which a depth is looked for.
+const PICK_PX: i64 = 6;
+
+/// The part of the window that shows the picture, in physical pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Viewport {
+    /// Left upper corner.
+    pub at: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// What a frame took.
+#[derive(Debug, Clone)]
+pub struct Times {
+    /// Milliseconds from submission to read-back.
+    pub wall_ms: f64,
+    /// Milliseconds of each pass.
+    pub passes: Vec<(&'static str, f64)>,
+}
+
+/// What is shown beside the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shows {
+    /// The panel.
+    pub panel: bool,
+    /// The times of the passes.
+    pub passes: bool,
+    /// The keys.
+    pub help: bool,
+}
+
+/// Whether a picture is on its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    /// None is; what is shown is as it should be.
+    Rest,
+    /// Something changed since the last request.
+    Changed,
+    /// The one of this serial was asked for.
+    Asked(u64),
+    /// It came, but something was left out.
+    Draft,
+}
+
+/// The viewer's state.
+pub struct Model {
+    /// The inputs as they were named.
+    pub name: String,
+    document: Document,
+    scene: Arc<Scene>,
+    navigator: Option<Navigator>,
+    pose: Pose,
+    /// Whether the next pose that the scene gives becomes orthographic.
+    flatten: bool,
+    viewport: Viewport,
+    picture: Option<Box<Picture>>,
+    way: Way,
+    serial: u64,
+    changed_at: Instant,
+    budget_ms: f64,
+    tasks: VecDeque<Task>,
+    /// What is to be told, and whether something went wrong.
+    pub message: Option<(String, bool)>,
+    /// Files that are being read or written.
+    pub busy: bool,
+    /// The last frames.
+    pub times: VecDeque<Times>,
+    /// What is shown.
+    pub shows: Shows,
+    /// Where controls are in the window, in physical pixels: left, top, width, height.
+    pub controls: BTreeMap<String, [i32; 4]>,
+}
+
+impl Model {
+    /// The state at the beginning: the scene's own view, or the one that is given.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the scene.
+    pub fn new(name: String, document: Document, view: View, budget_ms: f64) -> Result<Self> {
+        let scene = Arc::new(document.scene()?);
+        Ok(Self {
+            name,
+            document,
+            scene,
+            navigator: None,
+            pose: if view.is_given() { Pose::View(view) } else { Pose::Scene },
+            flatten: false,
+            viewport: Viewport::default(),
+            picture: None,
+            way: Way::Changed,
+            serial: 0,
+            changed_at: Instant::now(),
+            budget_ms,
+            tasks: VecDeque::new(),
+            message: None,
+            busy: false,
+            times: VecDeque::new(),
+            shows: Shows { panel: true, passes: true, help: false },
+            controls: BTreeMap::new(),
+        })
+    }
+
+    /// The scene, without the camera and the size that the window gives it.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The last picture.
+    pub fn picture(&self) -> Option<&Picture> {
+        self.picture.as_deref()
+    }
+
+    /// Where the picture is.
+    pub fn viewport(&self) -> Viewport {
+        self.viewport
+    }
+
+    /// Whether the last picture is as it should be, with nothing left out, and nothing has moved for a moment.
+    pub fn is_at_rest(&self, now: Instant) -> bool {
+        self.way == Way::Rest && !self.busy && self.tasks.is_empty() && now >= self.rest_at()
+    }
+
+    fn rest_at(&self) -> Instant {
+        self.changed_at + REST
+    }
+
+    /// Whether the projection has no perspective.
+    pub fn is_orthographic(&self) -> bool {
+        self.navigator.is_some_and(|navigator| navigator.is_orthographic())
+    }
+
+    /// Something is to be shown otherwise.
+    fn touch(&mut self) {
+        self.way = Way::Changed;
+        self.changed_at = Instant::now();
+    }
+
+    /// The window gives the picture another place.
+    pub fn set_viewport(&mut self, viewport: Viewport) {
+        if viewport != self.viewport {
+            if viewport.size != self.viewport.size {
+                self.touch();
+            }
+            self.viewport = viewport;
+        }
+    }
+
+    /// Gives a key of the scene file a value; what the scene doesn't allow is said.
+    pub fn set(&mut self, key: &str, value: Setting) {
+        match self.document.set(key, value) {
+            Ok(scene) => {
+                self.message = None;
+                self.scene = Arc::new(scene);
+                self.touch();
+            }
+            Err(error) => self.message = Some((error.to_string(), true)),
+        }
+    }
+
+    /// Moves the camera, once there is one.
+    pub fn navigate(&mut self, movement: impl FnOnce(&mut Navigator)) {
+        let Some(navigator) = &mut self.navigator else { return };
+        let before = *navigator;
+        movement(navigator);
+        if *navigator != before {
+            let near_far = (self.scene.camera.near, self.scene.camera.far);
+            self.pose = Pose::At(navigator.settings(near_far.0, near_far.1));
+            self.touch();
+        }
+    }
+
+    /// Shows everything from a side, in the projection that is in force.
+    pub fn look_from(&mut self, view: View) {
+        self.flatten = self.is_orthographic();
+        self.pose = Pose::View(view);
+        self.touch();
+    }
+
+    /// The point of the scene that the picture shows at a position, in pixels of the picture.
+    pub fn point_at(&self, pixel: DVec2) -> Option<glam::DVec3> {
+        let picture = self.picture.as_deref()?;
+        let depth = navigate::depth_at(&picture.depths, picture.size, pixel, PICK_PX)?;
+        Some(navigate::unproject(&picture.camera, picture.size, pixel, depth))
+    }
+
+    /// Zooms to what is under a position of the picture; where nothing is, to that place as far away as the pivot.
+    pub fn zoom_at(&mut self, pixel: DVec2, factor: f64) {
+        let Some(picture) = &self.picture else { return };
+        let Some(navigator) = &self.navigator else { return };
+        let depth = picture.camera.to_view(navigator.pivot()).z;
+        let aside = navigate::unproject(&picture.camera, picture.size, pixel, depth);
+        let point = self.point_at(pixel).unwrap_or(aside);
+        self.navigate(|navigator| navigator.zoom(point, factor));
+    }
+
+    /// Lets the camera turn about what is under a position of the picture.
+    pub fn pivot_at(&mut self, pixel: DVec2) {
+        match self.point_at(pixel) {
+            Some(point) => {
+                self.navigate(|navigator| navigator.set_pivot(point));
+                self.message = Some((format!("turns about {:.3}, {:.3}, {:.3}", point.x, point.y, point.z), false));
+            }
+            None => self.message = Some(("there is nothing to turn about".to_owned(), false)),
+        }
+    }
+
+    /// Opens other files.
+    pub fn open(&mut self, files: Vec<PathBuf>) {
+        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        self.message = Some((format!("reading {}", names.join(", ")), false));
+        self.busy = true;
+        self.tasks.push_back(Task::Open(files));
+    }
+
+    /// Writes the scene as it is shown, with or without its picture.
+    pub fn save(&mut self, picture: bool) {
+        match self.document_as_shown() {
+            Ok(document) => {
+                let stem = PathBuf::from(self.name.split(' ').next().unwrap_or_default());
+                let stem = stem.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+                self.busy = true;
+                self.tasks.push_back(Task::Save(Box::new(Saving { document, stem, picture })));
+            }
+            Err(error) => self.message = Some((error.to_string(), true)),
+        }
+    }
+
+    /// The scene with the camera and the size of the picture.
+    fn document_as_shown(&self) -> Result<Document> {
+        let mut document = self.document.clone();
+        document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
+        let shown = match (self.pose, &self.navigator) {
+            (Pose::Scene, _) | (Pose::View(_), None) => None,
+            (Pose::View(_), Some(navigator)) => Some(navigator.settings(self.scene.camera.near, self.scene.camera.far)),
+            (Pose::At(camera), _) => Some(camera),
+        };
+        if let Some(camera) = shown {
+            document.remove("camera", "fov_y");
+            document.remove("camera", "height");
+            let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
+            for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
+                document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
+            }
+            let lens = [("fov_y", camera.fov_y), ("height", camera.height)];
+            for (key, number) in lens.into_iter().filter_map(|(key, number)| Some((key, number?))) {
+                document.put(&format!("camera.{key}"), Setting::Number(number))?;
+            }
+        }
+        Ok(document)
+    }
+
+    /// What the worker is to do next, if anything.
+    pub fn next_task(&mut self, now: Instant) -> Option<Task> {
+        if let Some(task) = self.tasks.pop_front() {
+            return Some(task);
+        }
+        let moving = now < self.rest_at();
+        let due = match self.way {
+            Way::Changed => true,
+            Way::Draft => !moving,
+            Way::Rest | Way::Asked(_) => false,
+        };
+        if !due || self.busy || self.viewport.size.contains(&0) {
+            return None;
+        }
+        self.serial += 1;
+        let budget_ms = (self.way == Way::Changed && moving).then_some(self.budget_ms);
+        self.way = Way::Asked(self.serial);
+        let mut scene = Scene::clone(&self.scene);
+        scene.image.size = self.viewport.size;
+        let (scene, pose, serial) = (Arc::new(scene), self.pose, self.serial);
+        Some(Task::Show(Box::new(Request { scene, pose, budget_ms, serial })))
+    }
+
+    /// When to look again, if nothing happens before.
+    pub fn due_at(&self, now: Instant) -> Option<Instant> {
+        Some(self.rest_at()).filter(|at| *at > now)
+    }
+
+    /// Takes in what the worker says.
+    ///
+    /// # Errors
+    /// What ends the viewer.
+    pub fn take_in(&mut self, news: News) -> Result<(), Error> {
+        match news {
+            News::Picture(picture) => self.show(picture),
+            News::Opened(name, document) => return self.replace(name, *document),
+            News::Saved(files) => {
+                let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+                self.message = Some((format!("saved {}", names.join(" and ")), false));
+                self.busy = false;
+            }
+            News::Failed(serial, message) => {
+                self.message = Some((message, true));
+                self.busy &= serial != 0;
+                if self.way == Way::Asked(serial) {
+                    self.way = Way::Rest;
+                }
+            }
+            News::Lost(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    /// Another scene.
+    fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
+        let (shows, viewport, serial) = (self.shows, self.viewport, self.serial);
+        *self = Self { shows, viewport, serial, ..Self::new(name, document, View::default(), self.budget_ms)? };
+        self.message = Some((format!("{}: opened", self.name), false));
+        Ok(())
+    }
+
+    fn show(&mut self, picture: Box<Picture>) {
+        if self.way == Way::Asked(picture.serial) {
+            self.way = if picture.full { Way::Rest } else { Way::Draft };
+        }
+        let profile = &picture.profile;
+        let passes = profile.passes.iter().map(|pass| (pass.name, pass.gpu.as_secs_f64() * 1e3)).collect();
+        self.times.push_back(Times { wall_ms: profile.wall.as_secs_f64() * 1e3, passes });
+        if self.times.len() > HISTORY {
+            self.times.pop_front();
+        }
+        // From a pose that the scene gave the camera may move on.
+        if self.pose == picture.pose && !matches!(self.pose, Pose::At(_)) {
+            let fov_y = match picture.camera.projection {
+                Projection::Perspective { .. } => self.scene.camera.fov_y,
+                Projection::Orthographic { .. } => None,
+            };
+            self.navigator = Some(Navigator::new(&picture.camera, fov_y, picture.subject));
+            if std::mem::take(&mut self.flatten) {
+                self.navigate(Navigator::toggle_projection);
+            }
+        }
+        self.picture = Some(picture);
+    }
+}

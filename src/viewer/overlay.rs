@@ -1,0 +1,136 @@
+//! Over the picture: what the passes cost, what the frame met, why its passes run; and the keys.
+
+use bytesize::ByteSize;
+use egui::{Align2, Color32, Context, Frame, Grid, ProgressBar, RichText, Ui, Window};
+use egui_plot::{Bar, BarChart, Plot};
+
+use super::model::{HISTORY, Model};
+use super::worker::Picture;
+use crate::profile::median;
+
+/// Frames of which the median is shown.
+const RECENT: usize = 15;
+
+/// What the keys and the pointer do.
+const KEYS: &[(&str, &str)] = &[
+    ("left drag", "turn about the pivot"),
+    ("right drag, middle drag, Shift + left drag", "move the picture"),
+    ("wheel", "nearer to what is under the pointer, or farther"),
+    ("double click", "turn about what is under the pointer"),
+    ("W A S D, Q E", "fly ahead, left, back, right; down, up"),
+    ("1 … 7", "front, back, left, right, top, bottom, iso"),
+    ("Home", "everything"),
+    ("P", "perspective or orthographic"),
+    ("T", "times of the passes"),
+    ("H", "panel"),
+    ("F12", "save the picture and its scene"),
+    ("Ctrl + S", "save the scene"),
+    ("Ctrl + Q", "close"),
+    ("F1", "these keys"),
+];
+
+/// Draws what is asked for.
+pub fn show(ctx: &Context, model: &mut Model) {
+    if model.shows.passes && !model.times.is_empty() {
+        let window = Window::new("Passes").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false).frame(frame());
+        window.default_open(true).show(ctx, |ui| passes(ui, model));
+    }
+    let mut help = model.shows.help;
+    Window::new("Keys").open(&mut help).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false).show(ctx, |ui| {
+        Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+            for (key, does) in KEYS {
+                ui.strong(*key);
+                ui.label(*does);
+                ui.end_row();
+            }
+        });
+    });
+    model.shows.help = help;
+}
+
+fn frame() -> Frame {
+    Frame::new().fill(Color32::from_black_alpha(200)).inner_margin(8.0).corner_radius(4.0)
+}
+
+fn passes(ui: &mut Ui, model: &Model) {
+    ui.set_width(330.0);
+    let rows = medians(model);
+    let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
+    let wall = median(model.times.iter().rev().take(RECENT).map(|times| times.wall_ms).collect());
+    ui.label(RichText::new(format!("{wall:.1} ms a frame, {total:.1} ms on the device")).strong());
+    strip(ui, model);
+    egui::ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
+        Grid::new("passes").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+            for (name, ms) in &rows {
+                ui.label(RichText::new(*name).monospace().size(11.0));
+                ui.label(RichText::new(format!("{ms:8.2} ms")).monospace().size(11.0));
+                let share = (ms / total.max(f64::MIN_POSITIVE)) as f32;
+                ui.add(ProgressBar::new(share).desired_width(70.0).desired_height(8.0));
+                ui.end_row();
+            }
+        });
+    });
+    if let Some(picture) = model.picture() {
+        facts(ui, picture);
+        plan(ui, picture);
+    }
+}
+
+/// The passes of the last frame in their order, each with the median of its last runs.
+fn medians(model: &Model) -> Vec<(&'static str, f64)> {
+    let Some(last) = model.times.back() else { return Vec::new() };
+    let recent = || model.times.iter().rev().take(RECENT);
+    let of = |name: &'static str| {
+        let runs = recent().flat_map(|times| &times.passes).filter(|(other, _)| *other == name);
+        (name, median(runs.map(|(_, ms)| *ms).collect()))
+    };
+    last.passes.iter().map(|(name, _)| of(name)).collect()
+}
+
+/// The strip chart of the last frames.
+fn strip(ui: &mut Ui, model: &Model) {
+    let start = HISTORY.saturating_sub(model.times.len());
+    let bars = model.times.iter().enumerate();
+    let bars = bars.map(|(i, times)| Bar::new((start + i) as f64, times.wall_ms).width(1.0)).collect();
+    let chart = BarChart::new("frame", bars).color(Color32::from_rgb(110, 170, 255));
+    let plot = Plot::new("frames").height(60.0).include_x(0.0).include_x(HISTORY as f64).include_y(0.0);
+    let plot =
+        plot.show_axes([false, true]).show_grid(false).y_axis_min_width(32.0).set_margin_fraction([0.0, 0.05].into());
+    let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).show_x(false);
+    plot.show(ui, |plot| plot.bar_chart(chart));
+}
+
+fn facts(ui: &mut Ui, picture: &Picture) {
+    let facts = &picture.facts;
+    let mut lines = vec![format!("{} splats in the picture", facts.visible)];
+    if facts.fragments > 0 {
+        lines.push(format!("{} fragments, the longest list {}", facts.fragments, facts.max_list));
+    }
+    if facts.samples > 0 {
+        lines.push(format!("{} samples per pixel", facts.samples));
+    }
+    if facts.ensembles > 0 {
+        lines.push(format!("{} ensembles", facts.ensembles));
+    }
+    if facts.layers > 0 {
+        lines.push(format!("{} layers", facts.layers));
+    }
+    lines.push(format!("device memory {}, {} band(s)", ByteSize(facts.peak_device_bytes), facts.bands));
+    if !picture.full {
+        lines.push("less accurate while it moves".to_owned());
+    }
+    for line in lines {
+        ui.label(RichText::new(line).size(11.5));
+    }
+}
+
+fn plan(ui: &mut Ui, picture: &Picture) {
+    ui.collapsing("Plan", |ui| {
+        egui::ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
+            for step in picture.plan.iter().filter(|step| step.on) {
+                ui.label(RichText::new(step.name).monospace().size(11.0));
+                ui.label(RichText::new(&step.reason).weak().size(11.0));
+            }
+        });
+    });
+}

@@ -1,0 +1,101 @@
+//! What the pointer and the keys do to the picture.
+
+use egui::{Context, Key, Modifiers, PointerButton, Rect, Response, Sense, Ui};
+use glam::{DVec2, DVec3};
+
+use super::model::{Model, Viewport};
+use super::navigate::Navigator;
+use super::panel::VIEWS;
+use crate::scene::View;
+
+/// Points of the wheel for a factor of e.
+const WHEEL: f64 = 300.0;
+
+/// The picture's place in the window: reacts to the pointer.
+pub fn picture(ui: &mut Ui, model: &mut Model) {
+    let (rect, scale) = (ui.max_rect(), f64::from(ui.ctx().pixels_per_point()));
+    model.set_viewport(viewport(rect, scale));
+    let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+    drag(&response, model, scale);
+    let local = |at: egui::Pos2| {
+        let at = at - rect.min;
+        DVec2::new(f64::from(at.x), f64::from(at.y)) * scale
+    };
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.double_clicked()) {
+        model.pivot_at(local(at));
+    }
+    if let Some(at) = response.hover_pos() {
+        let wheel = f64::from(ui.input(|input| input.smooth_scroll_delta.y));
+        if wheel != 0.0 {
+            model.zoom_at(local(at), (-wheel / WHEEL).exp());
+        }
+    }
+}
+
+fn viewport(rect: Rect, scale: f64) -> Viewport {
+    let px = |x: f32| (f64::from(x.max(0.0)) * scale).round() as u32;
+    let (at, end) = ([px(rect.left()), px(rect.top())], [px(rect.right()), px(rect.bottom())]);
+    Viewport { at, size: [end[0].saturating_sub(at[0]), end[1].saturating_sub(at[1])] }
+}
+
+fn drag(response: &Response, model: &mut Model, scale: f64) {
+    let delta = response.drag_delta();
+    let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y)) * scale;
+    if delta == DVec2::ZERO {
+        return;
+    }
+    let height = f64::from(model.viewport().size[1]);
+    let shift = response.ctx.input(|input| input.modifiers.shift);
+    let by = |button| response.dragged_by(button);
+    if by(PointerButton::Primary) && !shift {
+        model.navigate(|navigator| navigator.orbit(delta, height));
+    } else if by(PointerButton::Primary) || by(PointerButton::Secondary) || by(PointerButton::Middle) {
+        model.navigate(|navigator| navigator.pan(delta, height));
+    }
+}
+
+/// What keys ask for besides the model's own: the window is to be closed.
+pub fn keys(ctx: &Context, model: &mut Model) -> bool {
+    if ctx.wants_keyboard_input() {
+        return false;
+    }
+    let pressed = |modifiers, key| ctx.input_mut(|input| input.consume_key(modifiers, key));
+    if pressed(Modifiers::CTRL, Key::S) && !model.busy {
+        model.save(false);
+    }
+    let close = pressed(Modifiers::CTRL, Key::Q);
+    if pressed(Modifiers::NONE, Key::F12) && !model.busy {
+        model.save(true);
+    }
+    let shows = &mut model.shows;
+    shows.help ^= pressed(Modifiers::NONE, Key::F1);
+    shows.panel ^= pressed(Modifiers::NONE, Key::H);
+    shows.passes ^= pressed(Modifiers::NONE, Key::T);
+    if pressed(Modifiers::NONE, Key::P) {
+        model.navigate(Navigator::toggle_projection);
+    }
+    if pressed(Modifiers::NONE, Key::Home) {
+        model.look_from(View::default());
+    }
+    let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7];
+    for (key, (name, _)) in digits.into_iter().zip(VIEWS) {
+        if pressed(Modifiers::NONE, key) {
+            model.look_from(View { name: Some(name), ..View::default() });
+        }
+    }
+    fly(ctx, model);
+    close
+}
+
+fn fly(ctx: &Context, model: &mut Model) {
+    let (direction, seconds) = ctx.input(|input| {
+        let axis = |ahead, back| f64::from(input.key_down(ahead)) - f64::from(input.key_down(back));
+        let direction = DVec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S));
+        // A key that was pressed since the last frame has flown for no more than one of them.
+        (if input.modifiers.any() { DVec3::ZERO } else { direction }, f64::from(input.stable_dt.min(0.1)))
+    });
+    if direction != DVec3::ZERO {
+        model.navigate(|navigator| navigator.fly(direction, seconds));
+        ctx.request_repaint();
+    }
+}

@@ -1,0 +1,93 @@
+//! The scene as a file, and the picture that `render` makes of it.
+
+use std::path::{Path, PathBuf};
+
+use super::stage::{Pose, Stage, Taken};
+use crate::output::{self, WriteOptions};
+use crate::scene::{Document, Overrides, Setting};
+use crate::{Result, io};
+
+/// What is to be written.
+pub struct Saving {
+    /// The scene, with camera and size.
+    pub document: Document,
+    /// What the files' names begin with.
+    pub stem: String,
+    /// Whether a picture is wanted, too.
+    pub picture: bool,
+}
+
+/// Writes the scene to the current folder under the next free number, and, if asked for, the picture that `render` makes of that
+/// file, to the last byte. Clouds that no file holds are written first. What was written, the scene first.
+///
+/// # Errors
+/// Whatever keeps files from being written or the scene from being rendered.
+pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> Result<Vec<PathBuf>> {
+    let mut document = saving.document.clone();
+    if generated {
+        write_clouds(stage, &mut document, &saving.stem)?;
+    }
+    let scene_path = free(&saving.stem, |path| path.exists());
+    let text = document.to_toml(Path::new(""))?;
+    output::write_atomically(&scene_path, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+    let mut written = vec![scene_path.clone()];
+    if saving.picture {
+        let picture = scene_path.with_extension("png");
+        render(stage, &scene_path, &picture, seed)?;
+        written.push(picture);
+    }
+    Ok(written)
+}
+
+/// The first name `STEM-N.toml` of which neither the scene nor its picture is taken.
+fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
+    let name = |n: u32| PathBuf::from(format!("{stem}-{n}.toml"));
+    let is_free = |path: &PathBuf| !taken(path) && !taken(&path.with_extension("png"));
+    (1..u32::MAX).map(name).find(is_free).unwrap_or_else(|| name(u32::MAX))
+}
+
+/// What `pellucid render SCENE -o PICTURE` does.
+fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
+    let scene = Document::read(scene_path, &Overrides::default())?.scene()?;
+    let Taken { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, None)?;
+    let device = stage.renderer().device();
+    device.check_validation()?;
+    let name = scene_path.display().to_string();
+    let mut metadata = output::metadata(&name, frame.method.name(), &scene.settings, &device.info().name, seed);
+    if let Some(applied) = brightness {
+        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
+    }
+    let (background, color) = (scene.image.background, scene.image.color);
+    let options = WriteOptions { background, color, transparent: false, metadata };
+    output::write_image(picture, &rendered.image, &options)?;
+    stage.recycle(rendered.image);
+    Ok(())
+}
+
+/// Writes clouds that were made into a folder of their own, and names them there.
+fn write_clouds(stage: &Stage, document: &mut Document, stem: &str) -> Result<()> {
+    let folder = PathBuf::from(format!("{stem}-clouds"));
+    let failed = |source| output::Error::Write { path: folder.clone(), source };
+    std::fs::create_dir_all(&folder).map_err(failed)?;
+    let settings = document.scene()?.clouds;
+    for (i, (settings, cloud)) in settings.iter().zip(stage.clouds()).enumerate() {
+        let name = settings.path.file_name().map_or_else(|| PathBuf::from(format!("{i}")), PathBuf::from);
+        let path = folder.join(name).with_extension("ply");
+        io::ply::write(&path, cloud)?;
+        let path = std::path::absolute(&path).map_err(|source| output::Error::Write { path, source })?;
+        document.put(&format!("cloud.{i}.path"), Setting::Word(path.display().to_string()))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_written_over() {
+        let taken = |path: &Path| ["a-1.toml", "a-2.png"].iter().any(|name| Path::new(name) == path);
+        assert_eq!(free("a", taken), Path::new("a-3.toml"));
+        assert_eq!(free("b", taken), Path::new("b-1.toml"));
+    }
+}

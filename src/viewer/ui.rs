@@ -1,0 +1,24 @@
+//! All that egui draws.
+
+use egui::{CentralPanel, Context, Frame, SidePanel};
+
+use super::model::Model;
+use super::{overlay, panel, pointer};
+
+/// The looks: dark, so that the picture stands out.
+pub fn style(ctx: &Context) {
+    ctx.set_theme(egui::Theme::Dark);
+    // What the pointer did would be done twice in a second pass.
+    ctx.options_mut(|options| options.max_passes = std::num::NonZeroUsize::MIN);
+}
+
+/// Draws everything; whether the window is to be closed.
+pub fn show(ctx: &Context, model: &mut Model) -> bool {
+    let close = pointer::keys(ctx, model);
+    if model.shows.panel {
+        SidePanel::right("panel").exact_width(panel::WIDTH).resizable(false).show(ctx, |ui| panel::show(ui, model));
+    }
+    CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| pointer::picture(ui, model));
+    overlay::show(ctx, model);
+    close
+}
