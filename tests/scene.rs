@@ -449,6 +449,21 @@ fn radii_are_estimated_after_the_scale() {
     assert_eq!(radius(1000.0), 4000.0);
 }
 
+#[test]
+fn a_factor_multiplies_radii_from_anywhere() {
+    let line = Cloud { positions: (0..5).map(|i| DVec3::X * f64::from(i)).collect(), ..Cloud::default() };
+    let own = Cloud { radii: Some(vec![0.5; 5]), ..line.clone() };
+    let radius = |cloud: &Cloud, keys: &str| {
+        let text = format!("[[cloud]]\npath = \"a\"\nneighbors = 4\nradius_factor = 0.25\n{keys}");
+        at(&assembled(&text, vec![cloud.clone()], true), DVec3::ZERO).2
+    };
+    // Estimated 4, as above; the file's 0.5, scaled; the scene's, not scaled.
+    assert_eq!(radius(&line, ""), 1.0);
+    assert_eq!(radius(&own, "scale = 1000"), 125.0);
+    assert_eq!(radius(&own, "scale = 1000\nradius = 8"), 2.0);
+    assert!(refused(&format!("{CLOUD}radius_factor = -1")).contains("cloud.0.radius_factor"));
+}
+
 const SOFT: &str = "[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"a\"\n";
 
 /// F of the points of one cloud by their x, under a soft method.
@@ -614,6 +629,22 @@ fn automatic_cameras_frame_any_scene_at_any_shape_of_image() {
                 assert_frames(&camera, &points, *size);
             }
         }
+    }
+}
+
+#[test]
+fn a_camera_that_is_given_in_full_needs_no_points() {
+    let points = points(&[DVec3::new(-3.0, 0.0, 1.0), DVec3::new(5.0, 2.0, 9.0)], 0.1);
+    let bounds = points.bounds().unwrap();
+    let given = "eye = [4500000.3, -20.1, 7.7]\ntarget = [4500000.1, 0.3, 0.2]\nup = [0.1, 0.2, 0.9]\n";
+    for lens in ["fov_y = 33.3", "height = 12.5", "near = 0.5", "far = 77"] {
+        let scene = with_cloud(&format!("[camera]\n{given}{lens}\n"));
+        let (found, _) = camera(&scene, &points, UpAxis::Z).unwrap();
+        assert_eq!(camera_at(&scene.camera, &bounds, f64::from(0.1f32)), Some(found), "{lens}");
+    }
+    for missing in ["eye = [1, 2, 3]\ntarget = [0, 0, 0]", "eye = [1, 2, 3]\nup = [0, 0, 1]", "up = [0, 0, 1]"] {
+        let scene = with_cloud(&format!("[camera]\n{missing}\n"));
+        assert_eq!(camera_at(&scene.camera, &bounds, 0.1), None, "{missing}");
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use egui::ViewportId;
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalSize;
+use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
@@ -89,8 +89,8 @@ impl App {
         let [width, height] = options.size;
         let attributes = Window::default_attributes()
             .with_title(title(&options.opened.name))
-            .with_inner_size(PhysicalSize::new(width, height))
-            .with_min_inner_size(PhysicalSize::new(64, 64));
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(LogicalSize::new(64, 64));
         let window = event_loop.create_window(attributes).map_err(super::no_display)?;
         let window = Arc::new(window);
         let device = Device::open_for(&options.device, window.clone())?;
@@ -199,10 +199,22 @@ impl Running {
             }
             _ => {}
         }
+        if let WindowEvent::MouseInput { .. } = event {
+            return self.press(event);
+        }
         if self.input.on_window_event(&self.window, event).repaint {
             self.window.request_redraw();
         }
         Ok(false)
+    }
+
+    /// A button goes down or up: a frame of its own, after one with all that came before, since a drag that began and ended
+    /// between two frames would be none.
+    fn press(&mut self, event: &WindowEvent) -> Result<bool> {
+        let before = self.draw()?;
+        // What it asks for is drawn now.
+        let _ = self.input.on_window_event(&self.window, event);
+        Ok(self.draw()? || before)
     }
 
     /// What is due before the loop waits, and until when it may.

@@ -39,7 +39,7 @@ pub struct Options {
     pub device: DeviceOptions,
     /// Device bytes for a frame's fragments.
     pub memory_budget: Option<u64>,
-    /// Columns and rows of the window.
+    /// Columns and rows of the window, in pixels of a display of ordinary density.
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.
     pub budget_ms: f64,
@@ -53,10 +53,13 @@ pub struct NoDisplay {
 }
 
 fn no_display(reason: impl std::fmt::Display) -> crate::Error {
-    // The system's errors name the file and line of the window library first.
-    let reason = reason.to_string();
-    let reason = reason.rsplit_once("): ").map_or(reason.as_str(), |(_, reason)| reason);
-    NoDisplay { reason: reason.trim_end_matches('.').to_owned() }.into()
+    NoDisplay { reason: plain(&reason.to_string()) }.into()
+}
+
+/// A reason without the place in the window library's source that it begins with, and without a full stop.
+fn plain(reason: &str) -> String {
+    let told = reason.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(reason, |(_, told)| told);
+    told.trim().trim_end_matches('.').to_owned()
 }
 
 /// A connection to the display.
@@ -93,5 +96,17 @@ impl Display {
         let ran = self.0.run_app(&mut app);
         app.finish()?;
         ran.map_err(no_display)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn reasons_are_for_people() {
+        let long = "os error at /home/x/winit-0.30.13/src/platform_impl/linux/mod.rs:765: neither A nor B is set.";
+        assert_eq!(plain(long), "neither A nor B is set");
+        assert_eq!(plain("Library libX.so could not be loaded."), "Library libX.so could not be loaded");
     }
 }

@@ -91,6 +91,8 @@ pub struct Model {
     pub times: VecDeque<Times>,
     /// What is shown.
     pub shows: Shows,
+    /// Where the pointer was, in points, when it last turned or moved the picture in a drag.
+    pub grabbed: Option<[f32; 2]>,
     /// Where controls are in the window, in physical pixels: left, top, width, height.
     pub controls: BTreeMap<String, [i32; 4]>,
 }
@@ -120,6 +122,7 @@ impl Model {
             busy: false,
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
+            grabbed: None,
             controls: BTreeMap::new(),
         })
     }
@@ -358,3 +361,6 @@ impl Model {
         self.picture = Some(picture);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,14 @@
 //! Over the picture: what the passes cost, what the frame met, why its passes run; and the keys.
 
 use bytesize::ByteSize;
-use egui::{Align2, Color32, Context, Frame, Grid, ProgressBar, RichText, Ui, Window};
+use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::model::{HISTORY, Model};
 use super::worker::Picture;
 use crate::profile::median;
+
+const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 
 /// Frames of which the median is shown.
 const RECENT: usize = 15;
@@ -35,6 +37,10 @@ pub fn show(ctx: &Context, model: &mut Model) {
         let window = Window::new("Passes").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false).frame(frame());
         window.default_open(true).show(ctx, |ui| passes(ui, model));
     }
+    if model.picture().is_none() {
+        let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
+        at.show(ctx, |ui| ui.label(RichText::new("the first picture is on its way").size(16.0)));
+    }
     let mut help = model.shows.help;
     Window::new("Keys").open(&mut help).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false).show(ctx, |ui| {
         Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
@@ -54,18 +60,19 @@ fn frame() -> Frame {
 
 fn passes(ui: &mut Ui, model: &Model) {
     ui.set_width(330.0);
+    ui.spacing_mut().interact_size.y = 15.0;
     let rows = medians(model);
     let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
     let wall = median(model.times.iter().rev().take(RECENT).map(|times| times.wall_ms).collect());
     ui.label(RichText::new(format!("{wall:.1} ms a frame, {total:.1} ms on the device")).strong());
     strip(ui, model);
-    egui::ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
-        Grid::new("passes").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+    let most = rows.iter().map(|(_, ms)| *ms).fold(f64::MIN_POSITIVE, f64::max);
+    egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
+        Grid::new("passes").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
             for (name, ms) in &rows {
                 ui.label(RichText::new(*name).monospace().size(11.0));
                 ui.label(RichText::new(format!("{ms:8.2} ms")).monospace().size(11.0));
-                let share = (ms / total.max(f64::MIN_POSITIVE)) as f32;
-                ui.add(ProgressBar::new(share).desired_width(70.0).desired_height(8.0));
+                bar(ui, (ms / most) as f32);
                 ui.end_row();
             }
         });
@@ -74,6 +81,13 @@ fn passes(ui: &mut Ui, model: &Model) {
         facts(ui, picture);
         plan(ui, picture);
     }
+}
+
+/// A bar as long as a share of the longest one.
+fn bar(ui: &mut Ui, share: f32) {
+    let (room, _) = ui.allocate_exact_size(vec2(100.0, 9.0), Sense::hover());
+    let filled = room.with_max_x(room.left() + share.clamp(0.0, 1.0) * room.width());
+    ui.painter().rect_filled(filled, 1.0, BLUE);
 }
 
 /// The passes of the last frame in their order, each with the median of its last runs.
@@ -92,7 +106,7 @@ fn strip(ui: &mut Ui, model: &Model) {
     let start = HISTORY.saturating_sub(model.times.len());
     let bars = model.times.iter().enumerate();
     let bars = bars.map(|(i, times)| Bar::new((start + i) as f64, times.wall_ms).width(1.0)).collect();
-    let chart = BarChart::new("frame", bars).color(Color32::from_rgb(110, 170, 255));
+    let chart = BarChart::new("frame", bars).color(BLUE);
     let plot = Plot::new("frames").height(60.0).include_x(0.0).include_x(HISTORY as f64).include_y(0.0);
     let plot =
         plot.show_axes([false, true]).show_grid(false).y_axis_min_width(32.0).set_margin_fraction([0.0, 0.05].into());

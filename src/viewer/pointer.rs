@@ -38,20 +38,23 @@ fn viewport(rect: Rect, scale: f64) -> Viewport {
     Viewport { at, size: [end[0].saturating_sub(at[0]), end[1].saturating_sub(at[1])] }
 }
 
+/// Turns or moves with the pointer since it was pressed or last seen, whatever happened between two frames.
 fn drag(response: &Response, model: &mut Model, scale: f64) {
-    let delta = response.drag_delta();
-    let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y)) * scale;
-    if delta == DVec2::ZERO {
-        return;
+    let (pressed, now, shift) =
+        response.ctx.input(|input| (input.pointer.press_origin(), input.pointer.latest_pos(), input.modifiers.shift));
+    if response.drag_started() {
+        model.grabbed = pressed.map(<[f32; 2]>::from);
     }
+    let buttons = [PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle];
+    let held = buttons.into_iter().find(|button| response.dragged_by(*button) || response.drag_stopped_by(*button));
+    let (Some(button), Some(from), Some(to)) = (held, model.grabbed, now) else { return };
+    model.grabbed = (!response.drag_stopped()).then_some(to.into());
+    let delta = DVec2::new(f64::from(to.x - from[0]), f64::from(to.y - from[1])) * scale;
     let height = f64::from(model.viewport().size[1]);
-    let shift = response.ctx.input(|input| input.modifiers.shift);
-    let by = |button| response.dragged_by(button);
-    if by(PointerButton::Primary) && !shift {
-        model.navigate(|navigator| navigator.orbit(delta, height));
-    } else if by(PointerButton::Primary) || by(PointerButton::Secondary) || by(PointerButton::Middle) {
-        model.navigate(|navigator| navigator.pan(delta, height));
-    }
+    model.navigate(|navigator| match button {
+        PointerButton::Primary if !shift => navigator.orbit(delta, height),
+        _ => navigator.pan(delta, height),
+    });
 }
 
 /// What keys ask for besides the model's own: the window is to be closed.

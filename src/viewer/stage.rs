@@ -165,7 +165,11 @@ impl Stage {
                 continue;
             }
             let field = settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate));
-            let request = Request { neighbors: settings.neighbors, field, ..Request::default() };
+            let (radii, fields) = (true, arrangement.fields);
+            let request = Request { neighbors: settings.neighbors, field, radii, fields, normals: false };
+            if cloud.prepared.is_some() && request.notes(cloud).is_empty() {
+                continue;
+            }
             // What can't be found is an error of arranging, if it is asked for.
             if let Ok(prepared) = prepare::prepared(cloud.clone(), &request, progress) {
                 *cloud = prepared;

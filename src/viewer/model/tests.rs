@@ -1,0 +1,181 @@
+//! What is asked for and when, and what is saved.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::*;
+use crate::camera::Camera;
+use crate::cloud::{Bounds, UpAxis};
+use crate::methods::{Facts, FrameProfile};
+use crate::scene::{Overrides, ViewName};
+use crate::viewer::navigate::Subject;
+
+const SIZE: [u32; 2] = [64, 48];
+
+fn model() -> Model {
+    let text =
+        "[camera]\neye = [0, -10, 0]\ntarget = [0, 0, 0]\nup = [0, 0, 1]\nnear = 0.5\n[[cloud]]\npath = 'a.ply'\n";
+    let document = Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap();
+    let mut model = Model::new("s.toml".into(), document, View::default(), 33.0).unwrap();
+    model.set_viewport(Viewport { at: [0, 0], size: SIZE });
+    model
+}
+
+fn asked(model: &mut Model, now: Instant) -> Option<Request> {
+    match model.next_task(now)? {
+        Task::Show(request) => Some(*request),
+        _ => None,
+    }
+}
+
+/// A picture for a request: a wall at depth 10.
+fn picture(request: &Request, full: bool) -> News {
+    let perspective = Projection::Perspective { fov_y: 45f64.to_radians() };
+    let camera = Camera::look_at(-10.0 * DVec3::Y, DVec3::ZERO, DVec3::Z, perspective, 0.5, 100.0).unwrap();
+    let half = DVec3::splat(3.0);
+    let wall = Duration::from_millis(5);
+    News::Picture(Box::new(Picture {
+        serial: request.serial,
+        pose: request.pose,
+        camera,
+        subject: Subject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
+        size: SIZE,
+        rgba: vec![0; 4 * 64 * 48],
+        depths: vec![10.0; 64 * 48],
+        full,
+        method: "sorted",
+        profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
+        facts: Facts::default(),
+        plan: Vec::new(),
+    }))
+}
+
+/// A model that shows its first picture, and a moment later.
+fn settled() -> (Model, Instant) {
+    let mut model = model();
+    let now = Instant::now();
+    let request = asked(&mut model, now).expect("the first picture");
+    model.take_in(picture(&request, true)).unwrap();
+    (model, now + REST)
+}
+
+#[test]
+fn only_the_latest_request_counts() {
+    let (mut model, now) = settled();
+    assert!(model.is_at_rest(now) && asked(&mut model, now).is_none());
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let first = asked(&mut model, now).unwrap();
+    assert_eq!((first.serial, first.budget_ms, first.scene.image.size), (2, Some(33.0), SIZE));
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    // What changed meanwhile is asked for at once, and the picture that comes is of the past.
+    let second = asked(&mut model, now).unwrap();
+    assert_ne!(first.pose, second.pose);
+    assert!(asked(&mut model, now).is_none());
+    let now = Instant::now();
+    model.take_in(picture(&first, true)).unwrap();
+    assert!(!model.is_at_rest(now + REST));
+    model.take_in(picture(&second, true)).unwrap();
+    assert!(model.is_at_rest(now + REST) && !model.is_at_rest(now));
+}
+
+#[test]
+fn at_rest_nothing_is_left_out() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let draft = asked(&mut model, now).unwrap();
+    model.take_in(picture(&draft, false)).unwrap();
+    assert!(asked(&mut model, now).is_none(), "still moving");
+    assert!(model.due_at(now).is_some());
+    let full = asked(&mut model, now + REST).unwrap();
+    assert_eq!((full.budget_ms, full.pose), (None, draft.pose));
+    model.take_in(picture(&full, true)).unwrap();
+    assert!(model.is_at_rest(now + REST) && model.due_at(now + REST).is_none());
+}
+
+#[test]
+fn what_fails_is_said_and_not_tried_again() {
+    let (mut model, _) = settled();
+    model.set("cloud.0.opacity", Setting::Number(2.0));
+    let (text, wrong) = model.message.clone().unwrap();
+    assert!(wrong && text.contains("cloud.0.opacity"), "{text}");
+    assert_eq!(model.scene().clouds[0].opacity, 1.0);
+    let now = Instant::now();
+    assert!(asked(&mut model, now).is_none(), "nothing changed");
+    model.set("method.name", Setting::Word("peel".into()));
+    assert_eq!(model.message, None);
+    let request = asked(&mut model, Instant::now()).unwrap();
+    model.take_in(News::Failed(request.serial, "too many layers".into())).unwrap();
+    assert_eq!(model.message, Some(("too many layers".into(), true)));
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn the_camera_is_saved_when_it_has_moved() {
+    let (mut model, _) = settled();
+    let saved = |model: &mut Model| {
+        model.save(false);
+        let Some(Task::Save(saving)) = model.next_task(Instant::now()) else { panic!("nothing to save") };
+        assert_eq!((saving.stem.as_str(), saving.picture, model.busy), ("s", false, true));
+        let text = saving.document.to_toml(Path::new("/scans")).unwrap();
+        Document::from_toml(&text, Path::new("/scans/t.toml"), &Overrides::default()).unwrap().scene().unwrap()
+    };
+    let before = model.scene().camera;
+    let scene = saved(&mut model);
+    assert_eq!((scene.camera, scene.image.size), (before, SIZE));
+    model.navigate(|navigator| navigator.orbit(DVec2::new(5.0, 3.0), 48.0));
+    let Pose::At(shown) = model.pose else { panic!("moved") };
+    assert_eq!(saved(&mut model).camera, shown, "to the last bit");
+    model.navigate(Navigator::toggle_projection);
+    let Pose::At(shown) = model.pose else { panic!("moved") };
+    assert_eq!(saved(&mut model).camera, shown);
+    assert!(shown.height.is_some() && shown.fov_y.is_none() && shown.near == Some(0.5));
+}
+
+#[test]
+fn the_pointer_finds_what_is_there() {
+    let (mut model, _) = settled();
+    // The middle of the wall, 10 before the eye.
+    assert!(model.point_at(DVec2::new(32.0, 24.0)).unwrap().length() < 1e-9);
+    model.pivot_at(DVec2::new(40.0, 24.0));
+    let pivot = model.navigator.unwrap().pivot();
+    // 8 pixels of 2·10·tan(22.5°)/48 units.
+    assert!((pivot - DVec3::X * (160.0 / 48.0) * 22.5f64.to_radians().tan()).length() < 1e-9, "{pivot}");
+    let request = asked(&mut model, Instant::now()).unwrap();
+    let Pose::At(camera) = request.pose else { panic!("a pivot is a place") };
+    assert!((camera.eye.unwrap() - DVec3::Y * -10.0).length() < 1e-9, "the picture stays");
+}
+
+#[test]
+fn another_side_keeps_the_projection() {
+    let (mut model, _) = settled();
+    model.navigate(Navigator::toggle_projection);
+    assert!(model.is_orthographic());
+    let view = View { name: Some(ViewName::Top), ..View::default() };
+    model.look_from(view);
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert_eq!(request.pose, Pose::View(view));
+    model.take_in(picture(&request, true)).unwrap();
+    assert!(model.is_orthographic());
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert!(matches!(request.pose, Pose::At(camera) if camera.height.is_some()));
+}
+
+#[test]
+fn other_files_take_the_place_of_the_scene() {
+    let (mut model, now) = settled();
+    model.open(vec!["b.ply".into()]);
+    assert!(matches!(model.next_task(now), Some(Task::Open(files)) if files == [Path::new("b.ply")]));
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    assert!(asked(&mut model, now).is_none(), "not while files are read");
+    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
+    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert_eq!((model.name.as_str(), request.pose, request.serial), ("b.ply", Pose::Scene, 2));
+    model.open(vec!["c.ply".into()]);
+    model.next_task(now);
+    model.take_in(News::Failed(0, "c.ply: there is no such file".into())).unwrap();
+    assert!(!model.busy && model.message.as_ref().is_some_and(|(_, wrong)| *wrong));
+}
