@@ -41,8 +41,7 @@ fn shoot(display: &Display, window: &mut Window) -> String {
     display.do_it("mousemove 715 415");
     display.do_it("key F12");
     let line = window.wait_for("saved ");
-    let name = line.split_once("saved ").unwrap().1.split(".toml").next().unwrap().to_owned();
-    name
+    line.split_once("saved ").unwrap().1.split(".toml").next().unwrap().to_owned()
 }
 
 /// Waits until the screen shows a picture.
@@ -154,11 +153,11 @@ fn what_is_seen_is_what_render_makes() {
         assert!((along(&before).z - along(&after).z).abs() < 1e-9, "no higher and no lower");
 
         display.do_it(&format!("windowsize --sync {id} 640 400"));
-        window.wait_for(" 330 × 400");
+        window.wait_for(" 310 × 400");
         display.do_it(&format!("windowunmap --sync {id}"));
         display.do_it(&format!("windowmap --sync {id}"));
         display.do_it(&format!("windowsize --sync {id} 600 380"));
-        window.wait_for(" 290 × 380");
+        window.wait_for(" 270 × 380");
         display.do_it(&format!("windowfocus --sync {id}"));
         display.do_it("key ctrl+q");
         let (status, said) = window.end();

@@ -37,10 +37,10 @@ fn of_numbers(method: &Method, key: &str) -> Option<(Control, Setting)> {
         ("pixels_per_shell", _) => (Slider(1.0, 16.0), number(soft?.pixels_per_shell)),
         ("size", _) => (Slider(0.0, 4.0), number(splats(method)?.size)),
         ("max_pixel_radius", _) => (Slider(0.0, 100.0), number(splats(method)?.max_pixel_radius)),
-        ("blend_depth", Method::Hqs(BlendedSplats { blend_depth, .. }))
-        | ("blend_depth", Method::Splats(BlendedSplats { blend_depth, .. })) => {
-            (Slider(0.0, 4.0), number(*blend_depth))
-        }
+        (
+            "blend_depth",
+            Method::Hqs(BlendedSplats { blend_depth, .. }) | Method::Splats(BlendedSplats { blend_depth, .. }),
+        ) => (Slider(0.0, 4.0), number(*blend_depth)),
         ("samples", Method::Stochastic(Stochastic { samples, .. })) => (Count(1, 1024), count(*samples)),
         ("alpha_correction", Method::Stochastic(Stochastic { alpha_correction, .. })) => {
             (Flag, Setting::Flag(*alpha_correction))

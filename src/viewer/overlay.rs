@@ -67,7 +67,9 @@ fn passes(ui: &mut Ui, model: &Model) {
     ui.label(RichText::new(format!("{wall:.1} ms a frame, {total:.1} ms on the device")).strong());
     strip(ui, model);
     let most = rows.iter().map(|(_, ms)| *ms).fold(f64::MIN_POSITIVE, f64::max);
-    egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
+    // Whatever the window's height, what follows is to be seen too.
+    let height = (ui.ctx().content_rect().height() - 260.0).clamp(60.0, 400.0);
+    egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("passes").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
             for (name, ms) in &rows {
                 ui.label(RichText::new(*name).monospace().size(11.0));

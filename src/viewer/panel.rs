@@ -8,7 +8,7 @@ use super::navigate::Navigator;
 use crate::scene::{METHODS, Setting, View, ViewName, method_keys};
 
 /// Width of the panel in points.
-pub const WIDTH: f32 = 310.0;
+pub const WIDTH: f32 = 330.0;
 
 /// The named views, in the order of the keys 1 to 7.
 pub const VIEWS: [(ViewName, &str); 7] = [
