@@ -153,7 +153,7 @@ impl Model {
 
     /// Whether the projection has no perspective.
     pub fn is_orthographic(&self) -> bool {
-        self.navigator.is_some_and(|navigator| navigator.is_orthographic())
+        self.navigator.map_or(self.flatten, |navigator| navigator.is_orthographic())
     }
 
     /// Something is to be shown otherwise.
@@ -196,9 +196,11 @@ impl Model {
         }
     }
 
-    /// Shows everything from a side, in the projection that is in force.
+    /// Shows everything from a side, in the projection that is in force. Until that picture is there nothing moves the camera,
+    /// since nobody knows yet where it is.
     pub fn look_from(&mut self, view: View) {
         self.flatten = self.is_orthographic();
+        self.navigator = None;
         self.pose = Pose::View(view);
         self.touch();
     }
@@ -239,8 +241,12 @@ impl Model {
         self.tasks.push_back(Task::Open(files));
     }
 
-    /// Writes the scene as it is shown, with or without its picture.
+    /// Writes the scene as it is shown, with or without its picture, once there is a camera.
     pub fn save(&mut self, picture: bool) {
+        if self.navigator.is_none() {
+            self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
+            return;
+        }
         match self.document_as_shown() {
             Ok(document) => {
                 let stem = PathBuf::from(self.name.split(' ').next().unwrap_or_default());

@@ -157,6 +157,10 @@ fn another_side_keeps_the_projection() {
     model.look_from(view);
     let request = asked(&mut model, Instant::now()).unwrap();
     assert_eq!(request.pose, Pose::View(view));
+    // On its way there nothing moves, and nothing is saved that would be somewhere else.
+    model.navigate(|navigator| navigator.orbit(DVec2::new(5.0, 3.0), 48.0));
+    model.save(true);
+    assert!(model.is_orthographic() && model.next_task(Instant::now()).is_none());
     model.take_in(picture(&request, true)).unwrap();
     assert!(model.is_orthographic());
     let request = asked(&mut model, Instant::now()).unwrap();
