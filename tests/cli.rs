@@ -16,6 +16,7 @@ mod cli {
     mod measure;
     mod prepare;
     mod render;
+    mod sequence;
     mod shadows;
     mod stress;
     mod tradeoff;

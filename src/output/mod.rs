@@ -4,6 +4,7 @@ mod exr;
 mod file;
 mod png;
 mod read;
+mod tag;
 
 use std::path::{Path, PathBuf};
 
@@ -11,6 +12,7 @@ use glam::Vec3;
 
 pub use file::{check_folder, write_atomically};
 pub use read::{LinearImage, read_image};
+pub use tag::metadata;
 
 use crate::color;
 use crate::image::Image;
@@ -89,6 +91,18 @@ pub enum Error {
         b_width: u32,
         /// Its height.
         b_height: u32,
+    },
+    /// Frames are to be written where there are other files.
+    #[error(
+        "{path}: this file is not a frame of this sequence ({count} such), but of another scene, camera, size or setting, or no \
+         frame at all; give -o another name, or --overwrite to replace them",
+        path = path.display()
+    )]
+    Foreign {
+        /// The first of them.
+        path: PathBuf,
+        /// How many there are.
+        count: usize,
     },
     /// A part of a report could not be made.
     #[error("the report: {reason}")]

@@ -28,6 +28,7 @@ mod knot;
 mod turntable;
 
 pub use curve::Curve;
+pub(crate) use file::syntax;
 pub use file::{CameraPath, Key, MAX_KEYS, VERSION};
 pub use turntable::Turntable;
 
