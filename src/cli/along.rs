@@ -77,27 +77,33 @@ impl Along {
         };
         let mut cameras = Vec::new();
         let find = |scene: &Scene, points: &Points, up: UpAxis| {
-            cameras = self.cameras(scene, points, up)?;
-            Ok((cameras[0], Vec::new()))
+            let (found, warnings) = self.cameras(scene, points, up)?;
+            cameras = found;
+            Ok((cameras[0], warnings))
         };
         let resolved = read(input, size, talk, progress)?.resolve_by(find, talk, progress)?;
         Ok((resolved, cameras))
     }
 
-    /// The camera of each frame; `up` is the vertical of the clouds.
-    fn cameras(&self, scene: &Scene, points: &Points, up: UpAxis) -> Result<Vec<Camera>> {
+    /// The camera of each frame, and what is to be said about them; `up` is the vertical of the clouds.
+    fn cameras(&self, scene: &Scene, points: &Points, up: UpAxis) -> Result<(Vec<Camera>, Vec<String>)> {
         let course = Course::new(scene, points, up)?;
-        let poses = self.poses(&course, scene.image.size)?;
-        Ok(poses.iter().map(|pose| course.camera(pose)).collect::<Result<_, _>>()?)
+        let (poses, warnings) = self.poses(&course, scene.image.size)?;
+        let cameras = poses.iter().map(|pose| course.camera(pose)).collect::<Result<_, _>>()?;
+        Ok((cameras, warnings))
     }
 
-    fn poses(&self, course: &Course<'_>, size: [u32; 2]) -> Result<Vec<Pose>> {
+    fn poses(&self, course: &Course<'_>, size: [u32; 2]) -> Result<(Vec<Pose>, Vec<String>)> {
         match self {
-            Self::Turn { frames } => Ok(course.turntable()?.frames(*frames)),
+            Self::Turn { frames } => {
+                let (turntable, warnings) = course.turntable()?;
+                Ok((turntable.frames(*frames), warnings))
+            }
             Self::Keys { path, source, frames } => {
                 let curve = Curve::new(&source.path(size), &course.defaults());
                 let curve = curve.map_err(|problem| path::Error::Content { path: path.clone(), problem })?;
-                Ok(frames.map_or_else(|| curve.key_poses(), |count| curve.frames(count)))
+                let poses = frames.map_or_else(|| curve.key_poses(), |count| curve.frames(count));
+                Ok((poses, Vec::new()))
             }
         }
     }

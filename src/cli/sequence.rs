@@ -47,7 +47,6 @@ struct Records {
 }
 
 pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, talk: Talk) -> Result<ExitCode> {
-    stop_on_interrupt();
     let progress = talk.progress();
     let (resolved, cameras) = along.resolve(&args.input, talk, &progress)?;
     let counts = args.aov || args.measure.profile.is_some();
@@ -56,6 +55,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, talk: Talk) -> R
     session.warn(&resolved, talk);
     let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
     let mut records = Records::open(args, &frames, &session)?;
+    stop_on_interrupt();
     let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, talk)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());

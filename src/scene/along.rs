@@ -60,22 +60,22 @@ impl<'a> Course<'a> {
 
     /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
     /// vertical. It starts where [`super::camera`] stands; without an `eye` far enough away that all points, as spheres of
-    /// their own radius, are in the image during the whole turn.
+    /// their own radius, are in the image during the whole turn. With it comes what is to be said about the camera.
     ///
     /// # Errors
     /// Those of [`super::camera`].
-    pub fn turntable(&self) -> Result<Turntable, Error> {
+    pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
         let settings = &self.scene.camera;
-        let (start, _) = framing::camera(self.scene, self.subject.points, self.vertical)?;
+        let (start, warnings) = framing::camera(self.scene, self.subject.points, self.vertical)?;
         // A view asked for replaces them.
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
         let axis = settings.up.filter(|_| own).unwrap_or_else(|| framing::axis(self.vertical)).normalize();
         if settings.eye.is_some() && own {
-            return Ok(Turntable::new(&start, center, axis));
+            return Ok((Turntable::new(&start, center, axis), warnings));
         }
         let eye = center - start.forward * self.distance(&start, center, axis);
-        Ok(Turntable::new(&Camera { eye, ..start }, center, axis))
+        Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
     }
 
     /// The least distance to the centre from which all fits into the image whatever the turn.

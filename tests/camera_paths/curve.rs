@@ -61,7 +61,7 @@ fn off(a: &Pose, b: &Pose) -> f64 {
 
 fn assert_orthonormal(pose: &Pose) {
     let Pose { right, up, forward, .. } = *pose;
-    assert!((right.cross(forward) + up).length() < 1e-12, "{pose:?}");
+    assert!((right.cross(forward) - up).length() < 1e-12, "{pose:?}");
     assert!((forward.length() - 1.0).abs() < 1e-12 && right.dot(forward).abs() < 1e-12, "{pose:?}");
 }
 

@@ -40,7 +40,7 @@ fn syntax_errors_name_line_and_column() {
         ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1]}]}", "p.json:2:14: ", "array of length 3"),
         ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1, NaN]}]}", "p.json:2:16: ", "expected value"),
         ("{\"version\": 1, \"keys\": [\n{\"eye\": [0, 1, 1e999]}]}", "p.json:2:20: ", "number out of range"),
-        ("{\"version\": 1, \"keys\": [{\"eye\": [0, 1, \"2\"]}]}", "p.json:1:43: ", "invalid type: string"),
+        ("{\"version\": 1, \"keys\": [{\"eye\": [0, 1, \"2\"]}]}", "p.json:1:42: ", "invalid type: string"),
         ("{\"version\": 1, \"keys\": [{\"target\": [0, 1, 2]}]}", "p.json:1:45: ", "missing field `eye`"),
         ("{\"version\": 1, \"keys\": [], \"keys\": []}", "p.json:1:33: ", "duplicate field `keys`"),
         ("{\"version\": -1, \"keys\": []}", "p.json:1:14: ", "invalid value"),
