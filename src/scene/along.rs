@@ -74,21 +74,26 @@ impl<'a> Course<'a> {
         if settings.eye.is_some() && own {
             return Ok((Turntable::new(&start, center, axis), warnings));
         }
-        let eye = center - start.forward * self.distance(&start, center, axis);
+        let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
     }
 
-    /// The least distance to the centre from which all fits into the image whatever the turn.
-    fn distance(&self, start: &Camera, center: DVec3, axis: DVec3) -> f64 {
+    /// The nearest eye from which all fits into the image whatever the turn. It looks at the centre if that is asked for, else
+    /// past it above or below, such that as much room is left above as below; to the sides that is so anyway.
+    fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
         let tangents = framing::tangents(start.projection, self.scene.image.size);
         let axes = [start.right, start.up, start.forward];
         let spheres = Spheres { points: self.subject.points, center, axes };
         let extent = turned_extent(&spheres, tangents, axis);
         let clear = framing::clearance(&self.subject, center, extent.nearest);
-        match start.projection {
-            Projection::Perspective { .. } => extent.centered_distance(tangents).max(clear),
-            Projection::Orthographic { .. } => clear,
-        }
+        let distance = match (start.projection, centered) {
+            (Projection::Perspective { .. }, true) => extent.centered_distance(tangents).max(clear),
+            (Projection::Perspective { .. }, false) => extent.distance(tangents).max(clear),
+            (Projection::Orthographic { .. }, _) => clear,
+        };
+        let (first, last) = extent.shifts(tangents, distance);
+        let shift = if centered { 0.0 } else { 0.5 * (first.y + last.y) };
+        center + start.up * shift - start.forward * distance
     }
 }
 

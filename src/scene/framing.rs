@@ -284,7 +284,7 @@ pub(super) struct Extent {
 
 impl Extent {
     /// The smallest distance from which all fits with some shift of the eye.
-    fn distance(&self, tangents: DVec2) -> f64 {
+    pub fn distance(&self, tangents: DVec2) -> f64 {
         ((self.upper - self.lower) / (2.0 * tangents)).max_element()
     }
 
@@ -294,7 +294,7 @@ impl Extent {
     }
 
     /// The least and the greatest shift with which all fits.
-    fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
+    pub fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
         (self.upper - tangents * distance, self.lower + tangents * distance)
     }
 }
