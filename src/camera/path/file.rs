@@ -87,7 +87,7 @@ impl Key {
         let wrong = |name: &str, problem: &str| Err(Problem::of_key(number, name, problem));
         let vectors = [("eye", Some(self.eye)), ("target", self.target), ("up", self.up)];
         for (name, vector) in vectors {
-            if vector.iter().flatten().any(|x| !(x.abs() <= MAX_COORDINATE)) {
+            if vector.iter().flatten().any(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
                 return wrong(name, "must be three finite numbers of at most 1e75");
             }
         }
@@ -172,11 +172,14 @@ impl CameraPath {
             return Err(Problem::whole(format!("keys: a path has from 1 to {MAX_KEYS} of them, not {count}")));
         }
         self.keys.iter().enumerate().try_for_each(|(number, key)| key.check(number))?;
-        let of_all: [(&str, fn(&Key) -> bool); 3] =
-            [("time", |key| key.time.is_some()), ("near", |key| key.near.is_some()), ("far", |key| key.far.is_some())];
-        for (name, has) in of_all {
-            let first = self.keys.first().is_some_and(has);
-            if let Some(number) = self.keys.iter().position(|key| has(key) != first) {
+        let has = |name: &str, key: &Key| match name {
+            "time" => key.time.is_some(),
+            "near" => key.near.is_some(),
+            _ => key.far.is_some(),
+        };
+        for name in ["time", "near", "far"] {
+            let first = self.keys.first().is_some_and(|key| has(name, key));
+            if let Some(number) = self.keys.iter().position(|key| has(name, key) != first) {
                 return Err(Problem::of_key(number, name, "either all keys have it, or none"));
             }
         }
