@@ -40,7 +40,7 @@ fn of_exr(path: &Path, name: &str) -> Option<String> {
     let meta = MetaData::read_from_buffered(BufReader::new(File::open(path).ok()?), false).ok()?;
     let header = meta.headers.first()?;
     let all = header.shared_attributes.other.iter().chain(&header.own_attributes.other);
-    let value = all.into_iter().find(|(known, _)| known.eq(name))?.1;
+    let value = all.into_iter().find(|(known, _)| **known == *name)?.1;
     match value {
         AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
