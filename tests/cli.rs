@@ -12,6 +12,8 @@ mod cli {
     mod failures;
     mod formats;
     mod frames;
+    #[cfg(unix)]
+    mod interrupted;
     mod iso;
     mod measure;
     mod prepare;

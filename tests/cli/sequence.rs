@@ -2,9 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use pellucid::output::metadata;
 use serde_json::Value;
@@ -22,7 +19,7 @@ const KEYS: &str = r#"{"version": 1, "keys": [
 ]}"#;
 
 /// A garden of few points with a path beside it.
-fn garden() -> TempDir {
+pub fn garden() -> TempDir {
     let folder = folder();
     builtin(&folder, "garden", &["points=3000"]);
     // A key of its method that others don't have would be a warning.
@@ -39,14 +36,14 @@ fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// The pictures of a folder and their bytes.
-fn pictures(folder: &TempDir) -> BTreeMap<String, Vec<u8>> {
+pub fn pictures(folder: &TempDir) -> BTreeMap<String, Vec<u8>> {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let pictures = files.filter(|path| path.extension().is_some_and(|e| e == "png" || e == "exr"));
     pictures.map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(path).unwrap())).collect()
 }
 
 /// Runs and returns what was said on standard error; the run succeeds.
-fn said(folder: &TempDir, args: &[&str]) -> String {
+pub fn said(folder: &TempDir, args: &[&str]) -> String {
     let device = device().map_or_else(Vec::new, |device| vec!["--device".to_owned(), device]);
     let output = pellucid(folder, args).args(device).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
@@ -55,11 +52,11 @@ fn said(folder: &TempDir, args: &[&str]) -> String {
 }
 
 /// How many frames a run with -v wrote.
-fn written(said: &str) -> usize {
+pub fn written(said: &str) -> usize {
     said.lines().filter(|line| line.ends_with(": written")).count()
 }
 
-fn json(folder: &TempDir, name: &str) -> Value {
+pub fn json(folder: &TempDir, name: &str) -> Value {
     serde_json::from_slice(&fs::read(inside(folder, name)).unwrap()).unwrap()
 }
 
@@ -211,74 +208,6 @@ fn a_damaged_frame_is_no_frame() {
     }
     done(&folder, &[&args[..], &["--overwrite", "-q"]].concat());
     assert!(fs::read(inside(&folder, "f_1.png")).unwrap() == whole);
-}
-
-/// Starts a run, waits until some frames are there, and ends it by force or by an interruption; its exit status.
-#[cfg(unix)]
-fn cut_short(folder: &TempDir, args: &[&str], frames: usize, signal: &str) -> Option<i32> {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("pellucid"));
-    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
-    command.current_dir(folder).env("PELLUCID_CACHE_DIR", cache).args(args).stdout(Stdio::null()).stderr(Stdio::null());
-    if let Some(device) = device() {
-        command.args(["--device", &device]);
-    }
-    let mut child = command.spawn().unwrap();
-    while pictures(folder).len() < frames {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it was to be cut short");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    child.wait().unwrap().code()
-}
-
-#[test]
-#[cfg(unix)]
-fn a_run_that_is_killed_goes_on_where_it_was() {
-    if !has_device() {
-        return;
-    }
-    // Enough frames that the last ones are not there when the first ones are.
-    const FRAMES: usize = 60;
-    let [cut, whole] = [garden(), garden()];
-    let args = |method: &'static str, more: &[&'static str]| {
-        let path = ["--path", "path.json", "--frames", "60", "-o", "f_%02d.png", "--profile", "p.json", "-v"];
-        [&["render", "garden/scene.toml", "--method", method, "--size", "160x120"], &path[..], more].concat()
-    };
-    let args = args("abuffer", &["--opacity", "0.5"]);
-    said(&whole, &args);
-    let mut before = 0;
-    for (frames, signal) in [(5, "-KILL"), (20, "-INT"), (30, "-KILL")] {
-        let status = cut_short(&cut, &args, frames, signal);
-        assert_eq!(status, Some(130).filter(|_| signal == "-INT"));
-        let there = pictures(&cut);
-        assert!(there.len() >= frames.max(before) && there.len() < FRAMES, "{} frames", there.len());
-        before = there.len();
-        // Every file of a frame's name is whole.
-        let expected = pictures(&whole);
-        assert!(there.iter().all(|(name, bytes)| expected[name] == *bytes));
-        assert!(!inside(&cut, "p.json").exists());
-    }
-    let known = fs::read_to_string(inside(&cut, "p.json.partial")).unwrap();
-    let last = said(&cut, &args);
-    assert_eq!(written(&last), FRAMES - before, "{last}");
-    assert!(last.contains(&format!("{before} of 60 frames were there already")), "{last}");
-    assert!(pictures(&cut) == pictures(&whole), "byte for byte");
-    // The profile has all frames, those of the runs before as they were measured then.
-    let profile = json(&cut, "p.json");
-    let frames = profile["frames"].as_array().unwrap();
-    assert_eq!(frames.len(), FRAMES);
-    let mut kept = 0;
-    for (number, frame) in frames.iter().enumerate() {
-        assert_eq!((frame["frame"].as_u64(), frame["passes"].as_array().is_some()), (Some(number as u64), true));
-        let lines = known.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-        kept += lines.filter(|line| line["frames"][0] == *frame).count();
-    }
-    assert_eq!(kept, before);
-    let expected = json(&whole, "p.json");
-    for key in ["version", "device", "scene", "memory"] {
-        assert_eq!(profile[key], expected[key], "{key}");
-    }
-    assert!(!inside(&cut, "p.json.partial").exists());
 }
 
 #[test]
