@@ -10,6 +10,9 @@ pub enum Error {
     /// A scene file, an option or their combination is wrong.
     #[error(transparent)]
     Scene(#[from] crate::scene::Error),
+    /// A camera path can't be used.
+    #[error(transparent)]
+    Path(#[from] crate::camera::path::Error),
     /// An image or a report could not be written or read.
     #[error(transparent)]
     Output(#[from] crate::output::Error),
@@ -33,6 +36,7 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Scene(e) => e.exit_status(),
+            Self::Path(e) => e.exit_status(),
             Self::Output(e) => e.exit_status(),
             Self::Load(_) | Self::Gpu(_) | Self::Render(_) => 1,
             #[cfg(feature = "viewer")]

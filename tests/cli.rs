@@ -12,10 +12,13 @@ mod cli {
     mod failures;
     mod formats;
     mod frames;
+    #[cfg(unix)]
+    mod interrupted;
     mod iso;
     mod measure;
     mod prepare;
     mod render;
+    mod sequence;
     mod shadows;
     mod stress;
     mod tradeoff;

@@ -8,6 +8,25 @@ use pellucid::scene::Error;
 /// Digits of a number at most.
 const MAX_WIDTH: usize = 9;
 
+/// What the pictures are, which says what their names may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Naming {
+    /// Of a time series.
+    Steps,
+    /// Of a camera path; spaces before the number would keep a film from being made of them.
+    Frames,
+}
+
+impl Naming {
+    /// What a name needs, as the end of a sentence.
+    fn needs(self) -> &'static str {
+        match self {
+            Self::Steps => "--frames needs a number in the name, as in step_%02d.png",
+            Self::Frames => "a frame's name needs one number, %d or %0Nd, as in frame_%04d.png",
+        }
+    }
+}
+
 /// A file name with one number in it.
 #[derive(Debug, PartialEq)]
 pub struct Pattern {
@@ -24,11 +43,11 @@ impl Pattern {
     /// Reads `step_%02d.png` as printf does: `%d`, `%3d` or `%03d`, once, in the name of the file; `%%` is a percent sign.
     ///
     /// # Errors
-    /// A name without a number or with several, or with any other `%`.
-    pub fn parse(path: &Path) -> Result<Self> {
+    /// A name without a number or with several, or with any other `%`; `%3d` in names of frames.
+    pub fn parse(path: &Path, naming: Naming) -> Result<Self> {
         let usage = |problem: &str| {
             let path = path.display();
-            Error::Usage(format!("-o {path}: {problem}; --frames needs a number in the name, as in step_%02d.png"))
+            Error::Usage(format!("-o {path}: {problem}; {}", naming.needs()))
         };
         let name = path.file_name().ok_or_else(|| usage("this names no file"))?;
         let name = name.to_str().ok_or_else(|| usage("the name is not UTF-8"))?;
@@ -57,6 +76,9 @@ impl Pattern {
         }
         parts[usize::from(number.is_some())].push_str(rest);
         let (width, zeros) = number.ok_or_else(|| usage("every picture would have this name"))?;
+        if naming == Naming::Frames && width > 0 && !zeros {
+            return Err(usage("spaces would fill the number").into());
+        }
         let [before, after] = parts;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Ok(Self { folder, before, after, width, zeros })
@@ -77,7 +99,7 @@ mod tests {
 
     #[test]
     fn one_number_as_printf_writes_it() {
-        let file = |pattern: &str, number| Pattern::parse(Path::new(pattern)).unwrap().file(number);
+        let file = |pattern: &str, number| Pattern::parse(Path::new(pattern), Naming::Steps).unwrap().file(number);
         assert_eq!(file("step_%02d.png", 3), Path::new("step_03.png"));
         assert_eq!(file("a%b/%d.exr", 12), Path::new("a%b/12.exr"));
         assert_eq!(file("100%%_%3d%%.png", 7), Path::new("100%_  7%.png"));
@@ -97,8 +119,13 @@ mod tests {
             ("%d%", "neither"),
             ("..", "no file"),
         ] {
-            let message = Pattern::parse(Path::new(name)).expect_err(name).to_string();
+            let message = Pattern::parse(Path::new(name), Naming::Steps).expect_err(name).to_string();
             assert!(message.contains(says) && message.contains("step_%02d.png"), "{message}");
+            let message = Pattern::parse(Path::new(name), Naming::Frames).expect_err(name).to_string();
+            assert!(message.contains(says) && message.contains("frame_%04d.png"), "{message}");
         }
+        let message = Pattern::parse(Path::new("%4d.png"), Naming::Frames).expect_err("spaces").to_string();
+        assert!(message.contains("spaces"), "{message}");
+        assert!(Pattern::parse(Path::new("%d.png"), Naming::Frames).is_ok());
     }
 }

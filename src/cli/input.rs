@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 use pellucid::camera::Camera;
-use pellucid::cloud::Cloud;
+use pellucid::cloud::{Cloud, UpAxis};
 use pellucid::points::{Arranged, Points};
 use pellucid::prepare::shadows::ShadowTexture;
 use pellucid::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
@@ -105,7 +105,7 @@ impl Resolved {
 
     /// The metadata of an image. `method` and `device` are what was taken in the end.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
-        output::metadata(&self.name, method, &self.scene.settings, device, self.seed)
+        output::tags(&self.name, method, &self.scene.settings, device, self.seed)
     }
 }
 
@@ -120,9 +120,14 @@ impl InputArgs {
         self.named(".png")
     }
 
-    /// As [`InputArgs::default_output`], for numbered pictures.
-    pub fn default_pattern(&self) -> PathBuf {
+    /// As [`InputArgs::default_output`], for the steps of a time series.
+    pub fn default_steps(&self) -> PathBuf {
         self.named("_%02d.png")
+    }
+
+    /// As [`InputArgs::default_output`], for the frames of a camera path.
+    pub fn default_frames(&self) -> PathBuf {
+        self.named("_%04d.png")
     }
 
     fn named(&self, end: &str) -> PathBuf {
@@ -132,9 +137,12 @@ impl InputArgs {
         name.into()
     }
 
-    /// The options as keys of the scene file.
-    pub fn overrides(&self) -> Result<Overrides> {
+    /// The options as keys of the scene file; `size` counts where `--size` is not given.
+    pub fn overrides(&self, size: Option<[u32; 2]>) -> Result<Overrides> {
         let mut overrides = Overrides::default();
+        if let (None, Some([width, height])) = (&self.size, size) {
+            overrides.set("--path", "image.size", &format!("[{width}, {height}]"))?;
+        }
         if let Some(size) = &self.size {
             let option = format!("--size {size}");
             let Some((width, height)) = size.split_once(['x', 'X', '×']) else {
@@ -165,7 +173,7 @@ impl InputArgs {
         Ok(overrides)
     }
 
-    /// The view that was asked for.
+    /// The direction that was asked for by options.
     pub fn view(&self) -> View {
         View { name: self.view, azimuth: self.azimuth, elevation: self.elevation }
     }
@@ -173,7 +181,7 @@ impl InputArgs {
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
 pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
-    read(args, talk, progress)?.resolve(None, talk, progress)
+    read(args, None, talk, progress)?.resolve(None, talk, progress)
 }
 
 /// A scene and its clouds as they were read.
@@ -214,6 +222,20 @@ impl Loaded {
 
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
     pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
+            Some(camera) => Ok((camera, Vec::new())),
+            None => Ok(scene::camera(scene, points, up)?),
+        };
+        self.resolve_by(find, talk, progress)
+    }
+
+    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical; warnings go to standard error.
+    pub fn resolve_by(
+        self,
+        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+        talk: Talk,
+        progress: &ProgressBar,
+    ) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
@@ -221,10 +243,7 @@ impl Loaded {
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
-        let (camera, warnings) = match given {
-            Some(camera) => (camera, Vec::new()),
-            None => scene::camera(&scene, arranged.points(), up)?,
-        };
+        let (camera, warnings) = find(&scene, arranged.points(), up)?;
         for warning in scene.warnings.iter().chain(&warnings) {
             talk.warn(warning);
         }
@@ -232,9 +251,9 @@ impl Loaded {
     }
 }
 
-/// Reads the inputs and applies the options.
-pub fn read(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
-    let overrides = args.overrides()?;
+/// Reads the inputs and applies the options; `size` is that of the image where no option says.
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
+    let overrides = args.overrides(size)?;
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
     scene.camera.view = args.view();

@@ -1,5 +1,6 @@
 //! The commands and what they share: options to library calls, results to standard output, the rest to standard error.
 
+mod along;
 mod check;
 mod compare;
 mod compare_profiles;
@@ -9,12 +10,14 @@ mod frames;
 mod info;
 mod input;
 mod limit;
+mod measured;
 mod noise;
 mod plan;
 mod prepare;
 mod profile;
 mod render;
 mod scene;
+mod sequence;
 mod session;
 mod stress;
 mod talk;
@@ -22,6 +25,7 @@ mod tradeoff;
 #[cfg(feature = "viewer")]
 mod view;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -106,9 +110,31 @@ impl MeasureArgs {
     }
 }
 
+/// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without one `--frames` means a time series,
+/// and what follows is an input.
+fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = Vec::new();
+    let mut options = true;
+    for argument in given {
+        let text = argument.to_str().unwrap_or_default();
+        let is_number = text.starts_with(|c: char| c.is_ascii_digit()) && text.parse::<f64>().is_ok();
+        match arguments.last_mut().filter(|last| options && is_number && *last == "--frames") {
+            Some(frames) => {
+                frames.push("=");
+                frames.push(argument);
+            }
+            None => {
+                options &= argument != "--";
+                arguments.push(argument);
+            }
+        }
+    }
+    arguments
+}
+
 /// Parses the command line and runs its command.
 pub fn run() -> Result<ExitCode> {
-    let cli = Cli::parse();
+    let cli = Cli::parse_from(arguments(std::env::args_os()));
     let talk = Talk::new(cli.quiet, cli.verbose);
     match cli.command {
         Command::Render(args) => render::run(args, talk),
@@ -130,6 +156,25 @@ pub fn run() -> Result<ExitCode> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_a_number_belongs_to_frames() {
+        let joined = |given: &str| arguments(given.split(' ').map(OsString::from)).join(" ".as_ref());
+        for (given, expected) in [
+            ("render --frames 36 a.ply", "render --frames=36 a.ply"),
+            ("render --frames scene.toml", "render --frames scene.toml"),
+            ("render --frames 1.5", "render --frames=1.5"),
+            ("render --frames 3d.ply", "render --frames 3d.ply"),
+            ("render --frames ./36", "render --frames ./36"),
+            ("render --frames -o 36", "render --frames -o 36"),
+            ("render --frames=36 36", "render --frames=36 36"),
+            ("render -- --frames 36", "render -- --frames 36"),
+            ("profile --frames 3", "profile --frames=3"),
+            ("render --frames", "render --frames"),
+        ] {
+            assert_eq!(joined(given), OsString::from(expected), "{given}");
+        }
+    }
 
     #[test]
     fn the_options_do_not_contradict_each_other() {

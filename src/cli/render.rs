@@ -6,14 +6,17 @@ use std::process::ExitCode;
 use clap::Args;
 use indicatif::ProgressBar;
 use pellucid::choice::{self, Choice, Subject, Wish};
-use pellucid::methods::Stop;
+use pellucid::methods::{Rendered, Stop};
 use pellucid::output::{self, WriteOptions};
 use pellucid::profile::Profile;
 use pellucid::report::tradeoff::settings::formation;
+use pellucid::scene::Error;
 use pellucid::{Result, plan};
 
-use super::frames::Pattern;
+use super::along::PathArgs;
+use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
+use super::sequence;
 use super::session::Session;
 use super::talk::{Talk, stage};
 use super::{DeviceArgs, MeasureArgs};
@@ -21,11 +24,11 @@ use super::{DeviceArgs, MeasureArgs};
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
-    device: DeviceArgs,
+    pub device: DeviceArgs,
     #[command(flatten)]
-    measure: MeasureArgs,
+    pub measure: MeasureArgs,
     /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
     /// .png, in the current folder. For a .png method sorted blends until no 8-bit value would move by more than a
     /// quarter of a step, for an .exr until no bit would change.
@@ -35,15 +38,24 @@ pub struct RenderArgs {
     /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
     /// `stderr.G`, `stderr.B`.
     #[arg(long)]
-    aov: bool,
+    pub aov: bool,
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
     #[arg(long)]
-    transparent: bool,
-    /// A time series: a picture of the first cloud of the scene, one of the first two and so on, all by the camera that
-    /// shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first input's name
-    /// with _%02d.png), which counts from 1.
+    pub transparent: bool,
+    /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
+    /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
+    /// scene, path and settings are not rendered again.
+    /// Without a number a time series: a picture of the first cloud of the scene, one of the first two and so on, all by
+    /// the camera that shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first
+    /// input's name with _%02d.png), which counts from 1.
+    // The number comes after a space as well: `super::arguments` joins it.
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<Option<u32>>,
+    #[command(flatten)]
+    along: PathArgs,
+    /// With --path or --turntable: replace files of the frames' names that belong to another sequence.
     #[arg(long)]
-    frames: bool,
+    pub overwrite: bool,
     #[command(flatten)]
     choice: ChoiceArgs,
 }
@@ -71,6 +83,10 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 impl ChoiceArgs {
+    fn is_given(&self) -> bool {
+        self.max_error.is_some() || self.budget.is_some() || self.recalibrate
+    }
+
     /// What is wished for, if anything is that makes sense for the scene's method.
     fn wish(&self, resolved: &Resolved, talk: Talk) -> Option<Wish> {
         let wish = Wish { max_error: self.max_error, budget_ms: self.budget };
@@ -132,51 +148,91 @@ enum Target {
     One(PathBuf),
     /// A picture for each step of a time series.
     Steps(Pattern),
+    /// A picture for each frame of a camera path.
+    Frames(Pattern),
 }
 
 impl Target {
-    /// Checks that the first picture could be written in the end.
+    /// Checks that the options fit together and that the first picture could be written in the end.
     fn of(args: &RenderArgs) -> Result<Self> {
+        let usage = |problem: String| Err(Error::Usage(problem).into());
         let given = args.output.clone();
-        let target = if args.frames {
-            Self::Steps(Pattern::parse(&given.unwrap_or_else(|| args.input.default_pattern()))?)
-        } else {
-            Self::One(given.unwrap_or_else(|| args.input.default_output()))
+        let target = match (args.along.option(), args.frames) {
+            (Some(option), Some(None)) => {
+                return usage(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
+            }
+            (Some(option), _) if args.choice.is_given() => {
+                return usage(format!(
+                    "--max-error, --budget and --recalibrate choose for one picture, but {option} makes many; choose for one of \
+                     them and give its --method and settings"
+                ));
+            }
+            (Some(_), _) => {
+                let pattern = given.unwrap_or_else(|| args.input.default_frames());
+                Self::Frames(Pattern::parse(&pattern, Naming::Frames)?)
+            }
+            (None, Some(Some(count))) => {
+                return usage(format!(
+                    "--frames {count} needs --path or --turntable; the time series has as many pictures as the scene has clouds"
+                ));
+            }
+            (None, _) if args.overwrite => return usage("--overwrite needs --path or --turntable".to_owned()),
+            (None, Some(None)) => {
+                let pattern = given.unwrap_or_else(|| args.input.default_steps());
+                Self::Steps(Pattern::parse(&pattern, Naming::Steps)?)
+            }
+            (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
         };
-        output::check_target(&target.file(1))?;
+        output::check_target(&target.first())?;
         Ok(target)
     }
 
-    fn file(&self, step: usize) -> PathBuf {
+    fn first(&self) -> PathBuf {
         match self {
             Self::One(path) => path.clone(),
-            Self::Steps(pattern) => pattern.file(step),
+            Self::Steps(pattern) => pattern.file(1),
+            Self::Frames(pattern) => pattern.file(0),
         }
     }
+}
 
-    fn is_png(&self) -> bool {
-        self.file(1).extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+impl RenderArgs {
+    /// What blending may leave out in a picture of this name.
+    pub fn stop(&self, output: &Path) -> Stop {
+        if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
     }
 }
 
 pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
     let target = Target::of(&args)?;
     args.measure.check()?;
-    if args.aov && target.is_png() {
+    let png = is_png(&target.first());
+    if args.aov && png {
         talk.warn("--aov has no effect on a PNG; write an .exr");
     }
-    if args.transparent && !target.is_png() {
+    if args.transparent && !png {
         talk.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
     }
+    if let Target::Frames(pattern) = &target
+        && let Some(along) = args.along.course(args.frames.flatten(), &args.input, talk)?
+    {
+        return sequence::run(&args, &along, pattern, talk);
+    }
     let progress = talk.progress();
-    let loaded = read(&args.input, talk, &progress)?;
+    let loaded = read(&args.input, None, talk, &progress)?;
     let mut profile = None;
     match &target {
         Target::One(path) => {
             let resolved = loaded.resolve(None, talk, &progress)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, talk)?;
         }
-        Target::Steps(pattern) => steps(&args, loaded, pattern, &mut profile, &progress, talk)?,
+        Target::Steps(pattern) | Target::Frames(pattern) => {
+            steps(&args, loaded, pattern, &mut profile, &progress, talk)?;
+        }
     }
     if let Some(profile) = profile {
         args.measure.write(&profile)?;
@@ -218,8 +274,7 @@ fn picture(
     progress: &ProgressBar,
     talk: Talk,
 ) -> Result<()> {
-    let png = output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    let stop = if png { Stop::EightBit { transparent: args.transparent } } else { Stop::Exact };
+    let stop = args.stop(output);
     let counted = args.aov || args.measure.profile.is_some();
     let wish = args.choice.wish(resolved, talk);
     // An error was measured of every bit.
@@ -239,11 +294,29 @@ fn picture(
         session.warn(resolved, talk);
     }
     let mut rendered = session.render()?;
-    let brightness = session.brighten(&mut rendered.image)?;
     progress.finish_and_clear();
-    Session::describe_frame(&rendered, talk);
+    let mut own: Vec<_> =
+        choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
+    own.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
+    finish(args, resolved, &mut session, &mut rendered, output, own, talk)?;
+    profile.get_or_insert_with(|| session.profile()).add(&rendered);
+    Ok(())
+}
+
+/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths and
+/// layers are as they were afterwards, if they are written or were counted for a profile.
+pub fn finish(
+    args: &RenderArgs,
+    resolved: &Resolved,
+    session: &mut Session,
+    rendered: &mut Rendered,
+    output: &Path,
+    own: Vec<(String, String)>,
+    talk: Talk,
+) -> Result<()> {
+    let brightness = session.brighten(&mut rendered.image)?;
+    Session::describe_frame(rendered, talk);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
-    metadata.extend(choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())));
     if let Some(applied) = brightness {
         if applied.found.is_some() {
             talk.note(format_args!("brightness: colors times {}", applied.factor));
@@ -251,7 +324,7 @@ fn picture(
         applied.warning().iter().for_each(|warning| talk.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
-    metadata.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
+    metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,
         color: resolved.scene.image.color,
@@ -260,11 +333,10 @@ fn picture(
     };
     // Lists may have been counted, but for the profile's histogram only.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
-    rendered.image.layers = rendered.image.layers.filter(|_| args.aov);
-    rendered.image.stderr = rendered.image.stderr.filter(|_| args.aov);
+    rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
+    rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
     output::write_image(output, &rendered.image, &options)?;
-    rendered.image.fragments = rendered.image.fragments.or(counted);
-    profile.get_or_insert_with(|| session.profile()).add(&rendered);
+    rendered.image.fragments = rendered.image.fragments.take().or(counted);
     talk.detail(format_args!("{}: written", output.display()));
     Ok(())
 }

@@ -135,9 +135,20 @@ impl Session {
 impl MeasureArgs {
     /// Writes the files that were asked for.
     pub fn write(&self, profile: &Profile) -> Result<()> {
-        if let Some(path) = &self.profile {
-            write_json(path, &profile.to_json())?;
+        self.write_profile(&profile.to_json())?;
+        self.write_trace(profile)
+    }
+
+    /// Writes the profile, if it was asked for.
+    pub fn write_profile(&self, profile: &serde_json::Value) -> Result<()> {
+        match &self.profile {
+            Some(path) => write_json(path, profile),
+            None => Ok(()),
         }
+    }
+
+    /// Writes the trace, if it was asked for.
+    pub fn write_trace(&self, profile: &Profile) -> Result<()> {
         if let Some(path) = &self.trace {
             write_json(path, &profile.to_trace())?;
         }

@@ -25,6 +25,11 @@ impl Talk {
         Self { quiet, verbose }
     }
 
+    /// For what was said before: only details.
+    pub fn once_said(self) -> Self {
+        Self { quiet: true, ..self }
+    }
+
     /// A warning, unless the user wants none.
     pub fn warn(self, warning: impl Display) {
         if !self.quiet {

@@ -111,7 +111,7 @@ impl TradeoffArgs {
 pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     check_folder(&args.output)?;
     let progress = talk.progress();
-    let resolved = read(&args.input, talk, &progress)?.resolve_with_radii(talk, &progress)?;
+    let resolved = read(&args.input, None, talk, &progress)?.resolve_with_radii(talk, &progress)?;
     let formation = settings::compared(&resolved.scene.method, resolved.points())?;
     stage(&progress, "uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };

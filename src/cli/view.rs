@@ -38,7 +38,7 @@ pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode> {
     let display = Display::connect()?;
     let ViewArgs { input, device, budget } = args;
     let progress = talk.progress();
-    let opened = scene::open(&input.inputs, &input.overrides()?, input.seed, &progress)?;
+    let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
     progress.finish_and_clear();
     let scene = opened.document.scene()?;
     for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {

@@ -4,6 +4,7 @@ mod exr;
 mod file;
 mod png;
 mod read;
+mod tag;
 
 use std::path::{Path, PathBuf};
 
@@ -12,6 +13,7 @@ use glam::Vec3;
 pub use file::{check_folder, write_atomically};
 pub(crate) use png::to_byte;
 pub use read::{LinearImage, read_image};
+pub use tag::metadata;
 
 use crate::color;
 use crate::image::Image;
@@ -91,6 +93,18 @@ pub enum Error {
         /// Its height.
         b_height: u32,
     },
+    /// Frames are to be written where there are other files.
+    #[error(
+        "{path}: this file is not a frame of this sequence ({count} such), but of another scene, camera, size or setting, or no \
+         frame at all; give -o another name, or --overwrite to replace them",
+        path = path.display()
+    )]
+    Foreign {
+        /// The first of them.
+        path: PathBuf,
+        /// How many there are.
+        count: usize,
+    },
     /// A part of a report could not be made.
     #[error("the report: {reason}")]
     Report {
@@ -127,7 +141,7 @@ pub struct WriteOptions {
 
 /// The metadata of an image: the inputs as they were named, the method that was taken, the scene's keys as JSON
 /// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
-pub fn metadata(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
+pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
     let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
     vec![
         entry("scene", name),

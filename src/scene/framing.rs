@@ -29,17 +29,11 @@ const CLEARANCE: f64 = 0.1;
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
-    let Some(bounds) = points.bounds() else {
-        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-        return Err(Error::NoPoints { clouds: clouds.join(", ") });
-    };
-    let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
-    if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
-        return Err(Error::Extent { min: bounds.min, max: bounds.max });
-    }
+    let subject = subject(scene, points)?;
+    let Subject { bounds, radius, .. } = subject;
     let settings = &scene.camera;
     let up = settings.up.and_then(nearest_axis).unwrap_or(up);
-    let pose = Pose::new(settings, &Subject { points, bounds, radius }, projection(settings), scene.image.size, up);
+    let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, up);
     let Some(camera) = placed(settings, &pose, &bounds, radius) else {
         let problem = format!("{} points along the view {}; leave it out or turn it", pose.up, pose.forward);
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
@@ -73,7 +67,21 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
     Some(camera).filter(|_| usable)
 }
 
-fn projection(settings: &CameraSettings) -> Projection {
+/// What of a scene is framed.
+pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
+    let Some(bounds) = points.bounds() else {
+        let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+    };
+    let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
+    if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
+        return Err(Error::Extent { min: bounds.min, max: bounds.max });
+    }
+    Ok(Subject { points, bounds, radius })
+}
+
+/// The scene's lens.
+pub(super) fn projection(settings: &CameraSettings) -> Projection {
     match settings.height {
         Some(height) => Projection::Orthographic { height },
         None => Projection::Perspective { fov_y: settings.fov_y.unwrap_or(DEFAULT_FOV_Y).to_radians() },
@@ -82,14 +90,14 @@ fn projection(settings: &CameraSettings) -> Projection {
 
 /// The camera of a pose; `None` if its `up` points along the view.
 fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<Camera> {
-    let (near, far) = depths(settings, pose, bounds, radius);
+    let (near, far) = depths([settings.near, settings.far], pose.eye, pose.forward, bounds, radius);
     // Axes are computed around the origin: far from it, eye + direction would be rounded.
     let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), near, far)?;
     Some(Camera { eye: pose.eye, ..axes })
 }
 
 /// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.
-fn nearest_axis(up: DVec3) -> Option<UpAxis> {
+pub(super) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     let length = up.abs();
     match length.max_element() {
         max if length.y == max && length.y > length.z => Some(UpAxis::Y),
@@ -99,11 +107,11 @@ fn nearest_axis(up: DVec3) -> Option<UpAxis> {
 }
 
 /// What is framed.
-struct Subject<'a> {
-    points: &'a Points,
-    bounds: Bounds,
+pub(super) struct Subject<'a> {
+    pub points: &'a Points,
+    pub bounds: Bounds,
     /// The largest one.
-    radius: f64,
+    pub radius: f64,
 }
 
 /// Eye and directions, `up` not yet orthogonal.
@@ -138,11 +146,20 @@ impl Pose {
     }
 }
 
+/// The unit vector of a vertical.
+pub(super) fn axis(up: UpAxis) -> DVec3 {
+    match up {
+        UpAxis::Z => DVec3::Z,
+        UpAxis::Y => DVec3::Y,
+    }
+}
+
 /// The file's vertical, or, where that is along the view, the axis that a map has at its top.
 fn vertical(forward: DVec3, up: UpAxis) -> DVec3 {
-    let (vertical, other) = match up {
-        UpAxis::Z => (DVec3::Z, DVec3::Y),
-        UpAxis::Y => (DVec3::Y, -DVec3::Z),
+    let vertical = axis(up);
+    let other = match up {
+        UpAxis::Z => DVec3::Y,
+        UpAxis::Y => -DVec3::Z,
     };
     // Within a thousandth of a radian the image's up would follow rounding rather than the scene.
     if forward.cross(vertical).length() < 1e-3 { other } else { vertical }
@@ -160,23 +177,10 @@ fn framed(
     let center = target.unwrap_or_else(|| subject.bounds.center());
     let right = forward.cross(up).normalize_or(DVec3::X);
     let up = right.cross(forward);
-    let fallback = match subject.bounds.diagonal() + subject.radius {
-        // One point without a size: any distance will do.
-        size if size > 0.0 => size,
-        _ => 1.0,
-    };
-    let tangents = match projection {
-        Projection::Perspective { fov_y } => {
-            let vertical = FILL * (0.5 * fov_y).tan();
-            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
-        }
-        Projection::Orthographic { .. } => DVec2::ZERO,
-    };
+    let tangents = tangents(projection, size);
     let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
     let extent = spheres.extent(tangents);
-    // What has no width fits from any distance, but should lie well before the eye; and a point seen from less than
-    // its rounding would lie at the eye.
-    let clear = (CLEARANCE * fallback - extent.nearest).max(1e-6 * center.abs().max_element());
+    let clear = clearance(subject, center, extent.nearest);
     let (distance, shift) = match (projection, target) {
         (Projection::Perspective { .. }, Some(_)) => (extent.centered_distance(tangents).max(clear), DVec2::ZERO),
         (Projection::Perspective { .. }, None) => {
@@ -191,12 +195,36 @@ fn framed(
     center + right * shift.x + up * shift.y - forward * distance
 }
 
+/// Slopes of the planes between which everything is to lie; 0 without a perspective.
+pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
+    match projection {
+        Projection::Perspective { fov_y } => {
+            let vertical = FILL * (0.5 * fov_y).tan();
+            DVec2::new(vertical * f64::from(size[0]) / f64::from(size[1]), vertical)
+        }
+        Projection::Orthographic { .. } => DVec2::ZERO,
+    }
+}
+
+/// The least distance of an eye to the centre; `nearest` is the least depth that anything reaches, counted from there.
+///
+/// What has no width fits from any distance, but should lie well before the eye; and a point seen from less than its
+/// rounding would lie at the eye.
+pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f64 {
+    let fallback = match subject.bounds.diagonal() + subject.radius {
+        // One point without a size: any distance will do.
+        size if size > 0.0 => size,
+        _ => 1.0,
+    };
+    (CLEARANCE * fallback - nearest).max(1e-6 * center.abs().max_element())
+}
+
 /// Points as spheres at (offset, depth) around a centre.
-struct Spheres<'a> {
-    points: &'a Points,
-    center: DVec3,
+pub(super) struct Spheres<'a> {
+    pub points: &'a Points,
+    pub center: DVec3,
     /// Right, up, forward.
-    axes: [DVec3; 3],
+    pub axes: [DVec3; 3],
 }
 
 impl Spheres<'_> {
@@ -263,41 +291,48 @@ fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 /// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and
 /// lower = min(offset + tangent·depth − r/cos) all fit with a shift between upper − tangent·distance and
 /// lower + tangent·distance, and there is one if upper − lower ≤ 2·tangent·distance.
-struct Extent {
-    upper: DVec2,
-    lower: DVec2,
+pub(super) struct Extent {
+    pub upper: DVec2,
+    pub lower: DVec2,
     /// Least depth that any sphere reaches.
-    nearest: f64,
+    pub nearest: f64,
 }
 
 impl Extent {
     /// The smallest distance from which all fits with some shift of the eye.
-    fn distance(&self, tangents: DVec2) -> f64 {
+    pub fn distance(&self, tangents: DVec2) -> f64 {
         ((self.upper - self.lower) / (2.0 * tangents)).max_element()
     }
 
     /// The smallest distance without a shift.
-    fn centered_distance(&self, tangents: DVec2) -> f64 {
+    pub fn centered_distance(&self, tangents: DVec2) -> f64 {
         (self.upper.max(-self.lower) / tangents).max_element()
     }
 
     /// The least and the greatest shift with which all fits.
-    fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
+    pub fn shifts(&self, tangents: DVec2, distance: f64) -> (DVec2, DVec2) {
         (self.upper - tangents * distance, self.lower + tangents * distance)
     }
 }
 
-fn depths(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> (f64, f64) {
-    let z = bounds.corners().map(|corner| (corner - pose.eye).dot(pose.forward));
+/// Near and far: those given, else so that the bounds' corners and the largest radius lie between them.
+pub(super) fn depths(
+    [near, far]: [Option<f64>; 2],
+    eye: DVec3,
+    forward: DVec3,
+    bounds: &Bounds,
+    radius: f64,
+) -> (f64, f64) {
+    let z = bounds.corners().map(|corner| (corner - eye).dot(forward));
     let z_min = z.into_iter().fold(f64::INFINITY, f64::min);
     let z_max = z.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let far = settings.far.unwrap_or_else(|| {
+    let far = far.unwrap_or_else(|| {
         let far = 1.001 * (z_max + radius);
         // Everything lies behind the camera or before `near`: any range is right, as nothing is drawn.
         let far = if far > 0.0 { far } else { 1.0 };
-        settings.near.map_or(far, |near| far.max(1.001 * near))
+        near.map_or(far, |near| far.max(1.001 * near))
     });
-    let near = settings.near.unwrap_or_else(|| {
+    let near = near.unwrap_or_else(|| {
         let near = (0.999 * (z_min - radius)).max(far * 1e-5);
         if near < far { near } else { far * 1e-5 }
     });

@@ -3,6 +3,7 @@
 //! A file becomes a tree of keys ([`Overrides`] lay options over it), the tree a checked [`Scene`], the scene and its
 //! clouds the [`Points`](crate::points::Points) and the [`Camera`](crate::camera::Camera) of a frame.
 
+mod along;
 mod assemble;
 mod document;
 mod error;
@@ -20,6 +21,7 @@ mod table;
 mod tree;
 mod view;
 
+pub use along::Course;
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use document::{Document, Setting};
 pub(crate) use error::nearest;

@@ -53,7 +53,7 @@ fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Re
     let device = stage.renderer().device();
     device.check_validation()?;
     let name = scene_path.display().to_string();
-    let mut metadata = output::metadata(&name, frame.method.name(), &scene.settings, &device.info().name, seed);
+    let mut metadata = output::tags(&name, frame.method.name(), &scene.settings, &device.info().name, seed);
     if let Some(applied) = brightness {
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }

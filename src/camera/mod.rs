@@ -2,6 +2,9 @@
 //!
 //! Everywhere in the crate `z` is the positive distance along the viewing axis and pixel (0, 0) is at the top left.
 
+pub mod import;
+pub mod path;
+
 use glam::{DVec2, DVec3};
 
 /// How depth acts on size.

@@ -1,0 +1,75 @@
+//! A key frame as the curve takes it.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::{Defaults, Key, Problem};
+use crate::camera::{Camera, Projection};
+
+/// Eye, axes and lens of a key.
+#[derive(Debug, Clone, Copy)]
+pub struct Knot {
+    pub eye: DVec3,
+    /// Distance of the target; 0 if the key has none.
+    pub reach: f64,
+    /// From the camera's axes (x right, y up, −z forward) to the world's.
+    pub turn: DQuat,
+    pub lens: Lens,
+    pub near: Option<f64>,
+    pub far: Option<f64>,
+    /// The unit vector that a target's `up` is; none for an orientation.
+    pub up: Option<DVec3>,
+}
+
+/// The logarithm of what a size in the picture is proportional to, so that a zoom is even.
+#[derive(Debug, Clone, Copy)]
+pub struct Lens {
+    pub orthographic: bool,
+    /// ln cot(fov_y / 2), or ln height.
+    pub log: f64,
+}
+
+impl Lens {
+    fn of(projection: Projection) -> Self {
+        match projection {
+            Projection::Perspective { fov_y } => Self { orthographic: false, log: -(0.5 * fov_y).tan().ln() },
+            Projection::Orthographic { height } => Self { orthographic: true, log: height.ln() },
+        }
+    }
+
+    pub fn projection(self) -> Projection {
+        if self.orthographic {
+            Projection::Orthographic { height: self.log.exp() }
+        } else {
+            Projection::Perspective { fov_y: 2.0 * (-self.log).exp().atan() }
+        }
+    }
+}
+
+impl Knot {
+    /// Of a key that was checked.
+    pub fn new(number: usize, key: &Key, defaults: &Defaults) -> Result<Self, Problem> {
+        let eye = DVec3::from(key.eye);
+        let projection = match (key.fov_y, key.height) {
+            (Some(fov_y), _) => Projection::Perspective { fov_y: fov_y.to_radians() },
+            (None, Some(height)) => Projection::Orthographic { height },
+            (None, None) => defaults.projection,
+        };
+        let (turn, reach, up) = match (key.orientation, key.target) {
+            (Some([w, x, y, z]), _) => (DQuat::from_xyzw(x, y, z, w).normalize(), 0.0, None),
+            (None, target) => {
+                let arm = DVec3::from(target.unwrap_or(key.eye)) - eye;
+                let up = key.up.map_or(defaults.up, DVec3::from);
+                let camera = Camera::look_at(DVec3::ZERO, arm, up, projection, 1.0, 2.0).ok_or_else(|| {
+                    Problem::of_key(number, "up", format!("{up} points along the view {arm}; give another one"))
+                })?;
+                let axes = DMat3::from_cols(camera.right, camera.up, -camera.forward);
+                (DQuat::from_mat3(&axes).normalize(), arm.length(), Some(up.normalize()))
+            }
+        };
+        Ok(Self { eye, reach, turn, lens: Lens::of(projection), near: key.near, far: key.far, up })
+    }
+
+    pub fn forward(&self) -> DVec3 {
+        self.turn * DVec3::NEG_Z
+    }
+}

@@ -1,0 +1,130 @@
+//! Cameras of a path through a scene, and of a turn around it: the depths that a path leaves open, and what keys and the
+//! turn take from the scene.
+
+use glam::{DVec2, DVec3};
+
+use super::error::{Error, Place};
+use super::framing::{self, Extent, Spheres, Subject};
+use super::settings::Scene;
+use crate::camera::path::{Defaults, Pose, Turntable};
+use crate::camera::{Camera, Projection};
+use crate::cloud::UpAxis;
+use crate::points::Points;
+
+/// A scene through which a camera moves.
+pub struct Course<'a> {
+    scene: &'a Scene,
+    subject: Subject<'a>,
+    vertical: UpAxis,
+}
+
+impl<'a> Course<'a> {
+    /// Of a scene, its points, and the vertical of its clouds.
+    ///
+    /// # Errors
+    /// No points, coordinates too large for a camera.
+    pub fn new(scene: &'a Scene, points: &'a Points, up: UpAxis) -> Result<Self, Error> {
+        let subject = framing::subject(scene, points)?;
+        let vertical = scene.camera.up.and_then(framing::nearest_axis).unwrap_or(up);
+        Ok(Self { scene, subject, vertical })
+    }
+
+    /// What keys that don't say take: `[camera] up`, or else the vertical, and the scene's lens.
+    pub fn defaults(&self) -> Defaults {
+        let up = self.scene.camera.up.unwrap_or_else(|| framing::axis(self.vertical));
+        Defaults { up, projection: framing::projection(&self.scene.camera) }
+    }
+
+    /// The camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds as
+    /// [`super::camera`] finds them.
+    ///
+    /// # Errors
+    /// A nearest depth that is not below the farthest, an eye too far away.
+    pub fn camera(&self, pose: &Pose) -> Result<Camera, Error> {
+        let settings = &self.scene.camera;
+        let given = [pose.near.or(settings.near), pose.far.or(settings.far)];
+        if let [Some(near), Some(far)] = given
+            && near >= far
+        {
+            let problem = format!("near ({near}) must be less than far ({far}) where the path says only one of them");
+            return Err(Error::Conflict { place: Place::Option("[camera]".into()), problem });
+        }
+        let bounds = &self.subject.bounds;
+        let (near, far) = framing::depths(given, pose.eye, pose.forward, bounds, self.subject.radius);
+        let camera = pose.camera(near, far);
+        if !(camera.eye.is_finite() && far.is_finite() && near > 0.0 && near < far) {
+            return Err(Error::Extent { min: bounds.min, max: bounds.max });
+        }
+        Ok(camera)
+    }
+
+    /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
+    /// vertical. It starts where [`super::camera`] stands; without an `eye` far enough away that all points, as spheres of
+    /// their own radius, are in the image during the whole turn. With it comes what is to be said about the camera.
+    ///
+    /// # Errors
+    /// Those of [`super::camera`].
+    pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
+        let settings = &self.scene.camera;
+        let (start, warnings) = framing::camera(self.scene, self.subject.points, self.vertical)?;
+        // A view asked for replaces them.
+        let own = !settings.view.is_given();
+        let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
+        let axis = settings.up.filter(|_| own).unwrap_or_else(|| framing::axis(self.vertical)).normalize();
+        if settings.eye.is_some() && own {
+            return Ok((Turntable::new(&start, center, axis), warnings));
+        }
+        let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
+        Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
+    }
+
+    /// The nearest eye from which all fits into the image whatever the turn. It looks at the centre if that is asked for, else
+    /// past it above or below, such that as much room is left above as below; to the sides that is so anyway.
+    fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
+        let tangents = framing::tangents(start.projection, self.scene.image.size);
+        let axes = [start.right, start.up, start.forward];
+        let spheres = Spheres { points: self.subject.points, center, axes };
+        let extent = turned_extent(&spheres, tangents, axis);
+        let clear = framing::clearance(&self.subject, center, extent.nearest);
+        let distance = match (start.projection, centered) {
+            (Projection::Perspective { .. }, true) => extent.centered_distance(tangents).max(clear),
+            (Projection::Perspective { .. }, false) => extent.distance(tangents).max(clear),
+            (Projection::Orthographic { .. }, _) => clear,
+        };
+        let (first, last) = extent.shifts(tangents, distance);
+        let shift = if centered { 0.0 } else { 0.5 * (first.y + last.y) };
+        center + start.up * shift - start.forward * distance
+    }
+}
+
+/// As [`Spheres::extent`], of all that the points sweep in a turn around an axis through the centre.
+///
+/// What a plane measures of a point p is p·n. During the turn p runs over a circle of radius R at the height h along the
+/// axis a, on which p·n is at most h·(a·n) + R·|n − (a·n)a|.
+fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent {
+    let [right, up, forward] = spheres.axes;
+    let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
+    let most = |normal: DVec3| {
+        let along = axis.dot(normal);
+        let across = (normal - axis * along).length();
+        move |height: f64, radius: f64| height * along + radius * across
+    };
+    let planes = [
+        most(right - forward * tangents.x),
+        most(up - forward * tangents.y),
+        most(-right - forward * tangents.x),
+        most(-up - forward * tangents.y),
+    ];
+    let nearest = most(-forward);
+    let mut extent = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+    for (position, own) in spheres.points.positions.iter().zip(&spheres.points.radii) {
+        let (p, own) = (*position - spheres.center, f64::from(*own));
+        let height = p.dot(axis);
+        let radius = (p - axis * height).length();
+        let [x, y, minus_x, minus_y] = planes.each_ref().map(|plane| plane(height, radius));
+        extent.upper = extent.upper.max(DVec2::new(x, y) + reach * own);
+        extent.lower = extent.lower.min(-DVec2::new(minus_x, minus_y) - reach * own);
+        extent.nearest = extent.nearest.min(-nearest(height, radius) - own);
+    }
+    extent
+}
