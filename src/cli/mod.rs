@@ -8,6 +8,8 @@ mod devices;
 mod frames;
 mod info;
 mod input;
+#[cfg(unix)]
+mod interrupt;
 mod limit;
 mod noise;
 mod plan;
@@ -104,6 +106,8 @@ impl MeasureArgs {
 /// Parses the command line and runs its command.
 pub fn run() -> Result<ExitCode> {
     let cli = Cli::parse();
+    #[cfg(unix)]
+    interrupt::watch();
     let talk = Talk::new(cli.quiet, cli.verbose);
     match cli.command {
         Command::Render(args) => render::run(args, talk),

@@ -93,7 +93,8 @@ pub fn run(
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
-    std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
+    // Goes again if the first frame fails already.
+    let _new = output::make_folder(folder)?;
     let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
     // Shadows are measured with the scene's own method.
     let own = frame.shadows.map(|_| subject.frame.method);
