@@ -13,7 +13,7 @@
 //! | `cache/rename` | files of the caches, before they get their name |
 //!
 //! Actions: `device-lost` and `out-of-memory` are what Vulkan answers; `disk-full` is what the system answers; `kill` is
-//! SIGKILL; `hang` says so on standard error and waits for a signal.
+//! SIGKILL; `hang` says so on standard error and waits two minutes for a signal.
 
 #[cfg(debug_assertions)]
 pub(crate) use armed::{bytes, file, strike, vulkan};
@@ -58,6 +58,9 @@ mod armed {
     use ash::vk;
 
     const VARIABLE: &str = "PELLUCID_FAULT";
+
+    /// How long somebody who hangs waits for a signal.
+    const PATIENCE: Duration = Duration::from_secs(120);
 
     const POINTS: [&str; 8] = [
         "allocate",
@@ -119,7 +122,10 @@ mod armed {
         static PLAN: OnceLock<Option<Plan>> = OnceLock::new();
         let read = || {
             let text = std::env::var(VARIABLE).ok()?;
-            Some(Plan::parse(&text).unwrap_or_else(|| panic!("{VARIABLE}={text}: no such fault; src/fault.rs lists them")))
+            Some(
+                Plan::parse(&text)
+                    .unwrap_or_else(|| panic!("{VARIABLE}={text}: no such fault; src/fault.rs lists them")),
+            )
         };
         PLAN.get_or_init(read).as_ref()
     }
@@ -155,9 +161,8 @@ mod armed {
             }
             Some(Action::Hang) => {
                 let _ = writeln!(io::stderr(), "fault: hanging");
-                loop {
-                    std::thread::sleep(Duration::from_secs(1));
-                }
+                std::thread::sleep(PATIENCE);
+                std::process::abort()
             }
             Some(_) => Err(ErrorKind::StorageFull.into()),
             None => Ok(()),

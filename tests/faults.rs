@@ -52,7 +52,19 @@ const MEASURED: Case = Case {
     together: false,
     repeats: false,
     ..Case::of(
-        &["render", "in/scene.toml", "-q", "--size", "16x12", "-o", "out/a.png", "--profile", "out/p.json", "--trace", "out/t.json"],
+        &[
+            "render",
+            "in/scene.toml",
+            "-q",
+            "--size",
+            "16x12",
+            "-o",
+            "out/a.png",
+            "--profile",
+            "out/p.json",
+            "--trace",
+            "out/t.json",
+        ],
         &["a.png", "p.json", "t.json"],
     )
 };
@@ -101,8 +113,9 @@ fn place() -> TempDir {
         fs::copy(cloud, inside("cloud.ply")).unwrap();
         let steps = "[[cloud]]\npath = \"cloud.ply\"\nradius = 0.05\n[[cloud]]\npath = \"cloud.ply\"\nradius = 0.1\n";
         fs::write(inside("steps.toml"), steps).unwrap();
-        for (name, red) in [("a.png", 0.2), ("b.png", 0.7)] {
-            let pixel = |i: usize| [red, (i % 40) as f32 / 40.0, (i % 7) as f32 / 7.0];
+        for (name, factor) in [("a.png", 37), ("b.png", 91)] {
+            // Such that a PNG of the difference has some size.
+            let pixel = |i: usize| [factor, 59, 83].map(|factor| (i * i * factor % 251) as f32 / 251.0);
             let pixels: Vec<_> = (0..40 * 30).map(pixel).collect();
             pellucid::output::write_rgb_png(&inside(name), [40, 30], &pixels).unwrap();
         }

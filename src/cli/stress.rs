@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, Table, presets};
+use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::report::stress::{self, Report, Settings, Sweep};
 use pellucid::scene::Method;
-use pellucid::Result;
 
 use super::DeviceArgs;
 use super::talk::{Talk, counted, print, print_json};

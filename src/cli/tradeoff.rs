@@ -143,8 +143,8 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         talk.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
     }
     if args.json {
-        let value = serde_json::to_value(&report)
-            .map_err(|error| output::Error::Report { reason: error.to_string() })?;
+        let value =
+            serde_json::to_value(&report).map_err(|error| output::Error::Report { reason: error.to_string() })?;
         print_json(&value)?;
     } else {
         print(&summary(&report, &args))?;

@@ -90,7 +90,9 @@ pub enum Error {
 /// What would help, as the end of a message.
 fn help(result: vk::Result) -> &'static str {
     match result {
-        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => ": out of device memory; a smaller --memory-budget or --size would help",
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+            ": out of device memory; a smaller --memory-budget or --size would help"
+        }
         vk::Result::ERROR_OUT_OF_HOST_MEMORY => ": out of memory; fewer points or a smaller --size would help",
         _ => "",
     }

@@ -6,11 +6,23 @@ use std::process::Output;
 use crate::faults::checker::{Allowed, complaints};
 use crate::{CASES, RENDER_EXR, assert_failed, command, files, has_device, place, text};
 
-const LIGHT: [&str; 11] =
-    ["prepare", "in/cloud.ply", "-q", "-o", "out/p.ply", "--light", "0,0,-1", "--shadow-resolution", "64", "--seed", "1"];
-const TRADEOFF: [&str; 9] = ["tradeoff", "in/scene.toml", "-q", "--size", "16x12", "-o", "new", "--quick", "--only=peel"];
+const LIGHT: [&str; 11] = [
+    "prepare",
+    "in/cloud.ply",
+    "-q",
+    "-o",
+    "out/p.ply",
+    "--light",
+    "0,0,-1",
+    "--shadow-resolution",
+    "64",
+    "--seed",
+    "1",
+];
+const TRADEOFF: [&str; 9] =
+    ["tradeoff", "in/scene.toml", "-q", "--size", "16x12", "-o", "new", "--quick", "--only=peel"];
 const STRESS: [&str; 11] =
-    ["stress", "-q", "-o", "new", "--quick", "--method", "weighted", "--frames", "1", "--max-fragments", "4096"];
+    ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
 
 /// Of each family of methods one, and the rasteriser.
 const METHODS: [&[&str]; 9] = [
@@ -61,7 +73,7 @@ fn assert_out_of_memory(args: &[&str], fault: &str) -> bool {
 }
 
 fn render(options: &[&'static str]) -> Vec<&'static str> {
-    [&RENDER_EXR.args[..], options].concat()
+    [RENDER_EXR.args, options].concat()
 }
 
 #[test]

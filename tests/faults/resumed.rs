@@ -9,8 +9,24 @@ use crate::faults::checker::is_whole;
 use crate::{assert_failed, command, files, has_device, place, text, with_fault};
 
 const ARGS: [&str; 18] = [
-    "tradeoff", "in/scene.toml", "-q", "--size", "24x16", "-o", "out", "--quick", "--json", "--only", "abuffer", "--only",
-    "peel", "--only", "stochastic", "--only", "weighted", "--seed=1",
+    "tradeoff",
+    "in/scene.toml",
+    "-q",
+    "--size",
+    "24x16",
+    "-o",
+    "out",
+    "--quick",
+    "--json",
+    "--only",
+    "abuffer",
+    "--only",
+    "peel",
+    "--only",
+    "stochastic",
+    "--only",
+    "weighted",
+    "--seed=1",
 ];
 
 fn partial(folder: &Path) -> Value {

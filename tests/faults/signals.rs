@@ -11,18 +11,15 @@ use crate::{CASES, cases, command, files, has_device, place, put_old};
 /// Starts a command that hangs at a point, and waits until it does.
 fn hanging(mut command: Command, point: &str) -> Child {
     let fault = format!("hang@{point}");
-    let mut child =
-        command.env("PELLUCID_FAULT", fault).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut said = String::new();
+    let mut child = command.env("PELLUCID_FAULT", fault).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let stderr = BufReader::new(child.stderr.take().unwrap());
-    for line in stderr.lines() {
-        let line = line.unwrap();
-        if line == "fault: hanging" {
-            return child;
-        }
-        said += &line;
+    let mut lines = stderr.lines().map(Result::unwrap);
+    let hangs = lines.by_ref().any(|line| line == "fault: hanging");
+    if !hangs {
+        child.wait().unwrap();
     }
-    panic!("{point} was never passed: {said}");
+    assert!(hangs, "{point} was never passed");
+    child
 }
 
 fn send(child: &Child, signal: &str) {
@@ -57,7 +54,8 @@ fn assert_clean(args: &[&str], points: &[&str], prepare: impl Fn(&Path)) {
 #[test]
 fn a_signal_leaves_nothing_unfinished() {
     for case in cases() {
-        let points: &[&str] = if case.needs_device { &["output/byte:50"] } else { &["output/byte:50", "output/rename"] };
+        let points: &[&str] =
+            if case.needs_device { &["output/byte:50"] } else { &["output/byte:50", "output/rename"] };
         assert_clean(case.args, points, |folder| put_old(folder, case));
     }
     // Folders that are new go as well.
@@ -69,11 +67,13 @@ fn a_signal_while_the_device_works_leaves_nothing() {
     if !has_device() {
         return;
     }
-    let stress = ["stress", "-q", "-o", "new", "--quick", "--method", "weighted", "--frames", "1", "--max-fragments", "4096"];
+    let stress =
+        ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
     assert_clean(&stress, &["submit:20"], |_| ());
     let tradeoff = ["tradeoff", "in/scene.toml", "-q", "--size", "16x12", "-o", "new/er", "--quick"];
     assert_clean(&tradeoff, &["submit:3"], |_| ());
-    let prepare = ["prepare", "in/cloud.ply", "-q", "-o", "out/p.ply", "--light", "0,0,-1", "--shadow-resolution", "64"];
+    let prepare =
+        ["prepare", "in/cloud.ply", "-q", "-o", "out/p.ply", "--light", "0,0,-1", "--shadow-resolution", "64"];
     assert_clean(&prepare, &["submit:3"], |_| ());
     assert_clean(CASES[3].args, &["submit:3"], |_| ());
 }

@@ -32,8 +32,11 @@ fn assert_refused(args: &[String], parts: &[&str]) {
 #[test]
 fn outputs_that_can_not_be_written_are_refused_by_every_command() {
     // A report's folder is made if it is missing.
-    let reports: [&[&str]; 3] =
-        [&["scene", "tori", "-o", "out"], &["stress", "-o", "out", "--quick"], &["tradeoff", "in/scene.toml", "-o", "out"]];
+    let reports: [&[&str]; 3] = [
+        &["scene", "tori", "-o", "out"],
+        &["stress", "-o", "out", "--quick"],
+        &["tradeoff", "in/scene.toml", "-o", "out"],
+    ];
     for args in reports {
         assert_refused(&redirected(args, "file"), &["file is a file and not a folder"]);
         assert_refused(&redirected(args, "file/deeper/new"), &["file is a file and not a folder"]);
@@ -53,7 +56,8 @@ fn outputs_that_can_not_be_written_are_refused_by_every_command() {
 fn folders_that_take_no_files_are_refused_before_any_work() {
     for case in CASES {
         // The input is missing too, where it can: the target is looked at first.
-        let args: Vec<&str> = case.args.iter().map(|arg| if *arg == "in/scene.toml" { "in/no.toml" } else { arg }).collect();
+        let args: Vec<&str> =
+            case.args.iter().map(|arg| if *arg == "in/scene.toml" { "in/no.toml" } else { arg }).collect();
         assert_refused(&redirected(&args, "/proc"), &["/proc", "can't be written: "]);
     }
     let reports: [&[&str]; 2] = [&["stress", "-o", "out/new"], &["tradeoff", "in/no.toml", "-o", "out/new/er"]];
