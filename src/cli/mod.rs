@@ -106,9 +106,9 @@ impl MeasureArgs {
 /// Parses the command line and runs its command.
 pub fn run() -> Result<ExitCode> {
     let cli = Cli::parse();
+    let talk = Talk::new(cli.quiet, cli.verbose);
     #[cfg(unix)]
     interrupt::watch();
-    let talk = Talk::new(cli.quiet, cli.verbose);
     match cli.command {
         Command::Render(args) => render::run(args, talk),
         Command::Profile(args) => profile::run(args, talk),

@@ -9,7 +9,6 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::{Context, Error, GpuType, Recorder};
-use crate::fault;
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
@@ -69,7 +68,7 @@ impl<T: GpuType> Buffer<T> {
             Self { context: context.clone(), name: name.to_owned(), raw, allocation: None, len, element: PhantomData };
         // SAFETY: `raw` was just made from this device.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(raw) };
-        fault::vulkan("allocate").map_err(|_| out_of_memory())?;
+        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
         let allocation = context
             .with_allocator(|allocator| {
                 allocator.allocate(&AllocationCreateDesc {

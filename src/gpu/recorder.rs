@@ -15,7 +15,6 @@ use super::context::lock;
 use super::pipeline::{Blend, Outputs, Pipeline};
 use super::shader::WORKGROUP;
 use super::{Attachment, Context, Error, GpuType, Pass, RawSlice, Resource, Slice, Variant};
-use crate::fault;
 
 /// Passes that one pair of query pools covers.
 const QUERY_PASSES: u32 = 128;
@@ -329,10 +328,10 @@ impl<'a> Recorder<'a> {
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let start = Instant::now();
-            let result = fault::vulkan("submit")
+            let result = crate::fault::vulkan("submit")
                 .and_then(|()| device.queue_submit2(context.queue, &[submit], fence))
                 .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX))
-                .and_then(|()| fault::vulkan("wait"));
+                .and_then(|()| crate::fault::vulkan("wait"));
             let wall = start.elapsed();
             device.destroy_fence(fence, None);
             result.map_err(lost("vkQueueSubmit2"))?;

@@ -148,6 +148,33 @@ fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
 }
 
 #[test]
+fn what_a_comparison_had_no_memory_for_is_skipped_and_leaves_no_picture() {
+    if !has_device() {
+        return;
+    }
+    let mut skipped = 0;
+    for nth in [70, 100, 130, 150] {
+        let folder = place();
+        let args = [&TRADEOFF[..], &["--only=weighted", "--json"]].concat();
+        let mut run = command(folder.path(), &args);
+        let output = run.env("PELLUCID_FAULT", format!("out-of-memory@allocate:{nth}")).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let reasons = report["skipped"].as_array().unwrap().iter().map(|skipped| skipped["reason"].as_str().unwrap());
+        skipped += reasons.filter(|reason| reason.contains("out of device memory: ")).count();
+        let of = |row: &serde_json::Value| ["picture", "difference"].map(|key| row[key].as_str().unwrap().to_owned());
+        let mut named: Vec<String> = report["rows"].as_array().unwrap().iter().flat_map(of).collect();
+        named.push("reference.png".to_owned());
+        let written = files(&folder.path().join("new"));
+        let pictures =
+            written.keys().map(|path| path.to_string_lossy().into_owned()).filter(|name| name.ends_with(".png"));
+        named.sort();
+        assert_eq!(pictures.collect::<Vec<_>>(), named, "allocation {nth}");
+    }
+    assert!(skipped > 1);
+}
+
+#[test]
 fn a_check_on_a_device_that_is_lost_fails_and_says_so() {
     if !has_device() {
         return;

@@ -92,5 +92,7 @@ fn a_signal_that_was_ignored_stays_ignored() {
     if cfg!(target_os = "linux") {
         assert_eq!(child.try_wait().unwrap(), None, "as in a shell's job in the background");
     }
-    end(child, "TERM");
+    // A terminal that is closed.
+    assert_eq!(end(child, "HUP").signal(), Some(1));
+    assert_eq!(std::fs::read_dir(folder.path().join("out")).unwrap().count(), 0);
 }

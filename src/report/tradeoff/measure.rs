@@ -299,7 +299,6 @@ impl Run<'_> {
         let silhouette = self.made.silhouette.as_ref();
         let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
         let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
-        let [picture, difference] = self.pictures(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
         let start = Instant::now();
@@ -324,6 +323,8 @@ impl Run<'_> {
         } else {
             (errors, None, self.rmse_analytic(&image))
         };
+        // Last, so that a setting that is skipped leaves none.
+        let [picture, difference] = self.pictures(setting, &image)?;
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
         let trial = Trial {
             peak_device_bytes,
