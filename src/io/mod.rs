@@ -110,7 +110,7 @@ pub enum Error {
         found: String,
     },
     /// The file could not be written; whatever stood there before is untouched.
-    #[error("{}: not written: {source}", path.display())]
+    #[error("{}: not written: {source}{}", path.display(), crate::atomic::remedy(source))]
     Write {
         /// The file.
         path: PathBuf,
