@@ -3,9 +3,9 @@
 use glam::Vec3;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageReader, Limits};
 
-use super::{MAX_PIXELS, Source};
+use super::{MAX_PIXELS, Source, directory};
 use crate::color::decode_srgb;
-use crate::io::Error;
+use crate::io::{Error, decoder};
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032.
 const LARGEST_RATIO: u64 = 1100;
@@ -30,8 +30,16 @@ enum Pixels {
 }
 
 impl Picture {
-    /// Decodes a whole file.
-    pub fn read(source: Source) -> Result<Self, Error> {
+    /// Decodes a whole file. A panic of the decoder is the file's fault.
+    pub fn read(mut source: Source) -> Result<Self, Error> {
+        directory::check(&mut source)?;
+        let path = source.path.clone();
+        decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
+            Err(Error::Malformed { path, place: "the picture".into(), cause: format!("the decoder gave up: {panic}") })
+        })
+    }
+
+    fn decode(source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
         let malformed =
             |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
