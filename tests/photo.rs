@@ -302,3 +302,20 @@ fn a_tiff_directory_of_more_values_than_bytes() {
     let message = read(&path, None).expect_err("no picture").to_string();
     assert!(message.contains("a.tiff: ") && !message.contains("announces"), "{message}");
 }
+
+/// A JPEG's decoder fills what is missing with gray: 12 MB of pixels, and a point for each, from a header.
+#[test]
+fn a_jpeg_of_more_pixels_than_its_bits_can_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jpg");
+    let flat = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(24, 16, Rgb([200, 100, 50])));
+    let mut bytes = Cursor::new(Vec::new());
+    flat.write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
+    let mut bytes = bytes.into_inner();
+    // Start of frame: marker, length, precision, then height and width, big-endian.
+    let frame = bytes.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
+    assert_eq!(bytes[frame + 5..frame + 9], [0, 16, 0, 24]);
+    bytes[frame + 5..frame + 9].copy_from_slice(&[0x07, 0xd0, 0x07, 0xd0]);
+    std::fs::write(&path, &bytes).unwrap();
+    assert_refused(&path, None, &["a.jpg: truncated", "2000 × 2000 pixels of 12000000 bytes can't be in a file of"]);
+}
