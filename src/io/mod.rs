@@ -2,7 +2,7 @@
 
 mod channel;
 mod columns;
-mod decoder;
+pub(crate) mod decoder;
 mod e57;
 mod las;
 mod number;
