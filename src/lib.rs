@@ -70,12 +70,14 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod atomic;
 pub mod camera;
 pub mod check;
 pub mod choice;
 pub mod cloud;
 pub mod color;
 pub mod error;
+mod fault;
 #[allow(unsafe_code)]
 pub mod gpu;
 pub mod identity;

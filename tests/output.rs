@@ -284,3 +284,32 @@ fn a_lying_header_is_refused_before_anything_is_allocated() {
     fs::write(&path, &bytes).unwrap();
     assert!(matches!(read_image(&path), Err(Error::TooLarge { width: 65_000, height: 65_000, .. })));
 }
+
+/// Sizes that images may have, but not in files of a few hundred bytes: 3 GiB would be taken for them.
+#[test]
+fn a_size_that_the_file_cannot_hold_is_refused_before_anything_is_allocated() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        let message = read_image(&path).expect_err(name).to_string();
+        assert!(message.contains("16384 × 16384 pixels can't be in"), "{message}");
+    };
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 16_384, 16_384);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    encoder.write_header().unwrap().write_chunk(png::chunk::IDAT, &[0x78, 0x9c]).unwrap();
+    refused("a.png", &bytes);
+    let path = folder.path().join("whole.exr");
+    write_image(&path, &frame(), &options()).unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    // Both windows are four 32-bit numbers behind name, type and size: the largest x and y are the last two.
+    for name in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
+        let start = bytes.windows(name.len()).position(|window| window == name).unwrap() + name.len() + 4;
+        bytes[start..start + 8].fill(0);
+        bytes[start + 8..start + 12].copy_from_slice(&16_383u32.to_le_bytes());
+        bytes[start + 12..start + 16].copy_from_slice(&16_383u32.to_le_bytes());
+    }
+    refused("a.exr", &bytes);
+}

@@ -282,3 +282,40 @@ fn info_reads_pictures() {
         (&3.into(), &serde_json::json!(["color", "alpha", "normal"]), &serde_json::json!([0.25, 0.25, 0.0]))
     );
 }
+
+/// The decoder would take 32 bytes of memory for each value before it looks for them in the file.
+#[test]
+fn a_tiff_directory_of_more_values_than_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let entry = |tag: u16, kind: u16, count: u32, value: u32| -> Vec<u8> {
+        [&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat()
+    };
+    let file = |count: u32| {
+        let entries = [entry(0x100, 4, 1, 2), entry(0x101, 4, count, 8), entry(0x102, 3, 1, 8)];
+        [&b"II*\0\x08\0\0\0\x03\0"[..], &entries.concat(), &[0; 4]].concat()
+    };
+    let path = folder.path().join("a.tiff");
+    std::fs::write(&path, file(7_000_000)).unwrap();
+    assert_refused(&path, None, &["a.tiff: truncated", "tag 257", "announces 7000000 values", "only 50 bytes"]);
+    // As many as the file may hold are the decoder's business.
+    std::fs::write(&path, file(12)).unwrap();
+    let message = read(&path, None).expect_err("no picture").to_string();
+    assert!(message.contains("a.tiff: ") && !message.contains("announces"), "{message}");
+}
+
+/// A JPEG's decoder fills what is missing with gray: 12 MB of pixels, and a point for each, from a header.
+#[test]
+fn a_jpeg_of_more_pixels_than_its_bits_can_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.jpg");
+    let flat = DynamicImage::ImageRgb8(ImageBuffer::from_pixel(24, 16, Rgb([200, 100, 50])));
+    let mut bytes = Cursor::new(Vec::new());
+    flat.write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
+    let mut bytes = bytes.into_inner();
+    // Start of frame: marker, length, precision, then height and width, big-endian.
+    let frame = bytes.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
+    assert_eq!(bytes[frame + 5..frame + 9], [0, 16, 0, 24]);
+    bytes[frame + 5..frame + 9].copy_from_slice(&[0x07, 0xd0, 0x07, 0xd0]);
+    std::fs::write(&path, &bytes).unwrap();
+    assert_refused(&path, None, &["a.jpg: truncated", "2000 × 2000 pixels of 12000000 bytes can't be in a file of"]);
+}

@@ -122,7 +122,7 @@ fn ply(rows: &[&str]) -> String {
 
 fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     let failed = |source| io::Error::Write { path: "a temporary file".into(), source };
-    let mut file = tempfile::Builder::new().suffix(".ply").tempfile().map_err(failed)?;
+    let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
     let cloud = io::load(file.path(), &ProgressBar::hidden())?;
     let points = scene::assemble(&scene()?, vec![cloud], true, &ProgressBar::hidden())?;

@@ -9,6 +9,7 @@ mod devices;
 mod frames;
 mod info;
 mod input;
+mod interrupt;
 mod limit;
 mod measured;
 mod noise;
@@ -136,6 +137,7 @@ fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
 pub fn run() -> Result<ExitCode> {
     let cli = Cli::parse_from(arguments(std::env::args_os()));
     let talk = Talk::new(cli.quiet, cli.verbose);
+    interrupt::watch();
     match cli.command {
         Command::Render(args) => render::run(args, talk),
         Command::Profile(args) => profile::run(args, talk),

@@ -1,12 +1,13 @@
 //! `pellucid scene`.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use pellucid::io::volume::{Dims, Scalar};
 use pellucid::scene::procedural::{self, BUILTINS, Generated, iso};
-use pellucid::{Error, Result, io, output, scene};
+use pellucid::{Result, io, output, scene};
 
 use super::talk::{Talk, print};
 
@@ -111,25 +112,18 @@ fn parameter(pair: &str) -> Result<(String, f64), scene::Error> {
     Ok((key.trim().to_owned(), value))
 }
 
-/// The scene file is written last, so that it never names a cloud that isn't there.
+/// Writes clouds and scene file. None has its name before all are complete, the scene file last.
 fn write(folder: &Path, generated: &Generated) -> Result<()> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Error::from(output::Error::Write { path, source })
-    };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let temporary = tempfile::Builder::new().prefix(".pellucid-").tempdir_in(folder).map_err(failed(folder))?;
+    output::check_report_folder(folder)?;
+    let _new = output::make_folder(folder)?;
+    let mut files = output::Files::default();
     for (name, cloud) in &generated.clouds {
         let mut file = PathBuf::from(name);
         if file.extension().is_none() {
             file.set_extension("ply");
         }
-        let (from, to) = (temporary.path().join(&file), folder.join(&file));
-        io::ply::write(&from, cloud)?;
-        std::fs::rename(&from, &to).map_err(failed(&to))?;
+        files.add(&folder.join(&file), |out| io::ply::write_to(out, cloud))?;
     }
-    output::write_atomically(&folder.join("scene.toml"), |out| {
-        std::io::Write::write_all(out, generated.scene_toml.as_bytes())
-    })?;
-    Ok(())
+    files.add(&folder.join("scene.toml"), |out| out.write_all(generated.scene_toml.as_bytes()))?;
+    Ok(files.publish()?)
 }

@@ -4,7 +4,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::ProgressBar;
 use pellucid::camera::Camera;
@@ -15,6 +14,7 @@ use pellucid::{Result, identity, output};
 use super::along::Along;
 use super::frames::Pattern;
 use super::input::Resolved;
+use super::interrupt;
 use super::measured::{Journal, Measured};
 use super::render::{RenderArgs, finish};
 use super::session::Session;
@@ -22,9 +22,6 @@ use super::talk::{Talk, counted};
 
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
-
-/// Whether somebody asked to stop.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// The status of a program that was interrupted (128 + SIGINT).
 const INTERRUPTED_STATUS: u8 = 130;
@@ -55,7 +52,7 @@ pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, talk: Talk) -> R
     session.warn(&resolved, talk);
     let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
     let mut records = Records::open(args, &frames, &session)?;
-    stop_on_interrupt();
+    interrupt::defer();
     let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, talk)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
@@ -124,7 +121,7 @@ impl Frames {
         counted(progress, "frames", missing.len() as u64);
         let (mut done, mut empty) = (0, Vec::new());
         for number in missing {
-            if INTERRUPTED.load(Ordering::Relaxed) {
+            if interrupt::asked() {
                 break;
             }
             session.frame.camera = self.cameras[number];
@@ -212,14 +209,4 @@ fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, sessio
         blake3::hash(format!("{whole} {number} of {count} {camera:?}").as_bytes()).to_hex().to_string()
     };
     cameras.iter().enumerate().map(one).collect()
-}
-
-/// The first interruption ends the run after the frame at work, a second one at once.
-fn stop_on_interrupt() {
-    // Where no handler can be set an interruption ends the program at once, which leaves whole frames as well.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(INTERRUPTED_STATUS.into());
-        }
-    });
 }

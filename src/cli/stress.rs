@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, Table, presets};
+use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::report::stress::{self, Report, Settings, Sweep};
 use pellucid::scene::Method;
-use pellucid::{Result, output};
 
 use super::DeviceArgs;
 use super::talk::{Talk, counted, print, print_json};
@@ -80,7 +80,7 @@ impl StressArgs {
 }
 
 pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
-    check_folder(&args.output)?;
+    pellucid::output::check_report_folder(&args.output)?;
     let settings = args.settings();
     let progress = talk.progress();
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
@@ -108,15 +108,6 @@ pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
         print(&summary(&sweep, &args.output))?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Refuses a folder that could not be made in the end.
-pub fn check_folder(folder: &Path) -> Result<()> {
-    if !folder.exists() || folder.is_dir() {
-        return Ok(());
-    }
-    let source = std::io::Error::from(std::io::ErrorKind::NotADirectory);
-    Err(output::Error::Write { path: folder.to_owned(), source }.into())
 }
 
 /// The end of each series, how much was skipped, and where the rest is.

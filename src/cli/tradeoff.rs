@@ -6,17 +6,17 @@ use std::process::ExitCode;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use comfy_table::{CellAlignment, ColumnConstraint, Table, presets};
-use pellucid::Result;
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::methods::{Factors, Frame, Stop};
 use pellucid::points::Points;
 use pellucid::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
 use pellucid::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Subject, Tradeoff};
 use pellucid::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
+use pellucid::{Result, output};
 
 use super::DeviceArgs;
 use super::input::{InputArgs, read};
-use super::stress::{check_folder, seconds};
+use super::stress::seconds;
 use super::talk::{Talk, counted, print, print_json, stage};
 
 const ABOUT: &str = "\
@@ -109,7 +109,7 @@ impl TradeoffArgs {
 }
 
 pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
-    check_folder(&args.output)?;
+    output::check_report_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = read(&args.input, None, talk, &progress)?.resolve_with_radii(talk, &progress)?;
     let formation = settings::compared(&resolved.scene.method, resolved.points())?;
@@ -143,8 +143,8 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         talk.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
     }
     if args.json {
-        let value = serde_json::to_value(&report)
-            .map_err(|error| pellucid::output::Error::Report { reason: error.to_string() })?;
+        let value =
+            serde_json::to_value(&report).map_err(|error| output::Error::Report { reason: error.to_string() })?;
         print_json(&value)?;
     } else {
         print(&summary(&report, &args))?;

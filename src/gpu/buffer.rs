@@ -68,6 +68,7 @@ impl<T: GpuType> Buffer<T> {
             Self { context: context.clone(), name: name.to_owned(), raw, allocation: None, len, element: PhantomData };
         // SAFETY: `raw` was just made from this device.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(raw) };
+        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
         let allocation = context
             .with_allocator(|allocator| {
                 allocator.allocate(&AllocationCreateDesc {

@@ -10,8 +10,8 @@ const HASH_BYTES: usize = 32;
 /// `PELLUCID_CACHE_DIR`, or the user's cache folder.
 fn folder(kind: &str) -> Option<PathBuf> {
     let base = match std::env::var_os("PELLUCID_CACHE_DIR") {
-        Some(dir) => PathBuf::from(dir),
-        None => directories::ProjectDirs::from("", "", "pellucid")?.cache_dir().to_path_buf(),
+        Some(dir) if !dir.is_empty() => PathBuf::from(dir),
+        _ => directories::ProjectDirs::from("", "", "pellucid")?.cache_dir().to_path_buf(),
     };
     Some(base.join(kind))
 }
@@ -28,9 +28,10 @@ pub fn store(kind: &str, key: &str, blob: &[u8]) {
     let write = || -> Option<()> {
         let folder = folder(kind)?;
         std::fs::create_dir_all(&folder).ok()?;
-        let mut file = tempfile::NamedTempFile::new_in(&folder).ok()?;
+        let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".tmp").tempfile_in(&folder).ok()?;
         file.write_all(blake3::hash(blob).as_bytes()).ok()?;
         file.write_all(blob).ok()?;
+        crate::fault::file("cache/rename").ok()?;
         file.persist(folder.join(key)).ok()?;
         Some(())
     };

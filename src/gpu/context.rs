@@ -71,9 +71,13 @@ impl Context {
         let (limits, cache_key) = limits(&instance, physical);
         let initial = cache::load("pipelines", &cache_key).unwrap_or_default();
         let cache_info = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
+        // What an earlier run left is a help, no condition.
+        let (filled, empty) = (cache_info, vk::PipelineCacheCreateInfo::default());
         // SAFETY: the data carry a checksum of ours and the driver checks its own header.
-        let pipeline_cache =
-            unsafe { device.create_pipeline_cache(&cache_info, None) }.map_err(Error::call("vkCreatePipelineCache"))?;
+        let pipeline_cache = unsafe {
+            device.create_pipeline_cache(&filled, None).or_else(|_| device.create_pipeline_cache(&empty, None))
+        }
+        .map_err(Error::call("vkCreatePipelineCache"))?;
         let debug = instance.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance.raw, &device));
         Ok(Self {
             device,

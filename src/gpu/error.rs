@@ -60,13 +60,17 @@ pub enum Error {
         limit_name: &'static str,
     },
     /// The device stopped answering.
-    #[error("the device was lost during {during}; the driver may have stopped a dispatch that took too long")]
+    #[error(
+        "the device was lost during {during}: its driver stopped or started anew, often because a dispatch took too long; try \
+         again, and if that doesn't help, with a smaller --size or --memory-budget, which make dispatches shorter, or with another \
+         --device"
+    )]
     Lost {
         /// The submission.
         during: String,
     },
     /// Any other Vulkan failure.
-    #[error("Vulkan: {call} failed with {result:?}")]
+    #[error("Vulkan: {call} failed with {result:?}{help}", help = help(*result))]
     Vulkan {
         /// The call.
         call: &'static str,
@@ -84,6 +88,17 @@ pub enum Error {
     /// The validation layers complained.
     #[error("{} validation message(s), the first: {}", .0.len(), .0.first().map_or("", String::as_str))]
     Validation(Vec<String>),
+}
+
+/// What would help, as the end of a message.
+fn help(result: vk::Result) -> &'static str {
+    match result {
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+            ": out of device memory; a smaller --memory-budget or --size would help"
+        }
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => ": out of memory; fewer points or a smaller --size would help",
+        _ => "",
+    }
 }
 
 impl Error {

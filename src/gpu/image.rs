@@ -136,6 +136,7 @@ impl Attachment {
 
     /// Gives a fresh image its memory and its view.
     fn bind(&mut self, name: &str, out_of_memory: impl Fn() -> Error) -> Result<(), Error> {
+        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
         let context = &self.context;
         // SAFETY: the image was just made from this device.
         let requirements = unsafe { context.device.get_image_memory_requirements(self.raw) };

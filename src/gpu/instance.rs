@@ -1,6 +1,7 @@
 //! The Vulkan instance, with a debug messenger whose messages are collected.
 
 use std::ffi::{CStr, c_char, c_void};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
@@ -11,15 +12,27 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// Messages of the validation layers, in order of arrival.
 #[derive(Default)]
-pub struct Messages(Mutex<Vec<String>>);
+pub struct Messages {
+    all: Mutex<Vec<String>>,
+    /// How many of them somebody was given.
+    given: AtomicUsize,
+}
 
 impl Messages {
     pub fn push(&self, message: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(message);
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).push(message);
     }
 
     pub fn snapshot(&self) -> Vec<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        let all = self.all.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        self.given.store(all.len(), Ordering::Relaxed);
+        all
+    }
+
+    /// Those that came since [`Messages::snapshot`], as at the end, when nobody asks for them any more.
+    fn late(&self) -> Vec<String> {
+        let given = self.given.load(Ordering::Relaxed);
+        self.snapshot().split_off(given)
     }
 }
 
@@ -122,6 +135,9 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
+        for message in self.messages.late() {
+            eprintln!("warning: validation: {message}");
+        }
         // SAFETY: the device keeps an Arc of this instance, so nothing made from it is left.
         unsafe {
             #[cfg(feature = "viewer")]

@@ -64,7 +64,7 @@ impl Pipeline {
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 // SAFETY: the module and layout live through the call.
                 let made = unsafe { context.device.create_compute_pipelines(context.pipeline_cache, &[info], None) };
-                made.map(|p| p[0]).map_err(|(_, result)| Error::Vulkan { call: "vkCreateComputePipelines", result })
+                made.map(|p| p[0]).map_err(|(_, result)| Error::call("vkCreateComputePipelines")(result))
             })
         })
     }
@@ -112,7 +112,7 @@ impl Pipeline {
                     .push_next(&mut rendering);
                 // SAFETY: all states, modules and the layout live through the call.
                 let made = unsafe { context.device.create_graphics_pipelines(context.pipeline_cache, &[info], None) };
-                made.map(|p| p[0]).map_err(|(_, result)| Error::Vulkan { call: "vkCreateGraphicsPipelines", result })
+                made.map(|p| p[0]).map_err(|(_, result)| Error::call("vkCreateGraphicsPipelines")(result))
             })
         })
     }

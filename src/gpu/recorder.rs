@@ -315,7 +315,7 @@ impl<'a> Recorder<'a> {
             let during = name.to_owned();
             move |result| match result {
                 vk::Result::ERROR_DEVICE_LOST => Error::Lost { during },
-                result => Error::Vulkan { call, result },
+                result => Error::call(call)(result),
             }
         };
         self.host_barrier();
@@ -328,10 +328,13 @@ impl<'a> Recorder<'a> {
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let start = Instant::now();
-            let submitted = device.queue_submit2(context.queue, &[submit], fence);
+            let submitted =
+                crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
             // Whoever shows pictures in a window may submit while this one waits.
             drop(guard);
-            let result = submitted.and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX));
+            let result = submitted
+                .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX))
+                .and_then(|()| crate::fault::vulkan("wait"));
             let wall = start.elapsed();
             device.destroy_fence(fence, None);
             result.map_err(lost("vkQueueSubmit2"))?;

@@ -12,7 +12,7 @@ thread_local! {
 ///
 /// The panic hook is replaced once and for good by one that is silent on threads inside this function and calls the
 /// previous hook on all others, so that no two threads ever swap hooks.
-pub(super) fn guard<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
+pub(crate) fn guard<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let previous = panic::take_hook();

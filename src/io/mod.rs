@@ -2,7 +2,7 @@
 
 mod channel;
 mod columns;
-mod decoder;
+pub(crate) mod decoder;
 mod e57;
 mod las;
 mod number;
@@ -110,7 +110,7 @@ pub enum Error {
         found: String,
     },
     /// The file could not be written; whatever stood there before is untouched.
-    #[error("{}: not written: {source}", path.display())]
+    #[error("{}: not written: {source}{}", path.display(), crate::atomic::remedy(source))]
     Write {
         /// The file.
         path: PathBuf,

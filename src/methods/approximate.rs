@@ -3,7 +3,7 @@
 //! over a tile's splats ends shows in them.
 
 use super::abuffer::record_nothing;
-use super::bands;
+use super::bands::{self, Budget};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
@@ -177,6 +177,16 @@ fn run_bytes(rounds: &[u32]) -> u64 {
     STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
 }
 
+/// An error whose budget leaves room for `more` bytes besides.
+fn beside(error: Error, more: u64) -> Error {
+    match error {
+        Error::SortOverBudget { points, needed, available, .. } => {
+            Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
+        }
+        other => other,
+    }
+}
+
 /// Buffers, kept from frame to frame.
 pub struct Approximations {
     state: Kept<[f32; 4]>,
@@ -210,7 +220,8 @@ impl Approximations {
         let mut bin = job.bin;
         bin.counted_bytes += pixels * round_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
         let mut recorder;
-        match bins.bin(device, &bin, timeline, facts)? {
+        let runs = SMALL_WINDOW * run_bytes(&rounds);
+        match bins.bin(device, &bin, timeline, facts).map_err(|error| beside(error, runs))? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = device.recorder()?;

@@ -77,6 +77,12 @@ pub fn bands(offsets: &[u32], capacity: u64) -> Result<Vec<Band>, (u32, u32)> {
     Ok(found)
 }
 
+/// The pixel with the longest list, the first of equals, and its length.
+pub fn longest(offsets: &[u32]) -> (u32, u32) {
+    let lengths = (0u32..).zip(offsets.windows(2).map(|pair| pair[1] - pair[0]));
+    lengths.reduce(|best, next| if next.1 > best.1 { next } else { best }).unwrap_or_default()
+}
+
 /// How the memory budget is spent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
@@ -168,6 +174,8 @@ mod tests {
         assert!(found.iter().all(|b| b.first_fragment == offsets[b.pixels[0] as usize]));
         assert_eq!(found.iter().map(|b| b.fragments).sum::<u64>(), 23);
         assert_eq!(bands(&offsets, 4), Err((3, 5)));
+        assert_eq!(longest(&offsets), (3, 5));
+        assert_eq!((longest(&[7]), longest(&[0, 1, 1, 4])), ((0, 0), (2, 3)));
     }
 
     #[test]

@@ -41,10 +41,10 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
-    /// One pixel alone has more fragments than fit.
+    /// One pixel alone has more fragments than fit: of the pixels rendered at a time the one with most.
     #[error(
-        "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do",
-        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+        "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do for this pixel",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
     )]
     PixelOverBudget {
         /// Column.
@@ -57,7 +57,7 @@ pub enum Error {
         needed: u64,
         /// Bytes that are there for fragments.
         available: u64,
-        /// The budget that would do.
+        /// The budget that would do for this pixel.
         budget: u64,
     },
     /// A list is too long to be sorted in place.
@@ -102,8 +102,8 @@ pub enum Error {
     },
     /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
     #[error(
-        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: a larger --memory-budget would do, or fewer layers or iterations",
-        ByteSize(*.needed), ByteSize(*.available)
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.needed)
     )]
     HaloOverBudget {
         /// Pixels that are rendered on each side of a window.
@@ -135,8 +135,8 @@ pub enum Error {
     },
     /// The sort of splats alone takes more than the budget.
     #[error(
-        "sorting {points} splats needs {} of device memory; the budget leaves {}: --memory-budget {} would do, or method abuffer",
-        ByteSize(*.needed), ByteSize(*.available), ByteSize(*.budget)
+        "sorting {points} splats needs {} of device memory; the budget leaves {}: --memory-budget {} would do, or for transparent discs method abuffer",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
     )]
     SortOverBudget {
         /// Points of the scene.
@@ -194,6 +194,17 @@ pub enum Error {
     },
 }
 
+/// A budget as a message names it: rounded up, such that what is printed is no less.
+fn printed(budget: u64) -> ByteSize {
+    let unit = match budget {
+        ..0x400 => 1,
+        0x400..0x10_0000 => 1 << 10,
+        0x10_0000..0x4000_0000 => 1 << 20,
+        _ => 1 << 29,
+    };
+    ByteSize(budget.next_multiple_of(unit))
+}
+
 fn smaller_image(largest: u32) -> String {
     match largest {
         0 => "a larger --memory-budget would help".to_owned(),
@@ -210,6 +221,19 @@ impl Error {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
             Self::ImageSize { .. } => false,
             _ => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_that_is_printed_is_enough() {
+        for budget in [1, 1023, 1025, 964_467, (1 << 20) - 1, (5 << 20) + 1, 73_123_456, (1 << 30) - 1, 3_333_333_333] {
+            let named: ByteSize = printed(budget).to_string().parse().unwrap();
+            assert!((budget..=budget + budget / 8 * 5 + 1024).contains(&named.as_u64()), "{budget}: {named}");
         }
     }
 }

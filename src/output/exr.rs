@@ -1,16 +1,16 @@
 //! Float32 OpenEXR.
 
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Write as Out};
 
 use exr::prelude::*;
 
-use super::{WriteOptions, background, file::Sink};
+use super::{WriteOptions, background};
 use crate::color::decode_srgb;
 use crate::image::Image as Frame;
 use crate::scene::ColorSpace;
 
 /// R, G, B composed and linear, A, Z and the list lengths, layers and standard errors if there are any.
-pub(super) fn encode(mut out: impl Sink, image: &Frame, options: &WriteOptions) -> io::Result<()> {
+pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -> io::Result<()> {
     let composed = image.composed(background(options.background, options.color));
     let linear = |value: f32| match options.color {
         ColorSpace::Linear => value,

@@ -10,11 +10,12 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-pub use file::{check_folder, write_atomically};
+pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
 pub(crate) use png::to_byte;
 pub use read::{LinearImage, read_image};
 pub use tag::metadata;
 
+use crate::atomic::remedy;
 use crate::color;
 use crate::image::Image;
 use crate::scene::{ColorSpace, MAX_SIDE};
@@ -43,8 +44,16 @@ pub enum Error {
         /// The folder.
         path: PathBuf,
     },
-    /// The file could not be written.
-    #[error("{path}: can't be written: {source}", path = path.display())]
+    /// A file stands where a folder would have to be.
+    #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
+    NotAFolder {
+        /// What was to be written.
+        path: PathBuf,
+        /// The file in its way.
+        file: PathBuf,
+    },
+    /// The file could not be written; what was there before is there still.
+    #[error("{path}: can't be written: {source}{help}", path = path.display(), help = remedy(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -112,7 +121,7 @@ pub enum Error {
         reason: String,
     },
     /// Standard output can't be written to.
-    #[error("standard output: {0}")]
+    #[error("standard output: {0}{help}", help = remedy(.0))]
     Stdout(std::io::Error),
 }
 

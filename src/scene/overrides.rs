@@ -5,6 +5,9 @@
 use super::error::{Error, Place};
 use super::tree::{self, Entries, Node, Value};
 
+/// Segments of a key at most: none of a scene has as many, and each is a step of a recursion.
+const MAX_SEGMENTS: usize = 32;
+
 /// Keys given by options, in the order in which they win over the file and over each other.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
@@ -17,10 +20,14 @@ impl Overrides {
     /// errors, as typed.
     ///
     /// # Errors
-    /// A key with an empty segment.
+    /// A key with an empty segment, or with very many.
     pub fn set(&mut self, option: impl Into<String>, key: &str, text: &str) -> Result<(), Error> {
         let place = Place::Option(option.into());
         let path: Vec<_> = key.split('.').map(|segment| segment.trim().to_owned()).collect();
+        if path.len() > MAX_SEGMENTS {
+            let problem = format!("a key of {} segments (at most {MAX_SEGMENTS})", path.len());
+            return Err(Error::Conflict { place, problem });
+        }
         if path.iter().any(String::is_empty) {
             let problem = format!("{key:?} is no key; write it as in method.shape or cloud.0.opacity");
             return Err(Error::Conflict { place, problem });
@@ -37,7 +44,7 @@ impl Overrides {
     /// As [`Overrides::set`], from `KEY=VALUE`.
     ///
     /// # Errors
-    /// A text without `=`, or a key with an empty segment.
+    /// A text without `=`, or a key with an empty segment or very many.
     pub fn set_pair(&mut self, pair: &str) -> Result<(), Error> {
         match pair.split_once('=') {
             Some((key, value)) => self.set(format!("--set {pair}"), key.trim(), value.trim()),

@@ -63,25 +63,45 @@ impl Value {
     }
 }
 
+/// Bytes between two places of a text before which the characters are counted beforehand.
+const STRIDE: usize = 64;
+
 /// Turns byte offsets of one text into places.
 struct Source<'a> {
     path: String,
     text: &'a str,
     line_starts: Vec<usize>,
+    /// Characters that begin before each multiple of [`STRIDE`]: counted anew for each value of a long line, they would take
+    /// time that grows with its square.
+    characters: Vec<usize>,
 }
 
 impl<'a> Source<'a> {
     fn new(text: &'a str, path: &Path) -> Self {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        Self { path: path.display().to_string(), text, line_starts }
+        let count = |sum: &mut usize, bytes: &[u8]| Some(std::mem::replace(sum, *sum + begun(bytes)));
+        let characters = text.as_bytes().chunks(STRIDE).scan(0, count).collect();
+        Self { path: path.display().to_string(), text, line_starts, characters }
+    }
+
+    /// Characters that begin before a byte of the text.
+    fn characters_before(&self, offset: usize) -> usize {
+        let block = (offset / STRIDE).min(self.characters.len().saturating_sub(1));
+        let rest = self.text.as_bytes().get(block * STRIDE..offset).unwrap_or_default();
+        self.characters.get(block).copied().unwrap_or_default() + begun(rest)
     }
 
     fn place(&self, offset: usize) -> Place {
         let line = self.line_starts.partition_point(|start| *start <= offset);
         let start = self.line_starts.get(line.saturating_sub(1)).copied().unwrap_or(0);
-        let column = 1 + self.text.get(start..offset).map_or(0, |before| before.chars().count());
+        let column = 1 + self.characters_before(offset).saturating_sub(self.characters_before(start));
         Place::File { path: self.path.clone(), line, column }
     }
+}
+
+/// Characters that begin in some bytes of a text.
+fn begun(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte & 0xc0 != 0x80).count()
 }
 
 /// Parses a whole document; `path` is only named in places.
@@ -156,6 +176,30 @@ mod tests {
         assert_eq!((key, &value.place), (&at(3, 2), &at(3, 9)));
         let Value::Array(items) = &value.value else { panic!("size is an array") };
         assert_eq!(items[1].place, at(3, 13));
+    }
+
+    #[test]
+    fn columns_are_characters_however_long_the_line() {
+        let long = format!("a = [\"{}\", 1, \"{}\", 2]\nb = [\"\u{e9}\", 3]", "\u{e9}".repeat(500), "x".repeat(500));
+        let node = parse(&long, Path::new("s.toml")).unwrap();
+        let Value::Table(root) = node.value else { panic!("a document is a table") };
+        let columns = |key: &str| {
+            let Value::Array(items) = &root[key].1.value else { panic!("an array") };
+            items.iter().map(|item| item.place.clone()).collect::<Vec<_>>()
+        };
+        // `a = [`, a string of 500 and its quotes, comma and blank, and so on.
+        assert_eq!(columns("a"), [at(1, 6), at(1, 510), at(1, 513), at(1, 1017)]);
+        assert_eq!(columns("b"), [at(2, 6), at(2, 11)]);
+    }
+
+    #[test]
+    fn a_long_line_of_values_takes_time_that_grows_with_its_length() {
+        // Counted from the line's start for each value, these would be 10¹² characters: hours.
+        let text = format!("a = [{}]", "1,".repeat(1 << 20));
+        let node = parse(&text, Path::new("s.toml")).unwrap();
+        let Value::Table(root) = node.value else { panic!("a document is a table") };
+        let Value::Array(items) = &root["a"].1.value else { panic!("an array") };
+        assert_eq!(items.last().unwrap().place, at(1, text.len() - 2));
     }
 
     #[test]

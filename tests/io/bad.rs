@@ -4,7 +4,7 @@ use pellucid::io::Error;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::las::sample;
+use super::las::{sample, with_extra_bytes};
 use crate::{Folder, assert_refused, load, load_bytes};
 
 #[test]
@@ -156,6 +156,31 @@ fn truncated_and_lying_laz() {
             assert_refused("a.laz", lie, &["points 0–999", "layers of"]);
         }
     }
+}
+
+/// The decoder takes kilobytes of memory for each byte of a record.
+#[test]
+fn huge_records_of_laz() {
+    for (minor, format, len) in [(2, 1, 28), (4, 6, 30)] {
+        let most = with_extra_bytes(minor, format, true, 2048 - len);
+        assert_eq!(load_bytes("a.laz", most).unwrap().len(), 1);
+        let more = with_extra_bytes(minor, format, true, 2049 - len);
+        assert_refused("a.laz", more, &["LAZ record", "2049 bytes (at most 2048)"]);
+        let plain = with_extra_bytes(minor, format, false, 60_000);
+        assert_eq!(load_bytes("a.las", plain).unwrap().len(), 1);
+    }
+}
+
+/// Sizes of fields whose sum is that of a record only in 16 bits.
+#[test]
+fn fields_of_laz_beyond_sixteen_bits() {
+    let file = sample(2, 1, true, 10);
+    // The record of the header ends with its fields, of 6 bytes each: type, size, version.
+    let start = u32::from_le_bytes(file[field::POINTS_START..field::POINTS_START + 4].try_into().unwrap()) as usize;
+    assert_eq!(file[start - 12..start], [6, 0, 20, 0, 2, 0, 7, 0, 8, 0, 2, 0]);
+    // Extra bytes, 61 440 and 4124 of them: 65 536 more than the 28 of a record.
+    let lie = patched(file, start - 12, &[0, 0, 0, 240, 2, 0, 0, 0, 28, 16, 2, 0]);
+    assert_refused("a.laz", lie, &["LAZ record", "its fields take 65564 bytes, a point record has 28"]);
 }
 
 #[test]

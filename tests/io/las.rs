@@ -135,3 +135,11 @@ fn extra_dimensions_are_scalars() {
         assert_eq!(cloud.scalars, wanted, "compressed: {compressed}");
     }
 }
+
+/// A file of one point with so many extra bytes that nobody describes.
+pub fn with_extra_bytes(minor: u8, format: u8, compressed: bool, extra_bytes: u16) -> Vec<u8> {
+    let mut builder = builder(minor, format, compressed);
+    builder.point_format.extra_bytes = extra_bytes;
+    let point = Point { extra_bytes: vec![7; extra_bytes.into()], ..point(&Format::new(format).unwrap(), 0) };
+    write(builder, [point])
+}

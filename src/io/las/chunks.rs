@@ -12,6 +12,18 @@ use crate::io::{Error, Source, decoder};
 /// Points decoded at a time: what a chunk claims is not allocated before it is there.
 const BLOCK: u64 = 1 << 16;
 
+/// Bytes of points decoded at a time, for point records that are as large as their 16 bits can say.
+const BLOCK_BYTES: u64 = 16 << 20;
+
+/// Bytes of a compressed point record at most: its decoder keeps some 3 kB of models for each extra byte, and has up to four
+/// sets of them.
+const MAX_COMPRESSED_RECORD: usize = 2048;
+
+/// Points of so many bytes that are decoded at a time.
+fn block(record_len: usize) -> u64 {
+    BLOCK.min(BLOCK_BYTES / record_len.max(1) as u64)
+}
+
 /// A run of points that can be decoded without the others. It lies within the file.
 pub(super) struct Chunk {
     pub start: u64,
@@ -82,6 +94,16 @@ fn check_items(source: &Source, header: &Header, laz: &LazVlr) -> Result<(), Err
     let place = "LAZ record of the header";
     if compressor(laz).is_none() {
         return Err(source.malformed(place, "points marked as compressed, but with no compressor"));
+    }
+    // Before the decoder takes memory for them; the library's own sum of 16-bit sizes may overflow.
+    let announced: u64 = laz.items().iter().map(|item| u64::from(item.size())).sum();
+    if announced != header.record_len as u64 {
+        let cause = format!("its fields take {announced} bytes, a point record has {}", header.record_len);
+        return Err(source.malformed(place, cause));
+    }
+    if header.record_len > MAX_COMPRESSED_RECORD {
+        let cause = format!("point records of {} bytes (at most {MAX_COMPRESSED_RECORD})", header.record_len);
+        return Err(source.malformed(place, cause));
     }
     let items = decoder::guard(|| record_decoder(laz, &[]).map(|decoder| decoder.record_size()));
     match items {
@@ -159,7 +181,7 @@ impl Chunk {
         let mut records = Vec::new();
         let mut done = 0;
         while done < self.points {
-            let points = BLOCK.min(self.points - done);
+            let points = block(header.record_len).min(self.points - done);
             records.resize(points as usize * header.record_len, 0);
             match decoder::guard(|| decoder.decompress_many(&mut records)) {
                 Ok(Ok(())) => {}

@@ -1,6 +1,7 @@
 //! Pictures as clouds (Tanaka et al. 2016, Section 4.5): each pixel a point of a plane, moved along the plane's normal by a
 //! height map, and copied where the surface is so steep that its points would lie too far apart.
 
+mod directory;
 mod picture;
 mod surface;
 

@@ -1,17 +1,21 @@
 //! PNG, JPEG and TIFF as pixels. What a header claims is compared with the file's length before memory is taken.
 
 use glam::Vec3;
-use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::{MAX_PIXELS, Source};
+use super::{MAX_PIXELS, Source, directory};
 use crate::color::decode_srgb;
-use crate::io::Error;
+use crate::io::{Error, decoder};
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032.
 const LARGEST_RATIO: u64 = 1100;
 
-/// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat JPEGs.
+/// Bytes of pixels that any file may hold, so that the rule above does not meet tiny flat pictures.
 const ALWAYS_ALLOWED: u64 = 16 << 20;
+
+/// The same of a JPEG, whose decoder makes up what is missing: a header alone would become a picture. Two bits for a block
+/// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
+const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
 /// A decoded picture, turned as the camera was held (EXIF).
 pub struct Picture {
@@ -30,8 +34,16 @@ enum Pixels {
 }
 
 impl Picture {
-    /// Decodes a whole file.
-    pub fn read(source: Source) -> Result<Self, Error> {
+    /// Decodes a whole file. A panic of the decoder is the file's fault.
+    pub fn read(mut source: Source) -> Result<Self, Error> {
+        directory::check(&mut source)?;
+        let path = source.path.clone();
+        decoder::guard(|| Self::decode(source)).unwrap_or_else(|panic| {
+            Err(Error::Malformed { path, place: "the picture".into(), cause: format!("the decoder gave up: {panic}") })
+        })
+    }
+
+    fn decode(source: Source) -> Result<Self, Error> {
         let (path, len) = (source.path.clone(), source.len);
         let malformed =
             |place: &str, cause: String| Error::Malformed { path: path.clone(), place: place.into(), cause };
@@ -43,6 +55,7 @@ impl Picture {
         };
         let reader = ImageReader::new(source.reader).with_guessed_format();
         let reader = reader.map_err(|source| Error::Read { path: path.clone(), source })?;
+        let is_jpeg = reader.format() == Some(ImageFormat::Jpeg);
         let mut decoder = reader.into_decoder().map_err(failed)?;
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
@@ -54,7 +67,8 @@ impl Picture {
             return Err(malformed("the header", cause));
         }
         let bytes = decoder.total_bytes();
-        if bytes > ALWAYS_ALLOWED && bytes / LARGEST_RATIO > len {
+        let allowed = if is_jpeg { ALWAYS_ALLOWED_JPEG } else { ALWAYS_ALLOWED };
+        if bytes > allowed && bytes / LARGEST_RATIO > len {
             let what = format!("{width} × {height} pixels of {bytes} bytes can't be in a file of {len}");
             return Err(Error::Truncated { path: path.clone(), what });
         }

@@ -31,7 +31,7 @@ use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::Cloud;
 use header::{Element, Kind};
 use splats::Splats;
-pub use write::{write, write_prepared};
+pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
 pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {

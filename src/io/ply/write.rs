@@ -1,6 +1,6 @@
 //! Writes a cloud as a binary little-endian PLY file.
 
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
 
 use glam::Vec3;
@@ -8,6 +8,7 @@ use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyDef, Property
 use ply_rs_bw::writer::Writer;
 
 use super::prepared::{self, FIELD, LIT};
+use crate::atomic;
 use crate::cloud::Cloud;
 use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
@@ -21,9 +22,17 @@ use crate::prepare::field::without_blanks;
 /// # Errors
 /// If the file can't be written; then the old file, or none, is there.
 pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
+    let written = atomic::write(path, |out| write_to(out, cloud));
+    written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
+}
+
+/// As [`write()`], to what is open already.
+///
+/// # Errors
+/// What `out` says.
+pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
     let double = !cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
-    let layout = Layout { double, color: Coding::Byte, alpha: Coding::Byte };
-    write_atomically(path, cloud, &layout).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+    write_layout(out, cloud, &Layout { double, color: Coding::Byte, alpha: Coding::Byte })
 }
 
 /// Writes a cloud with what was prepared for it, so that reading it gives the same points to the bit, the vertical
@@ -39,7 +48,8 @@ pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
         color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
         alpha: cloud.alphas.as_ref().map_or(Coding::Byte, |alphas| Coding::of(alphas.iter().copied(), same, same)),
     };
-    write_atomically(path, cloud, &layout).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+    let written = atomic::write(path, |out| write_layout(out, cloud, &layout));
+    written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
 fn same(x: f32) -> f32 {
@@ -95,26 +105,15 @@ impl Coding {
     }
 }
 
-fn write_atomically(path: &Path, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut temporary = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        // The usual rights of a new file, less the umask; a temporary file's own are private.
-        use std::os::unix::fs::PermissionsExt;
-        temporary.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let file = temporary.tempfile_in(folder)?;
-    let mut out = BufWriter::with_capacity(1 << 20, file);
-    write_header(&mut out, cloud, layout)?;
+/// Writes the whole file.
+fn write_layout(out: &mut impl Write, cloud: &Cloud, layout: &Layout) -> std::io::Result<()> {
+    write_header(out, cloud, layout)?;
     let mut record = Vec::new();
     for index in 0..cloud.len() {
         record.clear();
         push_record(&mut record, cloud, index, layout);
         out.write_all(&record)?;
     }
-    let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-    file.persist(path)?;
     Ok(())
 }
 

@@ -355,7 +355,8 @@ impl ABuffer {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
         let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
-        bands::bands(&offsets, capacity).map_err(|(pixel, length)| {
+        bands::bands(&offsets, capacity).map_err(|_| {
+            let (pixel, length) = bands::longest(&offsets);
             let [x, y] = bands::place(window, pixel);
             let need = Need::of(job, counted);
             let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::{Cell, Settings, Skipped, Slope, Sweep, Workload, page};
 use crate::gpu::DeviceInfo;
-use crate::output::{self, write_atomically};
+use crate::output::{self, Files};
 use crate::report::plot::{Axis, Figure, Guide, PANEL, Panel, Point, Series, Steps};
 
 /// A sweep with what it takes to understand it.
@@ -192,18 +192,21 @@ impl Report<'_> {
     }
 }
 
-/// Writes `stress.csv`, `stress.json`, the figures and, last, `report.html` into a folder, which is made if it isn't there.
+/// Writes `stress.csv`, `stress.json`, the figures and, last, `report.html` into a folder, which is made if it isn't there. None has
+/// its name before all are complete.
 ///
 /// # Errors
-/// What the system says while writing.
+/// What the system says while writing; then there is what was there before.
 pub fn write(folder: &Path, report: &Report<'_>) -> Result<(), output::Error> {
     let figures = report.figures()?;
-    std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
-    write_atomically(&folder.join("stress.csv"), |file| report.csv(file))?;
-    write_atomically(&folder.join("stress.json"), |file| writeln!(file, "{:#}", report.json()))?;
-    for (name, svg) in &figures {
-        write_atomically(&folder.join(name), |file| file.write_all(svg.as_bytes()))?;
-    }
     let html = page::html(report, &figures);
-    write_atomically(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))
+    let _new = output::make_folder(folder)?;
+    let mut files = Files::default();
+    files.add(&folder.join("stress.csv"), |file| report.csv(file))?;
+    files.add(&folder.join("stress.json"), |file| writeln!(file, "{:#}", report.json()))?;
+    for (name, svg) in &figures {
+        files.add(&folder.join(name), |file| file.write_all(svg.as_bytes()))?;
+    }
+    files.add(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))?;
+    files.publish()
 }

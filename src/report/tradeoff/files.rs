@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::pictures::Pictures;
 use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, figures, page};
-use crate::output::{self, write_atomically};
+use crate::output::{self, Files};
 
 /// A line of `tradeoff.csv`. What was skipped has its reason in place of figures.
 #[derive(Debug, Default, Serialize)]
@@ -124,21 +124,24 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     writer.flush()
 }
 
-/// Writes `tradeoff.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder that holds the pictures.
+/// Writes `tradeoff.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder that holds the pictures. None
+/// has its name before all are complete.
 ///
 /// # Errors
 /// A picture that the report names and that is missing or damaged, and what the system says while writing.
 pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     let figures = figures::draw(report)?;
     let pictures = Pictures::read(folder, report)?;
-    write_atomically(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
-    write_atomically(&folder.join("tradeoff.json"), |file| {
+    let html = page::html(report, &figures, &pictures);
+    let mut files = Files::default();
+    files.add(&folder.join("tradeoff.csv"), |file| csv(report, file))?;
+    files.add(&folder.join("tradeoff.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, report)?;
         writeln!(file)
     })?;
     for figure in &figures {
-        write_atomically(&folder.join(figure.name), |file| file.write_all(figure.svg.as_bytes()))?;
+        files.add(&folder.join(figure.name), |file| file.write_all(figure.svg.as_bytes()))?;
     }
-    let html = page::html(report, &figures, &pictures);
-    write_atomically(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))
+    files.add(&folder.join("report.html"), |file| file.write_all(html.as_bytes()))?;
+    files.publish()
 }

@@ -93,7 +93,8 @@ pub fn run(
     progress: &ProgressBar,
 ) -> Result<Tradeoff> {
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
-    std::fs::create_dir_all(folder).map_err(|source| output::Error::Write { path: folder.to_owned(), source })?;
+    // Goes again if the first frame fails already.
+    let _new = output::make_folder(folder)?;
     let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
     // Shadows are measured with the scene's own method.
     let own = frame.shadows.map(|_| subject.frame.method);
@@ -298,7 +299,6 @@ impl Run<'_> {
         let silhouette = self.made.silhouette.as_ref();
         let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
         let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
-        let [picture, difference] = self.pictures(setting, &image)?;
         renderer.recycle(first.image);
         // The first one paid for shaders and buffers.
         let start = Instant::now();
@@ -323,6 +323,8 @@ impl Run<'_> {
         } else {
             (errors, None, self.rmse_analytic(&image))
         };
+        // Last, so that a setting that is skipped leaves none.
+        let [picture, difference] = self.pictures(setting, &image)?;
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
         let trial = Trial {
             peak_device_bytes,

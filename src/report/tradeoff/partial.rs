@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::{Errors, Reference, Repeats, Shaded};
-use crate::output::{self, write_atomically};
+use crate::atomic::Staged;
+use crate::output;
 
 const NAME: &str = "tradeoff.partial.json";
 
@@ -81,11 +82,15 @@ impl Partial {
         Self { folder: folder.to_owned(), content }
     }
 
+    /// After every frame, so that it doesn't wait for the disk.
     pub fn save(&self) -> Result<(), output::Error> {
-        write_atomically(&self.folder.join(NAME), |file| {
+        let path = self.folder.join(NAME);
+        let staged = Staged::write_quickly(&path, |file| {
             serde_json::to_writer(&mut *file, &self.content)?;
             writeln!(file)
-        })
+        });
+        let written = staged.and_then(|staged| staged.publish(&path));
+        written.map_err(|source| output::Error::Write { path, source })
     }
 }
 

@@ -1,0 +1,44 @@
+//! One function for each reader of something that comes from outside. An input is a file's content, if need be with a first
+//! byte or line that says what else is given; nothing that is in an input may make a body panic.
+
+mod cloud;
+mod pages;
+mod pictures;
+mod prepared;
+mod profile;
+mod scene;
+mod volume;
+
+use std::path::Path;
+
+use super::harness::Body;
+
+pub use cloud::{e57, las, pcd, ply, text};
+pub use pictures::{compare, photo};
+pub use prepared::prepared;
+pub use profile::profile;
+pub use scene::scene;
+pub use volume::volume;
+
+/// All of them by name, which is that of the target and of its corpus.
+pub const TARGETS: [(&str, Body); 11] = [
+    ("ply", ply),
+    ("las", las),
+    ("e57", e57),
+    ("pcd", pcd),
+    ("text", text),
+    ("scene", scene),
+    ("photo", photo),
+    ("compare", compare),
+    ("volume", volume),
+    ("profile", profile),
+    ("prepared", prepared),
+];
+
+/// Hands the path of a file with some content on. The file is gone afterwards.
+fn with_file<T>(name: &str, content: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).expect("room for a temporary file");
+    then(&path)
+}

@@ -1,0 +1,41 @@
+//! Pictures that stand for clouds, and those that `compare` reads.
+
+use indicatif::ProgressBar;
+use pellucid::io::photo::{Heights, Photo};
+use pellucid::io::{self, Hints};
+use pellucid::metrics;
+use pellucid::output::read_image;
+
+use super::{cloud::check, with_file};
+
+/// Pixels of a picture that is also its own height map, or is compared with another.
+const MOST_PIXELS: usize = 1 << 12;
+
+/// A picture as a cloud, then bent by itself as height map.
+pub fn photo(input: &[u8]) {
+    with_file("input.png", input, |path| {
+        let progress = ProgressBar::hidden();
+        let Ok(cloud) = io::load(path, &progress) else { return };
+        check(&cloud);
+        if cloud.len() <= MOST_PIXELS {
+            let heights = Some(Heights { path: path.to_owned(), scale: -0.5 });
+            let photo = Photo { heights, ..Photo::default() };
+            let hints = Hints { photo: Some(&photo), ..Hints::default() };
+            check(&io::load_with(path, hints, &progress).expect("the same picture"));
+        }
+    });
+}
+
+/// A picture as `compare` reads it, by its first bytes a PNG or an EXR, compared with itself mirrored.
+pub fn compare(input: &[u8]) {
+    let name = if input.starts_with(b"\x89PNG") { "input.png" } else { "input.exr" };
+    let Ok(picture) = with_file(name, input, read_image) else { return };
+    assert_eq!(picture.pixels.len(), picture.width as usize * picture.height as usize);
+    if picture.pixels.len() <= MOST_PIXELS {
+        let mut other = picture.clone();
+        other.pixels.reverse();
+        let comparison = metrics::compare(&picture, &other).expect("pictures of one size");
+        assert!(comparison.rmse >= 0.0, "an error of {}", comparison.rmse);
+        metrics::difference_picture(&picture.pixels, &other.pixels, 10.0);
+    }
+}

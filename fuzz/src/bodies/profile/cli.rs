@@ -1,0 +1,24 @@
+//! What `pellucid compare` does with profiles: the program's own files, with its output dropped.
+
+#[path = "../../../../src/cli/compare_profiles.rs"]
+pub mod compare_profiles;
+#[path = "../../../../src/cli/limit.rs"]
+pub mod limit;
+#[path = "../../../../src/cli/noise.rs"]
+pub mod noise;
+
+/// Stands for the program's standard output and error.
+pub mod talk {
+    pub fn say(text: impl std::fmt::Display) {
+        drop(text.to_string());
+    }
+
+    pub fn print(text: &str) -> pellucid::Result<()> {
+        say(text);
+        Ok(())
+    }
+
+    pub fn print_json(json: &serde_json::Value) -> pellucid::Result<()> {
+        print(&json.to_string())
+    }
+}
