@@ -78,6 +78,43 @@ pub enum Error {
         /// What is wrong.
         message: String,
     },
+    /// A shader wrote behind a range that it was given: found in debug builds alone.
+    #[error(
+        "{passes}: something was written {bytes} bytes behind the end of {buffer} (bound as {binding}): {word:#010x}"
+    )]
+    Overrun {
+        /// The buffer's name.
+        buffer: String,
+        /// The variable that it was bound to.
+        binding: &'static str,
+        /// The passes that it was bound to, first and last.
+        passes: String,
+        /// Bytes between the end of the range and the first wrong word.
+        bytes: u64,
+        /// What stands there.
+        word: u32,
+    },
+    /// A pass did not store what another one had counted: found in debug builds alone.
+    #[error(
+        "{pass} did not store what was counted: {item} {element} ends at {stored} instead of {counted} \
+        ({differing} of {of} differ)"
+    )]
+    Miscounted {
+        /// The pass that stored.
+        pass: &'static str,
+        /// What the counts are of.
+        item: &'static str,
+        /// One that is wrong.
+        element: u64,
+        /// Where it ended.
+        stored: u32,
+        /// Where it should have.
+        counted: u32,
+        /// How many are wrong.
+        differing: u32,
+        /// How many there are.
+        of: u64,
+    },
     /// The validation layers complained.
     #[error("{} validation message(s), the first: {}", .0.len(), .0.first().map_or("", String::as_str))]
     Validation(Vec<String>),

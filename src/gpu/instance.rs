@@ -34,8 +34,9 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is collected.
-    pub fn new(validation: bool) -> Result<Self, Error> {
+    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is
+    /// collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
+    pub fn new(validation: bool, gpu_assisted: bool) -> Result<Self, Error> {
         // SAFETY: loading the system's Vulkan loader runs its initialisers; there is no other way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
@@ -51,8 +52,12 @@ impl Instance {
         let application = vk::ApplicationInfo::default().application_name(c"pellucid").api_version(vk::API_VERSION_1_3);
         let layer_names = [VALIDATION_LAYER.as_ptr()];
         let extension_names = [ext::debug_utils::NAME.as_ptr()];
-        let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        use vk::ValidationFeatureEnableEXT as Feature;
+        let enabled: &[_] = match gpu_assisted {
+            true => &[Feature::GPU_ASSISTED, Feature::GPU_ASSISTED_RESERVE_BINDING_SLOT],
+            false => &[Feature::SYNCHRONIZATION_VALIDATION],
+        };
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if debug_utils {
             info = info.enabled_extension_names(&extension_names);

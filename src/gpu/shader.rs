@@ -14,7 +14,7 @@ use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, ImageDimension, ShaderStage, StorageAccess, TypeInner};
 
-use super::{Access, Binding, Error, Pass, Shape, cache, spirv};
+use super::{Access, Binding, Error, Pass, Shape, cache, guard, spirv};
 
 static SHADERS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
@@ -124,6 +124,13 @@ pub fn source(stem: &str, variant: &Variant) -> Result<String, Error> {
     }
     out.push_str(&variant.text);
     paste(stem, text, variant, &mut out, &mut Vec::new())?;
+    if let Ok(m) = std::env::var("TMP_MUTATE") {
+        let parts: Vec<&str> = m.split('|').collect();
+        if parts[0] == stem {
+            assert!(out.contains(parts[1]), "no such text");
+            out = out.replacen(parts[1], parts[2], 1);
+        }
+    }
     Ok(out)
 }
 
@@ -235,8 +242,9 @@ pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> 
 fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
     let source = source(stem, variant)?;
     // The declaration is part of the key: a cached shader was compared with the same one.
-    let identity =
-        format!("{}\n{source}\n{}\n{:?}\n{:?}", env!("CARGO_PKG_VERSION"), variant.key(), P::bindings(), P::push());
+    let (version, key) = (env!("CARGO_PKG_VERSION"), variant.key());
+    let version = format!("{version}{:?}", std::env::var("TMP_POLICY"));
+    let identity = format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::push());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
         cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())
@@ -287,7 +295,20 @@ fn generate(
     let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let (module, info) = naga::back::pipeline_constants::process_overrides(module, &info, None, &constants)
         .map_err(|e| error(stem, e.to_string()))?;
+    let policy = std::env::var("TMP_POLICY").unwrap_or_default();
+    let restrict =
+        |on: bool| if on { naga::proc::BoundsCheckPolicy::Restrict } else { naga::proc::BoundsCheckPolicy::Unchecked };
     let options = spv::Options {
+        bounds_check_policies: naga::proc::BoundsCheckPolicies {
+            index: restrict(policy.contains("index")),
+            buffer: if policy.contains("skip") {
+                naga::proc::BoundsCheckPolicy::ReadZeroSkipWrite
+            } else {
+                restrict(policy.contains("buffer"))
+            },
+            image_load: restrict(policy.contains("image")),
+            binding_array: restrict(false),
+        },
         lang_version: (1, 3),
         // Without ADJUST_COORDINATE_SPACE, which would flip y.
         flags: spv::WriterFlags::empty(),
