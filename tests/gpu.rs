@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 use glam::Vec3;
-use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, GpuType, Memory, Run, devices};
+use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
 use pellucid::passes::scan::{self, Scan, ScanPush};
 use pellucid::scene::{Discs, Method};
 
@@ -344,5 +344,30 @@ fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
         let _ = spread(&device, 1000, 48, false);
         let messages = device.validation_messages();
         assert!(messages.iter().any(|m| m.to_lowercase().contains("out of bounds")), "{messages:?}");
+    });
+}
+
+#[test]
+fn dispatches_and_images_beyond_what_a_device_has_are_refused_before_they_are_recorded() {
+    with_device(|device| {
+        let recorder = device.recorder().expect("a recorder");
+        let refused = |dispatch| match recorder.arguments("absurd", dispatch) {
+            Err(e @ Error::TooLarge { .. }) => assert!(e.to_string().starts_with("absurd needs"), "{e}"),
+            other => panic!("{other:?}"),
+        };
+        // Numbers of invocations have 32 bits: beyond, the first ones would run twice.
+        for count in [(1 << 32) + 1, 1 << 40, u64::MAX] {
+            refused(Dispatch::Invocations(count));
+        }
+        refused(Dispatch::Groups(u64::MAX));
+        recorder.arguments("large", Dispatch::Invocations(1 << 31)).expect("room for 2^31");
+        let [width, height] = device.limits().framebuffer;
+        for size in [[0, 1], [1, 0], [width + 1, 1], [1, height + 1], [u32::MAX; 2]] {
+            match device.attachment("absurd", Format::Number, 1, size).map(drop) {
+                Err(e @ Error::Framebuffer { .. }) => assert!(e.to_string().starts_with("absurd: "), "{e}"),
+                other => panic!("{size:?}: {other:?}"),
+            }
+        }
+        drop(recorder);
     });
 }

@@ -56,6 +56,18 @@ pub enum Error {
         /// The limit's name in Vulkan.
         limit_name: &'static str,
     },
+    /// An image or a draw has more pixels on a side than the device draws, or none.
+    #[error(
+        "{name}: {} × {} pixels, but this device draws 1 to {} × 1 to {}", size[0], size[1], limit[0], limit[1]
+    )]
+    Framebuffer {
+        /// The image's or the pass's name.
+        name: String,
+        /// Columns and rows asked for.
+        size: [u32; 2],
+        /// Most columns and rows.
+        limit: [u32; 2],
+    },
     /// The device stopped answering.
     #[error("the device was lost during {during}; the driver may have stopped a dispatch that took too long")]
     Lost {

@@ -267,6 +267,10 @@ impl<'a> Recorder<'a> {
         push: &[u8],
         draw: Draw<'a>,
     ) -> Result<(), Error> {
+        let (size, limit) = (draw.area, self.context.limits.framebuffer);
+        if size[0] > limit[0] || size[1] > limit[1] {
+            return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
+        }
         let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs())?;
         let set = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(P::NAME, true)?;
@@ -290,7 +294,7 @@ impl<'a> Recorder<'a> {
         let before = if draw.targets.clear.is_some() { vk::ImageLayout::UNDEFINED } else { READ };
         self.image_barrier(draw.targets, before, DRAWN);
         let (device, commands) = (&self.context.device, self.commands);
-        // SAFETY: as in `run`; the area is within the framebuffer limits, which the caller checked. Indirect arguments lie
+        // SAFETY: as in `run`; the area is within the framebuffer limits. Indirect arguments lie
         // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
         // shader reads no splat beyond those that a direct draw would read.
         unsafe {
@@ -433,7 +437,16 @@ impl<'a> Recorder<'a> {
     /// Workgroups in x and y; none of an indirect dispatch.
     fn groups(&self, name: &str, dispatch: Dispatch<'_>) -> Result<[u32; 2], Error> {
         match dispatch {
-            Dispatch::Invocations(n) => self.fold_groups(name, n.div_ceil(u64::from(WORKGROUP))),
+            Dispatch::Invocations(n) => {
+                let [x, y] = self.fold_groups(name, n.div_ceil(u64::from(WORKGROUP)))?;
+                // Folding rounds up; a shader's number of an invocation must not come round to 0.
+                let (numbered, limit) = (u64::from(x) * u64::from(y) * u64::from(WORKGROUP), 1 << 32);
+                if numbered > limit {
+                    let (name, limit_name) = (name.to_owned(), "invocations of a dispatch");
+                    return Err(Error::TooLarge { name, bytes: numbered, limit, limit_name });
+                }
+                Ok([x, y])
+            }
             Dispatch::Groups(n) => self.fold_groups(name, n),
             Dispatch::Indirect(_) => Ok([0; 2]),
         }
@@ -605,6 +618,7 @@ impl<'a> Recorder<'a> {
                     return Err(Error::TooLarge { name, bytes, limit, limit_name });
                 }
                 Resource::Buffer(slice @ RawSlice { buffer, offset, bytes, .. }) => {
+                    assert!(bytes > 0, "{name}: nothing is bound to {}", binding.name);
                     if binding.access == Access::ReadWrite {
                         self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?;
                     }
