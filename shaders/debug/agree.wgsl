@@ -1,9 +1,10 @@
 // debug/agree: whether the words that a pass left are what was counted. One invocation per word; found holds the number of
-// words that aren't, and place, word and count of one of them. Recorded in debug builds alone.
+// words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
 #import dispatch
 
 const WORDS = 0u;
 const BELOW = 1u;
+const TOLD = 8u;
 
 struct Push {
     count: u32,
@@ -38,9 +39,12 @@ fn main(
     let end = ends[push.ends_first + i * push.stride];
     let below = end - select(0u, counts[push.counts_first + i * push.stride], push.mode == BELOW);
     let counted = select(push.value, below, push.mode <= BELOW);
-    if word != counted && atomicAdd(&found[0], 1u) == 0u {
-        atomicStore(&found[1], i);
-        atomicStore(&found[2], word);
-        atomicStore(&found[3], counted);
+    if word != counted {
+        let place = atomicAdd(&found[0], 1u);
+        if place < TOLD {
+            atomicStore(&found[1u + 3u * place], i);
+            atomicStore(&found[2u + 3u * place], word);
+            atomicStore(&found[3u + 3u * place], counted);
+        }
     }
 }

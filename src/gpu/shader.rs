@@ -124,13 +124,6 @@ pub fn source(stem: &str, variant: &Variant) -> Result<String, Error> {
     }
     out.push_str(&variant.text);
     paste(stem, text, variant, &mut out, &mut Vec::new())?;
-    if let Ok(m) = std::env::var("TMP_MUTATE") {
-        let parts: Vec<&str> = m.split('|').collect();
-        if parts[0] == stem {
-            assert!(out.contains(parts[1]), "no such text");
-            out = out.replacen(parts[1], parts[2], 1);
-        }
-    }
     Ok(out)
 }
 
@@ -243,7 +236,6 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
     let source = source(stem, variant)?;
     // The declaration is part of the key: a cached shader was compared with the same one.
     let (version, key) = (env!("CARGO_PKG_VERSION"), variant.key());
-    let version = format!("{version}{:?}", std::env::var("TMP_POLICY"));
     let identity = format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::push());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
@@ -295,20 +287,7 @@ fn generate(
     let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let (module, info) = naga::back::pipeline_constants::process_overrides(module, &info, None, &constants)
         .map_err(|e| error(stem, e.to_string()))?;
-    let policy = std::env::var("TMP_POLICY").unwrap_or_default();
-    let restrict =
-        |on: bool| if on { naga::proc::BoundsCheckPolicy::Restrict } else { naga::proc::BoundsCheckPolicy::Unchecked };
     let options = spv::Options {
-        bounds_check_policies: naga::proc::BoundsCheckPolicies {
-            index: restrict(policy.contains("index")),
-            buffer: if policy.contains("skip") {
-                naga::proc::BoundsCheckPolicy::ReadZeroSkipWrite
-            } else {
-                restrict(policy.contains("buffer"))
-            },
-            image_load: restrict(policy.contains("image")),
-            binding_array: restrict(false),
-        },
         lang_version: (1, 3),
         // Without ADJUST_COORDINATE_SPACE, which would flip y.
         flags: spv::WriterFlags::empty(),

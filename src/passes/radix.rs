@@ -161,10 +161,10 @@ pub fn agree<'a>(
     records: u32,
 ) -> Result<(), Error> {
     let inner = cursors.len() - 1;
-    // Each ends where the next one began; the last one at the end.
+    // The last one ends at the end; each of the others where the next one began.
+    recorder.agree("radix/scatter", "digit of a run", cursors.skip(inner), Expected::Value(records))?;
     let next = Expected::Below { ends: cursors.skip(1), counts: counts.skip(1) };
-    recorder.agree("radix/scatter", "digit of a run", cursors.first(inner), next)?;
-    recorder.agree("radix/scatter", "digit of a run", cursors.skip(inner), Expected::Value(records))
+    recorder.agree("radix/scatter", "digit of a run", cursors.first(inner), next)
 }
 
 fn runs(device: &Device, records: u64) -> Runs {
