@@ -75,7 +75,8 @@ fn one_record_more_or_less_than_counted_is_found_with_and_without_robust_access(
             // the others 62, so that digits 0 and 1 have 126 together, and 0 to 8 some 4 · 62 + 5 · 63.
             for (stored, wanted) in [(999, "1 ends at 125 instead of 126"), (1001, "8 ends at 564 instead of 563")] {
                 let error = scattered(&device, stored).expect_err("one more or less");
-                let wanted = format!("radix/scatter did not store what was counted: digit of a run {wanted} (2 of 15 differ)");
+                let wanted =
+                    format!("radix/scatter did not store what was counted: digit of a run {wanted} (2 of 15 differ)");
                 assert_eq!(error, wanted);
             }
         }
