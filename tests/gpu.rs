@@ -333,7 +333,7 @@ fn what_a_pass_may_write_behind_another_range_is_no_error() {
 
 /// GPU-assisted validation sees what shaders do: CONTRIBUTING.md says how it is run.
 #[test]
-#[ignore = "needs GPU-assisted validation, which not every driver runs under"]
+#[ignore = "needs validation layers that instrument shaders: 1.4.309 does, Debian 12's 1.3.239 does not"]
 fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
     with_device(|_| {
         let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
@@ -343,7 +343,8 @@ fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
         // Far behind the guard too.
         let _ = spread(&device, 1000, 48, false);
         let messages = device.validation_messages();
-        assert!(messages.iter().any(|m| m.to_lowercase().contains("out of bounds")), "{messages:?}");
+        let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
+        assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
     });
 }
 
