@@ -111,7 +111,7 @@ impl<'a> Recorder<'a> {
         let piece = (limits.binding_bytes.saturating_sub(alignment) / 4 / u64::from(stride)).max(1) * u64::from(stride);
         for start in (0..stored.len()).step_by(piece as usize) {
             let count = piece.min(stored.len() - start);
-            let part = |slice: Slice<'a, u32>| slice.skip(start).first(count).from_aligned(alignment);
+            let part = |slice: Slice<'a, u32>| slice.skip(start).first(count).reaching_back(alignment);
             let ((stored, stored_first), (ends, ends_first), (counts, counts_first)) =
                 (part(stored), part(ends), part(counts));
             let mut agreement = Agreement::new(self.context(), pass, item)?;

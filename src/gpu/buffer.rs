@@ -262,8 +262,8 @@ impl<'a, T> Slice<'a, T> {
         Self { raw: RawSlice { offset: self.raw.offset + bytes, bytes: self.raw.bytes - bytes, ..self.raw }, ..self }
     }
 
-    /// The slice from the last aligned place on, and the elements before its own first one.
-    pub(super) fn from_aligned(self, alignment: u64) -> (Self, u32) {
+    /// The slice from the aligned place before it on, and the number of elements that it has before its own first one.
+    pub(super) fn reaching_back(self, alignment: u64) -> (Self, u32) {
         let before = self.raw.offset % alignment;
         let raw = RawSlice { offset: self.raw.offset - before, bytes: self.raw.bytes + before, ..self.raw };
         (Self { raw, ..self }, (before / size_of::<T>() as u64) as u32)
