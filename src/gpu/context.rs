@@ -261,8 +261,9 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
         .max()
         .unwrap_or(0);
     let limits = Limits {
-        // What is bound or allocated has its guard besides.
-        binding_bytes: u64::from(basic.limits.max_storage_buffer_range) - guard::BYTES,
+        binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
+        range_bytes: u64::from(basic.limits.max_storage_buffer_range),
+        // What is allocated has its guard besides.
         allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],

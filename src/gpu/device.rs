@@ -51,6 +51,8 @@ impl DeviceOptions {
 pub struct Limits {
     /// Bytes that one storage-buffer binding may cover.
     pub binding_bytes: u64,
+    /// The device's own limit of that, with the guard of debug builds: [`Self::binding_bytes`] may be lower.
+    pub(super) range_bytes: u64,
     /// Bytes of one allocation.
     pub allocation_bytes: u64,
     /// Alignment of a storage-buffer binding's offset.

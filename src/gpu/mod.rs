@@ -24,6 +24,7 @@ pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, devices};
 pub use error::Error;
+pub(crate) use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};

@@ -623,7 +623,9 @@ impl<'a> Recorder<'a> {
                         self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?;
                     }
                     let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
-                    buffers.push([vk::DescriptorBufferInfo { buffer, offset, range: bytes + guard }]);
+                    // What fills the device's limit goes without, which then only makes its `arrayLength` too short.
+                    let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));
+                    buffers.push([vk::DescriptorBufferInfo { buffer, offset, range }]);
                 }
                 Resource::Texture(view) => {
                     images.push([vk::DescriptorImageInfo::default().image_view(view).image_layout(READ)]);

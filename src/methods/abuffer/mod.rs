@@ -341,7 +341,7 @@ impl ABuffer {
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::of(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
-        (left / need.bytes()).min(device.limits().binding_bytes / widest)
+        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
