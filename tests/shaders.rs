@@ -1,7 +1,7 @@
 //! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
 
 use pellucid::gpu::shader::{self, WORKGROUP};
-use pellucid::gpu::{Pass, Variant};
+use pellucid::gpu::{Agree, Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::image_space::{Filter, Listed};
 use pellucid::methods::soft::express::{self, Way};
@@ -238,7 +238,8 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::BlendRuns>(&mut seen, compose_variants());
     check::<abuffer::Combine>(&mut seen, [Variant::plain()]);
     check::<linked_list::Store>(&mut seen, raster_variants());
-    check::<linked_list::Gather>(&mut seen, [linked_list::gather_variant()]);
+    check::<linked_list::Gather>(&mut seen, [false, true].map(linked_list::gather_variant));
+    check::<Agree>(&mut seen, [Variant::plain()]);
     check::<splat::Nearest>(&mut seen, relief_variants());
     check::<splat::NearestDepth>(&mut seen, relief_variants());
     check::<splat::NearestId>(&mut seen, relief_variants());

@@ -47,8 +47,9 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is collected.
-    pub fn new(validation: bool) -> Result<Self, Error> {
+    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is
+    /// collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
+    pub fn new(validation: bool, gpu_assisted: bool) -> Result<Self, Error> {
         // SAFETY: loading the system's Vulkan loader runs its initialisers; there is no other way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
@@ -64,8 +65,12 @@ impl Instance {
         let application = vk::ApplicationInfo::default().application_name(c"pellucid").api_version(vk::API_VERSION_1_3);
         let layer_names = [VALIDATION_LAYER.as_ptr()];
         let extension_names = [ext::debug_utils::NAME.as_ptr()];
-        let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        use vk::ValidationFeatureEnableEXT as Feature;
+        let enabled: &[_] = match gpu_assisted {
+            true => &[Feature::GPU_ASSISTED, Feature::GPU_ASSISTED_RESERVE_BINDING_SLOT],
+            false => &[Feature::SYNCHRONIZATION_VALIDATION],
+        };
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if debug_utils {
             info = info.enabled_extension_names(&extension_names);
@@ -132,7 +137,9 @@ unsafe extern "system" fn collect(
         let text = data.as_ref().and_then(|d| d.message_as_c_str());
         (user.cast::<Messages>().as_ref(), text.map(|t| t.to_string_lossy().into_owned()))
     };
-    if let (Some(messages), Some(text)) = (messages, text) {
+    // What GPU-assisted validation says of its own setting up (features that it switches on, checks that the device lacks)
+    // is no message about us.
+    if let (Some(messages), Some(text)) = (messages, text.filter(|text| !text.contains("Internal Warning: "))) {
         messages.push(text);
     }
     vk::FALSE

@@ -2,7 +2,7 @@
 
 use super::passes::*;
 use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
-use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
@@ -30,6 +30,12 @@ pub const CLASSES: [(u32, &str); 8] = [
 ];
 /// Words of a class in the table of classes (shaders/shared/classes.wgsl).
 const CLASS_WORDS: u64 = 8;
+/// Places of a class's words: pixels that were counted, and those that were put on its list.
+const CLASS_TOTAL: u64 = 3;
+/// See [`CLASS_TOTAL`].
+const CLASS_PLACED: u64 = 5;
+/// Place of the number of long lists among the words of [`LongWork`].
+const LIST_COUNT: u64 = 7;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
 /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
@@ -260,7 +266,10 @@ impl Blender {
         recorder.fill("abuffer/clear", classes, 0)?;
         recorder.run(&Classify { offsets, classes }, &run)?;
         recorder.run(&Groups { classes }, &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
-        recorder.run(&Order { offsets, classes, pixels }, &run)
+        recorder.run(&Order { offsets, classes, pixels }, &run)?;
+        let words = |place: u64| classes.skip(place).first(CLASS_WORDS * CLASSES.len() as u64 + 1);
+        let (placed, counted) = (words(CLASS_PLACED), words(CLASS_TOTAL));
+        recorder.agree_every(CLASS_WORDS as u32, "abuffer/order", "class", placed, Expected::Words(counted))
     }
 
     /// Records the work lists of runs and of long lists.
@@ -271,6 +280,9 @@ impl Blender {
         recorder.fill("abuffer/clear", work, 0)?;
         let over_long = self.over_class(CLASSES.len(), band).variant(class_variant());
         recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, &over_long)?;
+        let listed = work.cast().skip(LIST_COUNT).first(1);
+        let long = classes.skip(CLASS_WORDS * CLASSES.len() as u64 + CLASS_TOTAL).first(1);
+        recorder.agree("abuffer/split", "number of long lists", listed, Expected::Words(long))?;
         recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))
     }
 

@@ -562,6 +562,7 @@ impl Renderer {
 
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
+        frame.check()?;
         let window = [0, 0, frame.size[0], frame.size[1]];
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
         let walker = self.walker(discs.raster, window)?;
@@ -597,6 +598,7 @@ impl Renderer {
 
     /// What the cost of a frame of discs depends on, from projecting alone.
     pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Load, Error> {
+        frame.check()?;
         let [width, height] = frame.size;
         let stats = self.project(cloud, frame, [0, 0, width, height], &mut Timeline::default())?;
         let splats = stats.iter().map(|s| u64::from(s.visible)).sum();
