@@ -3,19 +3,18 @@
 #import tile_gather
 @group(0) @binding(4) var<storage, read_write> counts: array<u32>;
 
-#each held var<private> count{held}: u32;
-
-fn begin(i: u32, pixel: vec2<u32>) {
+fn begin(pixel: vec2<u32>) -> u32 {
     let p = band_pixel(pixel);
-    let before = select(0u, counts[min(p, arrayLength(&counts) - 1u)], push.segment > 0u);
-#each held     if i == {held}u { count{held} = before; }
+    return select(0u, counts[min(p, arrayLength(&counts) - 1u)], push.segment > 0u);
 }
 
-fn visit(i: u32, hit: bool, rank: u32) {
-#each held     if i == {held}u { count{held} += select(0u, 1u, hit); }
+fn visit(count: u32, hit: bool, rank: u32) -> u32 {
+    return count + select(0u, 1u, hit);
 }
 
-fn end_pixel(i: u32, pixel: vec2<u32>) {
+fn end_pixel(count: u32, pixel: vec2<u32>) {
     let p = band_pixel(pixel);
-#each held     if i == {held}u && p < arrayLength(&counts) { counts[p] = count{held}; }
+    if p < arrayLength(&counts) {
+        counts[p] = count;
+    }
 }

@@ -6,20 +6,24 @@
 @group(0) @binding(5) var<storage, read_write> ranks: array<u32>;
 
 // The next slot of a pixel, NOTHING outside the band.
-#each held var<private> slot{held}: u32;
-
-fn begin(i: u32, pixel: vec2<u32>) {
+fn begin(pixel: vec2<u32>) -> u32 {
     let p = band_pixel(pixel);
     let first = cursors[min(p, arrayLength(&cursors) - 1u)] - push.first_fragment;
-#each held     if i == {held}u { slot{held} = select(first, 0xffffffffu, p == 0xffffffffu); }
+    return select(first, 0xffffffffu, p == 0xffffffffu);
 }
 
-fn visit(i: u32, hit: bool, rank: u32) {
+fn visit(slot: u32, hit: bool, rank: u32) -> u32 {
     // Both passes run the same test on the same numbers; should a driver ever disagree with itself, nothing is written outside.
-#each held     if i == {held}u && hit && slot{held} < arrayLength(&ranks) { ranks[slot{held}] = rank; slot{held} += 1u; }
+    if hit && slot < arrayLength(&ranks) {
+        ranks[slot] = rank;
+        return slot + 1u;
+    }
+    return slot;
 }
 
-fn end_pixel(i: u32, pixel: vec2<u32>) {
+fn end_pixel(slot: u32, pixel: vec2<u32>) {
     let p = band_pixel(pixel);
-#each held     if i == {held}u && p < arrayLength(&cursors) { cursors[p] = slot{held} + push.first_fragment; }
+    if p < arrayLength(&cursors) {
+        cursors[p] = slot + push.first_fragment;
+    }
 }

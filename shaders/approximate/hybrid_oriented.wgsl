@@ -39,8 +39,10 @@ struct Slots {
 #each slot     slot{slot}: Slot,
 }
 
-#each held var<private> state{held}: State;
-#each held var<private> slots{held}: Slots;
+struct Held {
+    state: State,
+    slots: Slots,
+}
 
 fn before(a: Rank, b: Rank) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
@@ -68,27 +70,24 @@ fn keep_slots(p: u32, s: Slots) {
 #each slot     slots[first + 2u + 2u * {slot}u] = bitcast<vec4<u32>>(s.slot{slot}.color);
 }
 
-fn begin(i: u32, pixel: vec2<u32>) {
-    var state = empty_state();
-    var s = empty_slots();
+fn begin(pixel: vec2<u32>) -> Held {
+    var held = Held(empty_state(), empty_slots());
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         if LATER != 0u {
-            state = kept_state(p);
-            s = kept_slots(p);
+            held = Held(kept_state(p), kept_slots(p));
         } else if BEHIND != 0u {
-            state.front = image[p];
-            state.key = depth_key(depths[p]);
-            s.last = lasts[p];
+            held.state.front = image[p];
+            held.state.key = depth_key(depths[p]);
+            held.slots.last = lasts[p];
         }
     }
-#each held     if i == {held}u { state{held} = state; slots{held} = s; }
+    return held;
 }
 
-fn visit(i: u32, pixel: vec2<u32>, f: Fragment) {
-    var state: State;
-    var s: Slots;
-#each held     if i == {held}u { state = state{held}; s = slots{held}; }
+fn visit(before_it: Held, f: Fragment) -> Held {
+    var state = before_it.state;
+    var s = before_it.slots;
     let rank = Rank(f.depth_key, f.index);
     // The first round has no last fragment.
     let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
@@ -100,16 +99,15 @@ fn visit(i: u32, pixel: vec2<u32>, f: Fragment) {
         state.coverage = covered(state.coverage, carried.color.a);
     }
     state.key = nearer(state.key, f);
-#each held     if i == {held}u { state{held} = state; slots{held} = s; }
+    return Held(state, s);
 }
 
-fn finish(i: u32, pixel: vec2<u32>) {
-    var state: State;
-    var s: Slots;
-#each held     if i == {held}u { state = state{held}; s = slots{held}; }
+fn finish(held: Held, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }
+    let state = held.state;
+    let s = held.slots;
     let p = window_index(pixel, view.window);
     if KEPT != 0u {
         keep_slots(p, s);

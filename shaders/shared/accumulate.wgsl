@@ -2,27 +2,22 @@
 // leave as it is, and result(state), premultiplied color and A. It says of its push constants what shared/tile_fold wants.
 #import tile_state
 
-#each held var<private> state{held}: State;
+alias Held = State;
 
-fn begin(i: u32, pixel: vec2<u32>) {
-    var state = empty_state();
+fn begin(pixel: vec2<u32>) -> Held {
     if LATER != 0u && all(pixel < view.window.zw) {
-        state = kept_state(window_index(pixel, view.window));
+        return kept_state(window_index(pixel, view.window));
     }
-#each held     if i == {held}u { state{held} = state; }
+    return empty_state();
 }
 
-fn visit(i: u32, pixel: vec2<u32>, fragment: Fragment) {
-    var state: State;
-#each held     if i == {held}u { state = state{held}; }
-    state = add(state, fragment);
+fn visit(before: Held, fragment: Fragment) -> Held {
+    var state = add(before, fragment);
     state.key = nearer(state.key, fragment);
-#each held     if i == {held}u { state{held} = state; }
+    return state;
 }
 
-fn finish(i: u32, pixel: vec2<u32>) {
-    var state: State;
-#each held     if i == {held}u { state = state{held}; }
+fn finish(state: Held, pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         leave(window_index(pixel, view.window), state, result(state));
     }

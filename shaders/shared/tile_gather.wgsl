@@ -1,6 +1,7 @@
 // Collects fragments tile by tile: one subgroup per tile goes through the tile's flat discs in order of depth. Nobody else
-// touches its pixels, so that there are no atomics, and each pixel's fragments come in the order of blending. The stage
-// defines begin(i, pixel), visit(i, hit, rank) and end_pixel(i, pixel) for the i-th pixel that an invocation holds.
+// touches its pixels, so that there are no atomics, and each pixel's fragments come in the order of blending. An
+// invocation holds one number of each of its pixels; the stage defines begin(pixel), visit(number, hit, rank), which both return
+// it, and end_pixel(number, pixel).
 #import blocks
 #import dispatch
 
@@ -34,6 +35,8 @@ fn band_pixel(pixel: vec2<u32>) -> u32 {
     return select(0xffffffffu, p, inside);
 }
 
+#each held var<private> number{held}: u32;
+
 fn over_block(block: u32, hits: u32, splat: Splat, rank: u32, corner: vec2<u32>, lane: u32) {
     var left = hits;
     loop {
@@ -46,7 +49,7 @@ fn over_block(block: u32, hits: u32, splat: Splat, rank: u32, corner: vec2<u32>,
         let r = subgroupShuffle(rank, k);
         let flat = Tilt(vec4<f32>(0.0));
         let any = left != 0u;
-#each held         if {held}u / HELD == block { visit({held}u, any && cover(s, flat, corner + place(lane, {held}u), view).hit, r); }
+#each held         if {held}u / HELD == block { number{held} = visit(number{held}, any && cover(s, flat, corner + place(lane, {held}u), view).hit, r); }
         left &= left - 1u;
         if left == 0u {
             break;
@@ -72,7 +75,7 @@ fn main(
         return;
     }
     let corner = view.window.xy + vec2<u32>(tile % push.columns, tile / push.columns) * TILE_SIDE;
-#each held     begin({held}u, corner + place(lane, {held}u));
+#each held     number{held} = begin(corner + place(lane, {held}u));
     for (var next = start; next < end; next += SUBGROUP) {
         let present = next + lane < end;
         let rank = entries[min(next + lane, end - 1u)];
@@ -81,5 +84,5 @@ fn main(
 #each block         let hits{block} = subgroupBallot(present && touches(splat, corner + block_corner({block}u))).x;
 #each block         over_block({block}u, hits{block}, splat, rank, corner, lane);
     }
-#each held     end_pixel({held}u, corner + place(lane, {held}u));
+#each held     end_pixel(number{held}, corner + place(lane, {held}u));
 }
