@@ -165,11 +165,12 @@ fn the_same_bytes_however_the_work_is_cut() {
         otherwise(device, &all, &mut wrong);
         wrong.assert_none();
     });
-    // Points in chunks, arrays in slices, images in windows.
-    with_device_that_binds(Some(64 << 10), |device| {
+    // Points in chunks, arrays in slices, images in windows: one array of 4306 points' vectors just fits. Where points are
+    // streamed, as those of the crowd are above, an upload of 65 536 must.
+    with_device_that_binds(Some(72 << 10), |device| {
         let mut wrong = Wrong::default();
-        for known in &all {
-            wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 64 KiB");
+        for known in all.iter().filter(|known| known.arranged.points().len() <= 65_536) {
+            wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 72 KiB");
         }
         wrong.assert_none();
     });
