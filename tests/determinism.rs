@@ -5,6 +5,8 @@
 
 mod common;
 
+use std::collections::HashSet;
+
 use common::{with_device, with_device_that_binds};
 use pellucid::check::{self, Follows, Subject};
 use pellucid::gpu::Device;
@@ -165,12 +167,12 @@ fn the_same_bytes_however_the_work_is_cut() {
         otherwise(device, &all, &mut wrong);
         wrong.assert_none();
     });
-    // Points in chunks, arrays in slices, images in windows: one array of 4306 points' vectors just fits. Where points are
+    // Arrays in slices, images in windows: chunks of points have at least 4096, of 20 bytes each. Where points are
     // streamed, as those of the crowd are above, an upload of 65 536 must.
-    with_device_that_binds(Some(72 << 10), |device| {
+    with_device_that_binds(Some(100_000), |device| {
         let mut wrong = Wrong::default();
         for known in all.iter().filter(|known| known.arranged.points().len() <= 65_536) {
-            wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 72 KiB");
+            wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 100 000 bytes");
         }
         wrong.assert_none();
     });
@@ -209,7 +211,7 @@ fn otherwise(device: &Device, all: &[Known], wrong: &mut Wrong) {
     }
 }
 
-/// What `auto` finds cheaper on a device depends on times. Which it takes does not show in lists of up to 256 fragments. Longer ones
+/// What `auto` finds cheaper on a device depends on times. Which it takes does not show but in tiles with long lists: those
 /// are composed in runs of 256 by one, in runs over a tile's splats by the other: another order of the same roundings.
 #[test]
 fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
@@ -225,20 +227,24 @@ fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
         };
         let (mut short, mut long) = (0, 0);
         assert_eq!((&sorted.depth, &sorted.fragments), (&abuffer.depth, &abuffer.fragments));
-        for (pixel, length) in abuffer.fragments.iter().flatten().enumerate() {
+        // The knot with the long lists lies in a tile of more than 2048 splats, all of whose pixels are composed in runs.
+        let lengths: Vec<u32> = abuffer.fragments.iter().flatten().copied().collect();
+        let tile = |pixel: usize| [pixel % abuffer.width as usize / 16, pixel / abuffer.width as usize / 16];
+        let crowded: HashSet<_> = (0..lengths.len()).filter(|pixel| lengths[*pixel] > 256).map(tile).collect();
+        for (pixel, length) in lengths.iter().enumerate() {
             let (a, b) = (sorted.rgba[pixel], abuffer.rgba[pixel]);
-            if *length <= 256 {
+            if !crowded.contains(&tile(pixel)) {
                 assert_eq!(a.map(f32::to_bits), b.map(f32::to_bits), "pixel {pixel}, {length} fragments");
                 short += 1;
                 continue;
             }
             // Of each fragment a difference, two products and a sum of values up to 1, rounded in either order.
-            let bound = 2.0 * 4.0 * f64::from(*length) * f64::from(f32::EPSILON) / 2.0;
+            let bound = 2.0 * 4.0 * f64::from(*length + 1) * f64::from(f32::EPSILON) / 2.0;
             let apart = a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
             assert!(apart <= bound, "pixel {pixel}, {length} fragments: {apart}");
             long += 1;
         }
-        assert!(short > 2000 && long > 5, "{short} {long}");
+        assert!(short > 1200 && long > 100, "{short} {long}");
     });
 }
 
