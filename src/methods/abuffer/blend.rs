@@ -306,8 +306,8 @@ impl Blender {
         Ok(unmerged)
     }
 
-    /// Records long lists sorted where they lie, each by one invocation: blocks, then merges level by level, in as few runs
-    /// as the loops allow; returns where the sorted lists are.
+    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one invocation,
+    /// in as few dispatches as the loops allow; returns where the sorted lists are.
     fn record_in_place_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -315,8 +315,7 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        let blocks = self.over_lists().variant(sort_blocks_variant());
-        recorder.run(&SortBlocks { work, runs, lists, fragments }, &blocks)?;
+        recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
         for push in in_place_merges(longest) {
             recorder.run(&MergeInPlace { work, runs, lists, fragments }, &self.over_lists().push(&push))?;
         }
@@ -353,7 +352,7 @@ pub fn in_place_length() -> u32 {
 fn in_place_merges(longest: u32) -> Vec<InPlacePush> {
     let at_once = (MOST_ITERATIONS / step_iterations(longest)).max(1);
     let mut found = Vec::new();
-    for width_log in BLOCK_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
+    for width_log in LOCAL_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
         // A level takes one step more than the logarithm of its width.
         for first in (0..=width_log).step_by(at_once as usize) {
             let distance_log = width_log - first;
@@ -394,11 +393,6 @@ pub fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain(), LOCAL_LENGTH)
 }
 
-/// The variant of `abuffer/sort-blocks`.
-pub fn sort_blocks_variant() -> Variant {
-    Variant::plain().constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
-}
-
 /// What shaders/shared/local_sort.wgsl needs.
 fn local_sort(variant: Variant, capacity: u32) -> Variant {
     variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
@@ -431,7 +425,7 @@ pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
     let (fragments, _) = between(LOCAL_LENGTH, u32::MAX);
     let longest = lengths.iter().copied().max().unwrap_or(0);
     match name {
-        "abuffer/sort-runs" | "abuffer/sort-blocks" => Some(fragments * 2 * FRAGMENT_BYTES),
+        "abuffer/sort-runs" => Some(fragments * 2 * FRAGMENT_BYTES),
         // Every merge moves all long lists, whether they are done already or not.
         "abuffer/merge" => {
             let merges = u64::from(longest.div_ceil(LOCAL_LENGTH).next_power_of_two().ilog2());
@@ -472,7 +466,7 @@ mod tests {
             let merges = in_place_merges(longest);
             let steps: Vec<_> =
                 merges.iter().flat_map(|m| (0..m.steps).map(|s| (m.width_log, m.distance_log - s))).collect();
-            let widths = 5..u32::BITS - (longest - 1).leading_zeros();
+            let widths = 8..u32::BITS - (longest - 1).leading_zeros();
             assert_eq!(steps, widths.flat_map(|w| (0..=w).rev().map(move |d| (w, d))).collect::<Vec<_>>(), "{longest}");
             assert!(merges.iter().all(|m| m.steps * step_iterations(longest) <= MOST_ITERATIONS), "{longest}");
         }

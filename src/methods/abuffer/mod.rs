@@ -13,7 +13,7 @@ mod passes;
 
 pub use blend::{
     CLASSES, class_variant, in_place_length, is_network, least_bytes, lower_bound, ordered_variant, record_nothing,
-    resolve_variant, sort_blocks_variant, sort_runs_variant,
+    resolve_variant, sort_runs_variant,
 };
 pub use passes::*;
 

@@ -554,7 +554,7 @@ impl Renderer {
                     self.target.deliver(window, image);
                     self.deliver_counts(frame, window, image)?;
                 }
-                Outcome::Overflow => split(window, &mut windows)?,
+                Outcome::Overflow => split(frame, window, &mut windows)?,
             }
         }
         Ok(facts)
@@ -590,7 +590,7 @@ impl Renderer {
         while let Some(window) = windows.pop() {
             let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
             if let Outcome::Overflow = self.work(cloud, frame, &mut work)? {
-                split(window, &mut windows)?;
+                split(frame, window, &mut windows)?;
             }
         }
         Ok(facts)
@@ -960,7 +960,12 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> 
         }
         _ => splat::PIXEL_BYTES,
     };
-    Ok(last_first(bands::windows(frame.size, budget.window_pixels(pixel_bytes))))
+    let capacity = budget.window_pixels(pixel_bytes);
+    if let Method::Sorted(_) = frame.method {
+        // Splats of a tile are composed in runs of 2048: another tile would group them in another way.
+        return Ok(last_first(bands::tile_windows(frame.size, capacity)));
+    }
+    Ok(last_first(bands::windows(frame.size, capacity)))
 }
 
 fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
@@ -969,8 +974,9 @@ fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
 }
 
 /// Puts the halves of a window that overflowed back on the list.
-fn split(window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
-    let [a, b] = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+fn split(frame: &Frame, window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
+    let halves = if matches!(frame.method, Method::Sorted(_)) { bands::tile_halves } else { bands::halves };
+    let [a, b] = halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
     windows.extend([b, a]);
     Ok(())
 }
