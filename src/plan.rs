@@ -207,12 +207,11 @@ const DRAWN: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stoc
 /// The passes that sort pixels by the length of their lists.
 const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
 /// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
-const LONG: [(&str, Option<LongLists>); 8] = [
+const LONG: [(&str, Option<LongLists>); 7] = [
     ("abuffer/split", None),
     ("abuffer/run-groups", None),
-    ("abuffer/sort-runs", Some(LongLists::Merge)),
+    ("abuffer/sort-runs", None),
     ("abuffer/merge", Some(LongLists::Merge)),
-    ("abuffer/sort-blocks", Some(LongLists::InPlace)),
     ("abuffer/merge-in-place", Some(LongLists::InPlace)),
     ("abuffer/blend-runs", None),
     ("abuffer/combine", None),

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use common::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 use glam::Vec3;
-use pellucid::gpu::{Device, DeviceOptions, Error, GpuType, Memory, devices};
-use pellucid::passes::scan::Scan;
+use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
+use pellucid::passes::scan::{self, Scan, ScanPush};
 use pellucid::scene::{Discs, Method};
 
 /// Uploads, reads all and a part.
@@ -280,5 +280,95 @@ fn a_validation_message_is_an_error() {
         let error = device.check_validation().expect_err("a message");
         assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
         assert!(error.to_string().contains("00117"), "{error}");
+    });
+}
+
+/// A prefix sum of `count` words into a buffer, or into the front of one of `room` + 64 words, where only `room` fit.
+fn spread(device: &Device, count: u32, room: u64, within: bool) -> Result<(), Error> {
+    let values = device.upload("values", &vec![1u32; count as usize]).expect("fits");
+    let offsets = device.upload("offsets", &vec![3u32; room as usize + if within { 64 } else { 0 }]).expect("fits");
+    let overflow = device.upload("flag", &[0u32]).expect("fits");
+    let [_, top] = scan::variants();
+    let run = Run::new(Dispatch::Invocations(1)).variant(top).push(&ScanPush { count });
+    let (values, offsets) = (values.all(), offsets.slice(0, room));
+    let mut recorder = device.recorder()?;
+    recorder.run(&scan::Spread { values, starts: values, offsets, overflow: overflow.all() }, &run)?;
+    recorder.submit("a scan").map(drop)
+}
+
+#[test]
+fn one_element_too_far_is_found_with_and_without_robust_access() {
+    with_device(|_| {
+        for (robust, within) in [(false, false), (false, true), (true, false), (true, true)] {
+            let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
+            let device = Device::open(&options).expect("a device");
+            for count in [40, 48] {
+                spread(&device, count, 48, within).expect("within bounds");
+            }
+            let error = spread(&device, 49, 48, within).expect_err("49 words in a place for 48").to_string();
+            // The 49th prefix sum of ones.
+            let wanted =
+                "scan/spread: something was written 0 bytes behind the end of offsets (bound as offsets): 0x00000030";
+            assert_eq!(error, wanted);
+        }
+    });
+}
+
+#[test]
+fn what_a_pass_may_write_behind_another_range_is_no_error() {
+    with_device(|device| {
+        let (values, flag) = (device.upload("values", &[1u32; 64]).unwrap(), device.upload("flag", &[0u32]).unwrap());
+        let offsets = device.upload("offsets", &[7u32; 128]).unwrap();
+        let [_, top] = scan::variants();
+        let run = Run::new(Dispatch::Invocations(1)).variant(top).push(&ScanPush { count: 64 });
+        let mut recorder = device.recorder().unwrap();
+        for offsets in [offsets.slice(0, 64), offsets.slice(64, 64)] {
+            let pass = scan::Spread { values: values.all(), starts: values.all(), offsets, overflow: flag.all() };
+            recorder.run(&pass, &run).unwrap();
+        }
+        recorder.submit("two halves").expect("each half is written by its own pass");
+        assert_eq!(offsets.read(0, 128).unwrap(), (0..64).chain(0..64).collect::<Vec<u32>>());
+    });
+}
+
+/// GPU-assisted validation sees what shaders do: CONTRIBUTING.md says how it is run.
+#[test]
+#[ignore = "needs validation layers that instrument shaders: 1.4.309 does, Debian 12's 1.3.239 does not"]
+fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
+    with_device(|_| {
+        let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
+        let device = Device::open(&options).expect("a device");
+        spread(&device, 48, 48, false).expect("within bounds");
+        assert_eq!(device.validation_messages(), Vec::<String>::new());
+        // Far behind the guard too.
+        let _ = spread(&device, 1000, 48, false);
+        let messages = device.validation_messages();
+        let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
+        assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
+    });
+}
+
+#[test]
+fn dispatches_and_images_beyond_what_a_device_has_are_refused_before_they_are_recorded() {
+    with_device(|device| {
+        let recorder = device.recorder().expect("a recorder");
+        let refused = |dispatch| match recorder.arguments("absurd", dispatch) {
+            Err(e @ Error::TooLarge { .. }) => assert!(e.to_string().starts_with("absurd needs"), "{e}"),
+            other => panic!("{other:?}"),
+        };
+        // Numbers of invocations have 32 bits: beyond, the first ones would run twice.
+        for count in [(1 << 32) + 1, 1 << 40, u64::MAX] {
+            refused(Dispatch::Invocations(count));
+        }
+        refused(Dispatch::Groups(u64::MAX));
+        recorder.arguments("large", Dispatch::Invocations(1 << 31)).expect("room for 2^31");
+        let [width, height] = device.limits().framebuffer;
+        for size in [[0, 1], [1, 0], [width + 1, 1], [1, height + 1], [u32::MAX; 2]] {
+            match device.attachment("absurd", Format::Number, 1, size).map(drop) {
+                Err(e @ Error::Framebuffer { .. }) => assert!(e.to_string().starts_with("absurd: "), "{e}"),
+                other => panic!("{size:?}: {other:?}"),
+            }
+        }
+        drop(recorder);
     });
 }

@@ -3,8 +3,9 @@
 mod common;
 
 use common::{random, with_device};
-use pellucid::gpu::{Device, Memory};
-use pellucid::passes::radix::Radix;
+use pellucid::gpu::{Device, DeviceOptions, Dispatch, Memory, Run};
+use pellucid::passes::radix::{self, Radix, RadixPush};
+use pellucid::passes::scan::Scan;
 use rand::RngExt;
 
 fn sorted(device: &Device, keys: &[u32], bits: u32) -> Vec<[u32; 2]> {
@@ -36,6 +37,47 @@ fn any_length_and_content_in_order_of_arrival() {
                     wanted.sort_by_key(|[key, _]| *key);
                     assert!(sorted(device, &keys, bits) == wanted, "{n} records of {bits} bits");
                 }
+            }
+        }
+    });
+}
+
+/// One digit of one run of 1000 records counted, and `stored` of them scattered: what the comparison of the two says.
+fn scattered(device: &Device, stored: u32) -> Result<(), String> {
+    let (count, run_length) = (1000u32, 2048);
+    let records: Vec<[u32; 2]> = (0..2 * count).map(|i| [i * 7 % 16, i]).collect();
+    let records = device.upload("records", &records).expect("fits");
+    let moved = device.buffer("moved", u64::from(count), Memory::Device).expect("fits");
+    let counts = device.upload("digit counts", &[0u32; 16]).expect("fits");
+    let cursors = device.buffer("digit cursors", 16, Memory::Device).expect("fits");
+    let overflow = device.upload("flag", &[0u32]).expect("fits");
+    let scan = Scan::new(device, 16).expect("fits");
+    let run = |count| Run::new(Dispatch::Groups(1)).push(&RadixPush { count, runs: 1, run_length, shift: 0, mask: 15 });
+    let variant = radix::scatter_variant(device.info().subgroup.expect("a device with subgroups of 8 to 32"));
+    let (records, counts, cursors) = (records.all(), counts.all(), cursors.all());
+    let mut recorder = device.recorder().expect("a recorder");
+    recorder.run(&radix::Count { records, counts }, &run(count)).expect("recorded");
+    scan.record(&mut recorder, counts, cursors, overflow.all()).expect("recorded");
+    let scatter = radix::Scatter { records, cursors, moved: moved.all() };
+    recorder.run(&scatter, &run(stored).variant(variant)).expect("recorded");
+    radix::agree(&mut recorder, counts, cursors, count).expect("recorded");
+    recorder.submit("radix").map(drop).map_err(|e| e.to_string())
+}
+
+#[test]
+fn one_record_more_or_less_than_counted_is_found_with_and_without_robust_access() {
+    with_device(|_| {
+        for robust in [false, true] {
+            let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
+            let device = Device::open(&options).expect("a device");
+            scattered(&device, 1000).expect("all that were counted");
+            // Digits are 7 i mod 16: record 999 has digit 1, record 1000 has 8. Of 1000 records those of i mod 16 < 8 are 63 a digit,
+            // the others 62, so that digits 0 and 1 have 126 together, and 0 to 8 some 4 · 62 + 5 · 63.
+            for (stored, wanted) in [(999, "1 ends at 125 instead of 126"), (1001, "8 ends at 564 instead of 563")] {
+                let error = scattered(&device, stored).expect_err("one more or less");
+                let wanted =
+                    format!("radix/scatter did not store what was counted: digit of a run {wanted} (2 of 15 differ)");
+                assert_eq!(error, wanted);
             }
         }
     });

@@ -1,7 +1,7 @@
 //! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
 
 use pellucid::gpu::shader::{self, WORKGROUP};
-use pellucid::gpu::{Pass, Variant};
+use pellucid::gpu::{Agree, Pass, Variant};
 use pellucid::methods::approximate::{OneRun, Round};
 use pellucid::methods::image_space::{Filter, Listed};
 use pellucid::methods::soft::express::{self, Way};
@@ -233,12 +233,12 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::RunGroups>(&mut seen, [Variant::plain()]);
     check::<abuffer::SortRuns>(&mut seen, [abuffer::sort_runs_variant()]);
     check::<abuffer::Merge>(&mut seen, [Variant::plain()]);
-    check::<abuffer::SortBlocks>(&mut seen, [abuffer::sort_blocks_variant()]);
     check::<abuffer::MergeInPlace>(&mut seen, [Variant::plain()]);
     check::<abuffer::BlendRuns>(&mut seen, compose_variants());
     check::<abuffer::Combine>(&mut seen, [Variant::plain()]);
     check::<linked_list::Store>(&mut seen, raster_variants());
-    check::<linked_list::Gather>(&mut seen, [linked_list::gather_variant()]);
+    check::<linked_list::Gather>(&mut seen, [false, true].map(linked_list::gather_variant));
+    check::<Agree>(&mut seen, [Variant::plain()]);
     check::<splat::Nearest>(&mut seen, relief_variants());
     check::<splat::NearestDepth>(&mut seen, relief_variants());
     check::<splat::NearestId>(&mut seen, relief_variants());
@@ -462,6 +462,72 @@ fn a_declaration_that_differs_from_its_shader_is_refused() {
         let message = result.expect_err(part);
         assert!(message.contains(part), "{message:?} should say {part:?}");
     }
+}
+
+/// What every driver computes in its own way, or in an order of its own, is written out in shared/elementary.wgsl. A sum of two
+/// products has no order, so that `dot` of two components may stay.
+#[test]
+fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
+    const OWN: &[&str] = &[
+        "exp",
+        "exp2",
+        "log",
+        "log2",
+        "pow",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "atan2",
+        "sinh",
+        "cosh",
+        "tanh",
+        "inverseSqrt",
+        "length",
+        "distance",
+        "normalize",
+        "reflect",
+        "refract",
+        "mix",
+        "smoothstep",
+        "fma",
+        "pack4x8unorm",
+        "pack4x8snorm",
+        "pack2x16unorm",
+        "pack2x16float",
+        "round",
+    ];
+    /// Calls of any of these in a line, without its comment.
+    fn calls(line: &str) -> Vec<&str> {
+        let code = line.split("//").next().unwrap_or_default();
+        let words = code.split('(').filter_map(|part| {
+            part.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().filter(|word| OWN.contains(word))
+        });
+        // Behind the last parenthesis comes no call.
+        words.take(code.matches('(').count()).collect()
+    }
+    assert_eq!(calls("let a = exp(-x) + my_log(y) / length3(v); // pow(x)"), ["exp"]);
+    assert_eq!(calls("fn f(length: f32) { return length; }"), Vec::<&str>::new());
+
+    let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder of shaders") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            files += 1;
+            let text = std::fs::read_to_string(&path).expect("a shader");
+            for (line, number) in text.lines().zip(1..) {
+                assert_eq!(calls(line), Vec::<&str>::new(), "{}, line {number}: {line}", path.display());
+            }
+        }
+    }
+    assert!(files > 100, "{files}");
 }
 
 #[test]

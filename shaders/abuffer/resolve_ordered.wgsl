@@ -2,6 +2,7 @@
 // can be seen. One invocation per pixel of the band. Lists of more than RUN_LENGTH are composed run by run, as those are that
 // must be sorted, so that both give the same bytes. A dispatch takes TAKEN splats; the next one goes on from the image.
 // Reference: reference::abuffer::composite.
+#import elementary
 #import splat
 #import stop
 #import long_list
@@ -42,7 +43,7 @@ fn color_of(rank: u32, pixel: vec2<u32>) -> vec4<f32> {
         let f = footprints[rank];
         let splat = Splat(bitcast<f32>(f.x), bitcast<f32>(f.y), f.z, 0.0, bitcast<f32>(f.w));
         let rho = cover(splat, Tilt(vec4<f32>(0.0)), pixel, view).rho;
-        color.a *= exp(-2.0 * rho * rho);
+        color.a *= gaussian(rho);
     }
     return color;
 }

@@ -33,8 +33,12 @@ fn main(
     let start = offsets[p] - push.first_fragment;
     let count = (n + RUN_LENGTH - 1u) / RUN_LENGTH;
     let first = atomicAdd(&work.run_count, count);
-    lists[atomicAdd(&work.list_count, 1u)] = LongList(p, first, count);
-    for (var k = 0u; k < count; k++) {
+    let list = atomicAdd(&work.list_count, 1u);
+    // The host took room for as many as the counts allow; should they ever be wrong, nothing is written outside.
+    if list < arrayLength(&lists) {
+        lists[list] = LongList(p, first, count);
+    }
+    for (var k = 0u; k < min(count, arrayLength(&runs) - min(first, arrayLength(&runs))); k++) {
         runs[first + k] = ListRun(start, n, k, p);
     }
 }

@@ -24,8 +24,10 @@ fn main(
         let i = point_at(min(next + lane, end - 1u));
         let drawn = next + lane < end && is_drawn(bounds[i]);
         let among = subgroupBallot(drawn).x;
-        if drawn {
-            records[rank + countOneBits(among & ((1u << lane) - 1u))] = vec2<u32>(0u, i);
+        let place = rank + countOneBits(among & ((1u << lane) - 1u));
+        // Both passes ask the same of the same points; should a driver ever disagree with itself, nothing is written outside.
+        if drawn && place < arrayLength(&records) {
+            records[place] = vec2<u32>(0u, i);
         }
         rank += countOneBits(among);
     }

@@ -19,6 +19,8 @@ struct Push {
 @group(0) @binding(4) var<storage, read_write> fragments: array<vec2<u32>>;
 var<immediate> push: Push;
 override STEP: u32 = 1u;
+// 1: each head becomes the number of nodes that its list had, or one more where not all were gathered: for debug builds.
+override COUNTED: u32 = 0u;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -30,20 +32,27 @@ fn main(
     if p >= push.band_end {
         return;
     }
-    let first = offsets[p] - push.first_fragment + push.done;
+    let start = offsets[p] - push.first_fragment;
+    let first = start + push.done;
     let end = min(offsets[p + 1u] - push.first_fragment, arrayLength(&fragments));
+    // The end of a list is beyond every node.
+    let count = min(arrayLength(&nodes), arrayLength(&links));
     if first >= end {
+        if COUNTED != 0u && push.done == 0u {
+            heads[p] = select(0u, 1u, heads[p] < count);
+        }
         return;
     }
     let last = min(first + STEP, end);
-    // The end of a list is beyond every node.
-    let count = min(arrayLength(&nodes), arrayLength(&links));
     var node = heads[p];
-    for (var slot = first; slot < last && node < count; slot++) {
+    var slot = first;
+    for (; slot < last && node < count; slot++) {
         fragments[slot] = nodes[node];
         node = links[node];
     }
     if last < end {
         heads[p] = node;
+    } else if COUNTED != 0u {
+        heads[p] = slot - start + select(0u, 1u, node < count);
     }
 }

@@ -1,4 +1,5 @@
 // Optical depths of soft spheres, in units of their radius, and what follows from them.
+#import elementary
 
 // At most: more is as opaque, and products with it stay finite.
 const MOST_DEPTH = 1e30;
@@ -31,7 +32,7 @@ fn integral(edge: f32, x0: f32, x1: f32) -> f32 {
     // a + root_a; squared over something tiny has the limit 0.
     let low = select(a + root_a, squared / (root_a - a), a < 0.0);
     let area = width * (root_b + a * (b + a) / (root_b + root_a));
-    return max(width - 0.5 * area - 0.5 * squared * log((b + root_b) / max(low, 1e-30)), 0.0);
+    return max(width - 0.5 * area - 0.5 * squared * logarithm((b + root_b) / max(low, 1e-30)), 0.0);
 }
 
 fn density(x: f32, half: f32, squared: f32) -> f32 {
@@ -43,21 +44,21 @@ fn opacity_of(depth: f32) -> f32 {
     let x = min(depth, 1.0);
     let series = x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0
         * (1.0 - x / 8.0 * (1.0 - x / 9.0))))))));
-    return select(1.0 - exp(-depth), series, depth < 0.5);
+    return select(1.0 - exponential(-depth), series, depth < 0.5);
 }
 
 // The inverse, from the opacity and from the transmittance, each precise where the other is not.
 fn depth_of(opacity: f32, transmittance: f32) -> f32 {
     // -ln(1 - x) x / (1 - (1 - x)): the rounding of 1 - x falls out.
     let rest = 1.0 - opacity;
-    let small = select(-log(rest) * (opacity / (1.0 - rest)), opacity, rest == 1.0);
-    let large = select(-log(transmittance), MOST_DEPTH, transmittance < 1e-37);
+    let small = select(-logarithm(rest) * (opacity / (1.0 - rest)), opacity, rest == 1.0);
+    let large = select(-logarithm(transmittance), MOST_DEPTH, transmittance < 1e-37);
     return select(large, small, opacity < 0.5);
 }
 
 // Optical depth of a whole chord under modulation (Eq. 22): `plain` is the model's, `peak` the opacity that stands for λ.
 fn modulated(plain: f32, edge: f32, peak: f32, w: f32) -> f32 {
     let opacity = peak * edge * (1.0 - w) + opacity_of(plain) * w;
-    let transmittance = (1.0 - peak * edge) * (1.0 - w) + exp(-plain) * w;
+    let transmittance = (1.0 - peak * edge) * (1.0 - w) + exponential(-plain) * w;
     return depth_of(opacity, transmittance);
 }

@@ -1,4 +1,5 @@
 // Reaching the splats of fragments while composing: color and opacity by index.
+#import elementary
 #import splat
 #import over
 
@@ -71,7 +72,7 @@ fn fragment_color(i: u32, pixel: vec2<u32>) -> vec4<f32> {
     var color = color_at(i);
     if FALLOFF == FALLOFF_GAUSSIAN {
         let rho = cover(splat_at(i), tilt_at(i), pixel, view).rho;
-        color.a *= exp(-2.0 * rho * rho);
+        color.a *= gaussian(rho);
     }
     return color;
 }

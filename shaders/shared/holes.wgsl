@@ -35,16 +35,14 @@ fn first_color(entry: Entry, x: i32, y: i32, which: u32) -> vec4<f32> {
     var rest = which;
     var best = vec4<f32>(0.0);
     var any_yet = false;
-    loop {
+    // The condition stands at the head: where it ends a turn, one driver goes on computing `best` for pixels that are done.
+    while rest != 0u {
         let k = i32(firstTrailingBit(rest));
         let color = color_at(entry, x + k % 3 - 1, y + k / 3 - 1);
         let take = !any_yet || color_before(color, best);
         best = select(best, color, take);
         any_yet = true;
         rest &= rest - 1u;
-        if rest == 0u {
-            break;
-        }
     }
     return best;
 }

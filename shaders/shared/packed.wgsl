@@ -3,7 +3,8 @@
 #import sphere
 
 fn pack_record(chord: Chord, radius: f32, color: vec3<f32>, depth: f32) -> vec4<u32> {
-    let rgbd = pack4x8unorm(vec4<f32>(color, 1.0 - chord.edge));
+    let bytes = vec4<u32>(clamp(vec4<f32>(color, 1.0 - chord.edge), vec4<f32>(0.0), vec4<f32>(1.0)) * 255.0 + 0.5);
+    let rgbd = bytes.x | (bytes.y << 8u) | (bytes.z << 16u) | (bytes.w << 24u);
     return vec4<u32>(rgbd, bitcast<u32>(depth), bitcast<u32>(radius), bitcast<u32>(chord.middle + depth_origin()));
 }
 

@@ -8,6 +8,7 @@
 //     finish(pixel)            after the last splat of the run
 // pixels outside the window included. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what earlier ones
 // left, wherever the stage keeps that.
+#import elementary
 #import blocks
 #import dispatch
 
@@ -47,7 +48,7 @@ fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pi
     let coverage = cover(splat, tilt, pixel, view);
     var c = color;
     if FALLOFF == FALLOFF_GAUSSIAN {
-        c.a *= exp(-2.0 * coverage.rho * coverage.rho);
+        c.a *= gaussian(coverage.rho);
     }
     c.a = select(0.0, c.a, coverage.hit);
     let key = select(record.x + push.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);

@@ -1,4 +1,5 @@
 // Colors of points as they are blended: shading, encoding.
+#import elementary
 #import camera
 
 const SHADING_NONE = 0u;
@@ -11,7 +12,8 @@ override LIT: u32 = 0u;
 override ENCODED: u32 = 0u;
 
 fn encode(c: vec3<f32>) -> vec3<f32> {
-    let curve = 1.055 * pow(max(c, vec3<f32>(0.0)), vec3<f32>(1.0 / 2.4)) - 0.055;
+    let root = vec3<f32>(power(c.x, 1.0 / 2.4), power(c.y, 1.0 / 2.4), power(c.z, 1.0 / 2.4));
+    let curve = 1.055 * root - 0.055;
     return select(curve, c * 12.92, c <= vec3<f32>(0.0031308));
 }
 
@@ -20,21 +22,21 @@ fn encode(c: vec3<f32>) -> vec3<f32> {
 fn shade(color: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, m: f32) -> vec3<f32> {
     var to_eye = vec3<f32>(0.0, 0.0, -1.0);
     if view.orthographic == 0u {
-        to_eye = normalize(-position);
+        to_eye = unit3(-position);
     }
-    let n = select(-normal, normal, dot(normal, to_eye) >= 0.0);
+    let n = select(-normal, normal, dot3(normal, to_eye) >= 0.0);
     var l = view.light.xyz;
     if view.light.w != 0.0 {
         let toward = view.light.xyz - position;
-        let reach = length(toward);
+        let reach = length3(toward);
         l = select(to_eye, toward / reach, reach > 0.0);
     }
-    let facing = dot(n, l);
+    let facing = dot3(n, l);
     var shaded = color * (view.material.x + m * (view.material.y * max(facing, 0.0)));
     if SHADING == SHADING_PHONG && facing > 0.0 {
-        let along = max(dot(2.0 * facing * n - l, to_eye), 0.0);
+        let along = max(dot3(2.0 * facing * n - l, to_eye), 0.0);
         // pow(0, 0) is 1 by definition here.
-        shaded += vec3<f32>(m * (view.material.z * select(pow(along, view.material.w), 1.0, view.material.w == 0.0)));
+        shaded += vec3<f32>(m * (view.material.z * select(power(along, view.material.w), 1.0, view.material.w == 0.0)));
     }
     return shaded;
 }
@@ -55,7 +57,7 @@ fn lit_color(linear: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, m: f32) 
     var color = linear;
     if SHADING != SHADING_NONE {
         if any(normal != vec3<f32>(0.0)) {
-            color = shade(color, position, normalize(normal), select(1.0, m, LIT != 0u));
+            color = shade(color, position, unit3(normal), select(1.0, m, LIT != 0u));
         } else if LIT != 0u {
             color = shadowed(color, m);
         }

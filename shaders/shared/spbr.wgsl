@@ -1,6 +1,7 @@
 // What the passes of stochastic point-based rendering share: bindings, where a slot's point shows and how large, and
 // the key by which the nearest of an ensemble is found. A pass defines visit(place of a point, its plane, depth key,
 // pixel of the window); a walker (spbr_slots, spbr_large) calls it for each pixel that a drawn point covers.
+#import elementary
 #import locate
 #import splat
 #import dispatch
@@ -166,7 +167,7 @@ struct Hit {
 fn log_rest(x: f32) -> f32 {
     let rest = 1.0 - x;
     let moved = rest - 1.0;
-    return select(log(rest) * (-x / moved), -x, moved == 0.0);
+    return select(logarithm(rest) * (-x / moved), -x, moved == 0.0);
 }
 
 // Pixels that a point asks for at its depth, `from_eye` being its place relative to the eye in the world's axes.
@@ -190,10 +191,6 @@ fn area_of(point: u32, from_eye: vec3<f32>, depth: f32) -> f32 {
         area *= select(1.0, min(across / length, 1.0), length > 0.0);
     }
     return area;
-}
-
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // Whether a point that asks for less than a pixel gets it in an ensemble: Tanaka et al. leave out points at random.

@@ -12,8 +12,11 @@ fn cover_pixels(slot: Slot, hit: Hit) {
     let size = vec2<u32>(hit.high - hit.low);
     if size.x * size.y > SMALL {
         let place = 2u * atomicAdd(&counters[0].large, 1u);
-        large[place] = vec4<u32>(slot.point, slot.plane, hit.key, 0u);
-        large[place + 1u] = vec4<u32>(vec2<u32>(hit.low), vec2<u32>(hit.high));
+        // The host took room for every slot, or said that there is no such square.
+        if place + 1u < arrayLength(&large) {
+            large[place] = vec4<u32>(slot.point, slot.plane, hit.key, 0u);
+            large[place + 1u] = vec4<u32>(vec2<u32>(hit.low), vec2<u32>(hit.high));
+        }
         return;
     }
     var row = window_index(vec2<u32>(hit.low), view.window);

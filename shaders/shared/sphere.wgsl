@@ -1,6 +1,7 @@
 // A soft sphere and the ray through a pixel's centre. Everything is relative to the sphere's centre, so that nothing cancels.
 // The stage has `view`. A splat's radius is here in world units, as SHAPE_SPHERE asks for, and depths are relative to
 // depth_origin(), so that neither far spheres that overlap nor thin segments between them lose digits.
+#import elementary
 #import splat
 #import twofloat
 
@@ -26,7 +27,7 @@ fn ray_of(pixel: vec2<u32>) -> vec4<f32> {
     }
     let from_middle = vec2<f32>(pixel) + 0.5 - 0.5 * vec2<f32>(view.size);
     let v = vec3<f32>(from_middle / view.focal.x, 1.0);
-    let stretch = length(v);
+    let stretch = length3(v);
     return vec4<f32>(v / stretch, stretch);
 }
 
@@ -45,8 +46,8 @@ fn chord_of(splat: Splat, tilt: Tilt, pixel: vec2<u32>, ray: vec4<f32>) -> Chord
     }
     let unit = select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u) / view.focal.x;
     let from_center = vec3<f32>(offset_to(splat, pixel) * unit, 0.0);
-    let distance = length(cross(from_center, ray.xyz));
-    let middle = splat.depth - dot(from_center, ray.xyz) / ray.w;
+    let distance = length3(cross(from_center, ray.xyz));
+    let middle = splat.depth - dot3(from_center, ray.xyz) / ray.w;
     let edge = (splat.radius - distance) / splat.radius;
     // False for NaN too.
     let meets = edge > 0.0 && splat.radius > LEAST_RADIUS;

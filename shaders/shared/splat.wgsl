@@ -1,4 +1,5 @@
 // A projected splat and the pixels it covers: the one statement of the coverage rule.
+#import elementary
 #import view
 
 const SHAPE_DISC = 0u;
@@ -88,7 +89,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -
     }
     let t = along / facing;
     let from_center = vec3<f32>(o, 0.0) - ray * t;
-    let squared = dot(from_center, from_center);
+    let squared = dot3(from_center, from_center);
     let depth = splat.depth - unit * t;
     // An edge-on plane gives NaN or infinity, and the comparison is then false. A ray starts at the eye.
     if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth + view.eye_hi.w > 0.0) {

@@ -1,4 +1,5 @@
 // What the fragment shaders of stochastic transparency share: the splat of a quad (splat/quad.vert) in a pixel.
+#import elementary
 #import camera
 #import splat
 
@@ -40,7 +41,7 @@ fn quad_fragment(i: u32, pixel: vec2<u32>) -> QuadFragment {
     let coverage = cover(splats[i], tilt, pixel, view);
     var color = colors[i];
     if FALLOFF == FALLOFF_GAUSSIAN {
-        color.a *= exp(-2.0 * coverage.rho * coverage.rho);
+        color.a *= gaussian(coverage.rho);
     }
     color.a = select(0.0, color.a, coverage.hit);
     return QuadFragment(coverage.hit, color, depth_key(coverage.depth));

@@ -6,10 +6,14 @@ struct Sum {
     excess: vec4<f32>,
 }
 
+// Nothing changes nothing, not even how the excess is spread: which splats come by without covering a pixel depends on where
+// its tile lies.
 fn plus(sum: Sum, term: vec4<f32>) -> Sum {
     let wanted = term - sum.excess;
     let total = sum.total + wanted;
-    return Sum(total, (total - sum.total) - wanted);
+    let excess = (total - sum.total) - wanted;
+    let any_term = any(term != vec4<f32>(0.0));
+    return Sum(select(sum.total, total, any_term), select(sum.excess, excess, any_term));
 }
 
 // 1 - ∏(1 - α) and by how much it is too large, with one factor more. It grows by α (1 - A): a product would round small
@@ -17,5 +21,5 @@ fn plus(sum: Sum, term: vec4<f32>) -> Sum {
 fn covered(a: vec2<f32>, alpha: f32) -> vec2<f32> {
     let wanted = alpha * ((1.0 - a.x) + a.y) - a.y;
     let total = a.x + wanted;
-    return vec2<f32>(total, (total - a.x) - wanted);
+    return select(a, vec2<f32>(total, (total - a.x) - wanted), alpha != 0.0);
 }

@@ -15,6 +15,7 @@
 // pixels outside the window included. Held pixels are told apart in the text alone, which lavapipe compiles in half the time
 // of one that picks them by an index. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what earlier
 // ones left, wherever the stage keeps that.
+#import elementary
 #import blocks
 #import dispatch
 
@@ -51,7 +52,7 @@ fn fragment_of(splat: Splat, tilt: Tilt, color: vec4<f32>, record: vec2<u32>, pi
     let hit = coverage.hit && present;
     var c = color;
     if FALLOFF == FALLOFF_GAUSSIAN {
-        c.a *= exp(-2.0 * coverage.rho * coverage.rho);
+        c.a *= gaussian(coverage.rho);
     }
     c.a = select(0.0, c.a, hit);
     let key = select(record.x + push.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);

@@ -2,6 +2,7 @@
 // (is_kept(index in the chunk, place relative to the eye in world axes)) and where (is_behind(hit)), and defines
 // visit(index among all points, hit); it is called for each of those that shows, and what it returns is added to the visible
 // ones if is_counted(). One workgroup per WG_SIZE * RUN points.
+#import elementary
 #import locate
 #import splat
 #import stats
@@ -71,10 +72,6 @@ fn quick_hit(i: u32) -> Hit {
     let pixel = vec2<u32>(vec2<i32>(whole)) + middle;
     let seen = within && inside && sure && is_kept(i, place);
     return Hit(seen, within && !outside && !sure, depth_key(depth), window_index(pixel, view.window));
-}
-
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 @compute @workgroup_size(WG_SIZE)

@@ -4,6 +4,7 @@
 // A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed to
 // all invocations one by one by shuffles. A block is done when nothing behind can change its output.
 // Reference: reference::sorted.
+#import elementary
 #import over
 #import blocks
 #import stop
@@ -53,7 +54,7 @@ fn add(front: Composed, splat: Splat, tilt: Tilt, color: vec4<f32>, rank: u32, p
     let coverage = cover(splat, tilt, pixel, view);
     var c = color;
     if FALLOFF == FALLOFF_GAUSSIAN {
-        c.a *= exp(-2.0 * coverage.rho * coverage.rho);
+        c.a *= gaussian(coverage.rho);
     }
     c.a = select(0.0, c.a, coverage.hit);
     // Flat splats note the rank here; one look-up at the end gives the depth.

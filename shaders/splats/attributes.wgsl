@@ -2,6 +2,7 @@
 // al. 2004, the second pass). One subgroup per block of a tile; with KEPT = 1 a run leaves what the next needs to round as if
 // there were one. Relies on splats/visibility finding depths by the same arithmetic: the nearest fragment always counts.
 // Reference: reference::splats::blend.
+#import elementary
 #import splat
 #import splats
 #import sums
@@ -33,7 +34,7 @@ fn begin(pixel: vec2<u32>) {
 
 fn visit(pixel: vec2<u32>, fragment: Fragment) {
     if counts(fragment, before) && key_depth(fragment.depth_key) <= limit {
-        let weight = exp(-2.0 * fragment.rho * fragment.rho);
+        let weight = gaussian(fragment.rho);
         sum = plus(sum, weight * vec4<f32>(fragment.color.rgb, 1.0));
     }
 }

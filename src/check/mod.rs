@@ -12,12 +12,14 @@ mod moved;
 mod naive;
 mod opaque;
 mod prepared;
+mod same;
 mod shadows;
 mod sizes;
 mod soft;
 mod spbr;
 mod stage;
 mod stochastic;
+mod subjects;
 mod surfaces;
 mod table;
 
@@ -25,7 +27,9 @@ use crate::gpu::{self, Device};
 use crate::scene::Method;
 use crate::{Error, io, methods, scene};
 
+pub use same::{Difference, difference};
 pub use stage::Stage;
+pub use subjects::{Follows, Subject, subjects};
 pub use table::{Group, groups, markdown};
 
 /// A hard case.
@@ -52,15 +56,15 @@ impl From<methods::Error> for Trouble {
     /// A device without subgroups has no methods that go through tiles, one without writes from fragment shaders no
     /// rasteriser; what a case of this size can't bind or allocate, a device has no room for. Everything else is wrong.
     fn from(error: methods::Error) -> Self {
-        use gpu::Error::{OutOfMemory, TooLarge};
-        use methods::Error::{Gpu, NoHardwareRaster, NoSubgroups};
-        match error {
-            NoSubgroups { .. } | NoHardwareRaster { .. } | Gpu(OutOfMemory { .. } | TooLarge { .. }) => {
-                Self::Lacks(error.to_string())
-            }
-            error => Self::Failed(error.into()),
-        }
+        if is_lack(&error) { Self::Lacks(error.to_string()) } else { Self::Failed(error.into()) }
     }
+}
+
+/// Whether an error says that the device lacks what a method needs: subgroups, the rasteriser's stores, room.
+pub fn is_lack(error: &methods::Error) -> bool {
+    use gpu::Error::{OutOfMemory, TooLarge};
+    use methods::Error::{Gpu, NoHardwareRaster, NoSubgroups};
+    matches!(error, NoSubgroups { .. } | NoHardwareRaster { .. } | Gpu(OutOfMemory { .. } | TooLarge { .. }))
 }
 
 impl From<gpu::Error> for Trouble {

@@ -8,7 +8,7 @@ use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
-use super::{Context, Error, GpuType, Recorder};
+use super::{Context, Error, GpuType, Recorder, guard};
 
 /// Bytes of the staging buffer that uploads and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
@@ -55,6 +55,8 @@ impl<T: GpuType> Buffer<T> {
         if bytes > allowed {
             return Err(too_large(bytes, allowed, "maxMemoryAllocationSize"));
         }
+        // The limit leaves room for the guard.
+        let bytes = bytes + guard::BYTES;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
@@ -113,11 +115,11 @@ impl<T: GpuType> Buffer<T> {
     pub fn slice(&self, start: u64, len: u64) -> Slice<'_, T> {
         assert!(start.checked_add(len).is_some_and(|end| end <= self.len.max(1)), "{}: slice out of range", self.name);
         let size = size_of::<T>() as u64;
-        Slice {
-            raw: RawSlice { buffer: self.raw, offset: start * size, bytes: len * size },
-            name: &self.name,
-            element: PhantomData,
-        }
+        Slice { raw: self.raw_slice(start * size, len * size), name: &self.name, element: PhantomData }
+    }
+
+    fn raw_slice(&self, offset: u64, bytes: u64) -> RawSlice {
+        RawSlice { buffer: self.raw, offset, bytes, room: self.len.max(1) * size_of::<T>() as u64 }
     }
 
     /// Copies `data` to the front of the buffer and waits for it.
@@ -131,8 +133,8 @@ impl<T: GpuType> Buffer<T> {
         for chunk in bytes.chunks(staging_bytes as usize) {
             staging.mapped_mut()[..chunk.len()].copy_from_slice(chunk);
             let mut recorder = Recorder::new(&self.context)?;
-            let raw = RawSlice { buffer: self.raw, offset, bytes: chunk.len() as u64 };
-            recorder.copy_raw("upload", RawSlice { buffer: staging.raw, offset: 0, bytes: chunk.len() as u64 }, raw);
+            let bytes = chunk.len() as u64;
+            recorder.copy_raw("upload", staging.raw_slice(0, bytes), self.raw_slice(offset, bytes));
             recorder.submit("upload")?;
             offset += chunk.len() as u64;
         }
@@ -150,11 +152,8 @@ impl<T: GpuType> Buffer<T> {
         for chunk in out_bytes.chunks_mut(staging_bytes as usize) {
             let bytes = chunk.len() as u64;
             let mut recorder = Recorder::new(&self.context)?;
-            recorder.copy_raw(
-                "read-back",
-                RawSlice { buffer: source.buffer, offset: source.offset + offset, bytes },
-                RawSlice { buffer: staging.raw, offset: 0, bytes },
-            );
+            let from = self.raw_slice(source.offset + offset, bytes);
+            recorder.copy_raw("read-back", from, staging.raw_slice(0, bytes));
             recorder.submit("read-back")?;
             chunk.copy_from_slice(&staging.mapped()[..chunk.len()]);
             offset += bytes;
@@ -212,6 +211,8 @@ pub struct RawSlice {
     pub(super) buffer: vk::Buffer,
     pub(super) offset: u64,
     pub(super) bytes: u64,
+    /// Bytes of the buffer's content.
+    pub(super) room: u64,
 }
 
 /// A range of a typed buffer, to be bound or copied.
@@ -269,6 +270,13 @@ impl<'a, T> Slice<'a, T> {
         assert!(count <= self.len(), "{}: slice out of range", self.name);
         let bytes = count * size_of::<T>() as u64;
         Self { raw: RawSlice { offset: self.raw.offset + bytes, bytes: self.raw.bytes - bytes, ..self.raw }, ..self }
+    }
+
+    /// The slice from the aligned place before it on, and the number of elements that it has before its own first one.
+    pub(super) fn reaching_back(self, alignment: u64) -> (Self, u32) {
+        let before = self.raw.offset % alignment;
+        let raw = RawSlice { offset: self.raw.offset - before, bytes: self.raw.bytes + before, ..self.raw };
+        (Self { raw, ..self }, (before / size_of::<T>() as u64) as u32)
     }
 
     /// The buffer's name.

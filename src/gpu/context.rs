@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::vk;
+use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::device::{DeviceInfo, Limits, queue_family};
 use super::instance::Instance;
 use super::pipeline::{Pipeline, PipelineKey};
-use super::{Error, cache};
+use super::{Error, cache, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -26,7 +26,7 @@ pub struct Context {
     pub command_pool: vk::CommandPool,
     pub info: DeviceInfo,
     pub limits: Limits,
-    pub debug: Option<ash::ext::debug_utils::Device>,
+    pub debug: Option<ext::debug_utils::Device>,
     pub pipeline_cache: vk::PipelineCache,
     pub instance: Instance,
     /// Held for every submission: a queue and a command pool must not be used from two threads at once.
@@ -46,10 +46,15 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Context {
-    pub fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self, Error> {
+    pub fn new(
+        instance: Instance,
+        physical: vk::PhysicalDevice,
+        info: DeviceInfo,
+        robust: bool,
+    ) -> Result<Self, Error> {
         let family = queue_family(&instance, physical)
             .ok_or_else(|| Error::Lacks { device: info.name.clone(), missing: "a queue".to_owned() })?;
-        let device = create_device(&instance, physical, family, &info)?;
+        let device = create_device(&instance, physical, family, &info, robust)?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let pool_info = vk::CommandPoolCreateInfo::default()
@@ -78,7 +83,7 @@ impl Context {
             device.create_pipeline_cache(&filled, None).or_else(|_| device.create_pipeline_cache(&empty, None))
         }
         .map_err(Error::call("vkCreatePipelineCache"))?;
-        let debug = instance.debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance.raw, &device));
+        let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
             #[cfg(feature = "viewer")]
@@ -133,6 +138,11 @@ impl Context {
         lock(&self.live).remove(&key);
     }
 
+    /// The name of an allocation; empty if it is gone.
+    pub fn name_of(&self, key: (vk::ObjectType, u64)) -> String {
+        lock(&self.live).get(&key).map_or_else(String::new, |(name, _)| name.clone())
+    }
+
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         let mut list: Vec<_> = lock(&self.live).values().cloned().collect();
         list.sort();
@@ -182,11 +192,15 @@ fn create_device(
     physical: vk::PhysicalDevice,
     family: u32,
     info: &DeviceInfo,
+    robust: bool,
 ) -> Result<ash::Device, Error> {
+    let mut robustness = if robust { Robustness::of(instance, physical) } else { Robustness::default() };
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
     let core = vk::PhysicalDeviceFeatures::default()
         .shader_int64(info.int64_atomics)
+        // Every device has it.
+        .robust_buffer_access(robust)
         .fragment_stores_and_atomics(info.fragment_atomics)
         .pipeline_statistics_query(info.pipeline_statistics);
     let mut features12 = vk::PhysicalDeviceVulkan12Features::default()
@@ -196,20 +210,53 @@ fn create_device(
         .synchronization2(true)
         .dynamic_rendering(true)
         .maintenance4(true)
+        .robust_image_access(robustness.images)
         .subgroup_size_control(info.subgroup.is_some())
         .compute_full_subgroups(info.subgroup.is_some());
+    let mut extensions = Vec::new();
     #[cfg(feature = "viewer")]
-    let extensions: &[_] = if instance.surface.is_some() { &[ash::khr::swapchain::NAME.as_ptr()] } else { &[] };
-    #[cfg(not(feature = "viewer"))]
-    let extensions = &[];
-    let create = vk::DeviceCreateInfo::default()
+    extensions.extend(instance.surface.is_some().then_some(ash::khr::swapchain::NAME.as_ptr()));
+    extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
+    let mut create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
-        .enabled_extension_names(extensions)
+        .enabled_extension_names(&extensions)
         .enabled_features(&core)
         .push_next(&mut features12)
         .push_next(&mut features13);
+    if let Some(second) = &mut robustness.second {
+        create = create.push_next(second);
+    }
     // SAFETY: every feature was reported by this device, and the pointers live to the end of this function.
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(Error::call("vkCreateDevice"))
+}
+
+/// What a device has to keep accesses within bounds, besides robustBufferAccess.
+#[derive(Default)]
+struct Robustness {
+    images: bool,
+    second: Option<vk::PhysicalDeviceRobustness2FeaturesEXT<'static>>,
+}
+
+impl Robustness {
+    fn of(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
+        let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
+        let mut second = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
+        // SAFETY: plain queries on a live instance; a struct is only asked for where its extension is present.
+        let extended = unsafe {
+            let extensions = instance.raw.enumerate_device_extension_properties(physical).unwrap_or_default();
+            let extended = extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::robustness2::NAME));
+            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
+            if extended {
+                features = features.push_next(&mut second);
+            }
+            instance.raw.get_physical_device_features2(physical, &mut features);
+            extended
+        };
+        let second = vk::PhysicalDeviceRobustness2FeaturesEXT::default()
+            .robust_buffer_access2(second.robust_buffer_access2 == vk::TRUE)
+            .robust_image_access2(second.robust_image_access2 == vk::TRUE);
+        Self { images: features13.robust_image_access == vk::TRUE, second: extended.then_some(second) }
+    }
 }
 
 /// The limits, and a key that changes with the driver.
@@ -231,7 +278,9 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
         .unwrap_or(0);
     let limits = Limits {
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
-        allocation_bytes: maintenance3.max_memory_allocation_size,
+        range_bytes: u64::from(basic.limits.max_storage_buffer_range),
+        // What is allocated has its guard besides.
+        allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],
         heap_bytes,

@@ -18,15 +18,31 @@ pub struct DeviceOptions {
     pub device: Option<String>,
     /// Switch validation and synchronization validation on.
     pub validation: bool,
+    /// Validate what shaders do as well, in place of synchronization: slow.
+    pub gpu_assisted: bool,
+    /// Keep accesses of shaders within what is bound, as far as the device can: robustBufferAccess, robustImageAccess,
+    /// robustBufferAccess2 and robustImageAccess2.
+    pub robust: bool,
     /// Bind no more bytes at a time than this, even if the device allows more: shows on any device how work is cut.
     pub binding_bytes: Option<u64>,
 }
 
 impl DeviceOptions {
-    /// The best device; validation if the environment variable `PELLUCID_VALIDATION` is `1`.
+    /// The best device. With the environment variable `PELLUCID_VALIDATION` at `1` validation and robust access are on, at
+    /// `gpu` GPU-assisted validation is.
     pub fn from_env() -> Self {
-        let validation = std::env::var("PELLUCID_VALIDATION").is_ok_and(|v| v == "1");
-        Self { validation, ..Self::default() }
+        match std::env::var("PELLUCID_VALIDATION").as_deref() {
+            Ok("1") => Self { validation: true, robust: true, ..Self::default() },
+            // Robust access would make a wrong index a right one, of which nothing is said.
+            Ok("gpu") => Self { validation: true, gpu_assisted: true, ..Self::default() },
+            _ => Self::default(),
+        }
+    }
+
+    /// As [`Self::from_env`], but with validation and robust access unless that asks for another kind: for tests.
+    pub fn validated() -> Self {
+        let asked = Self::from_env();
+        if asked.validation { asked } else { Self { validation: true, robust: true, ..asked } }
     }
 }
 
@@ -35,6 +51,8 @@ impl DeviceOptions {
 pub struct Limits {
     /// Bytes that one storage-buffer binding may cover.
     pub binding_bytes: u64,
+    /// The device's own limit of that, with the guard of debug builds: [`Self::binding_bytes`] may be lower.
+    pub(super) range_bytes: u64,
     /// Bytes of one allocation.
     pub allocation_bytes: u64,
     /// Alignment of a storage-buffer binding's offset.
@@ -82,7 +100,7 @@ pub struct DeviceInfo {
 
 /// The Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would take, if it can be.
 pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
-    let instance = Instance::new(false)?;
+    let instance = Instance::new(false, false)?;
     let found = enumerate(&instance)?;
     let taken = match wanted {
         Some(wanted) => Some(named(&found, wanted)?).filter(|(info, _)| info.lacks.is_empty()),
@@ -223,7 +241,7 @@ pub struct Device(pub(super) Arc<Context>);
 impl Device {
     /// Opens the device that `options` names, or the best one.
     pub fn open(options: &DeviceOptions) -> Result<Self, Error> {
-        Self::open_on(Instance::new(options.validation)?, options)
+        Self::open_on(Instance::new(options.validation, options.gpu_assisted)?, options)
     }
 
     /// Opens the device that `options` names, or the best one of those that can show pictures in a window.
@@ -233,7 +251,7 @@ impl Device {
     /// As of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
     #[cfg(feature = "viewer")]
     pub fn open_for(options: &DeviceOptions, window: super::window::Handle) -> Result<Self, Error> {
-        Self::open_on(Instance::for_window(options.validation, window)?, options)
+        Self::open_on(Instance::for_window(options.validation, options.gpu_assisted, window)?, options)
     }
 
     fn open_on(instance: Instance, options: &DeviceOptions) -> Result<Self, Error> {
@@ -251,7 +269,7 @@ impl Device {
         if !info.lacks.is_empty() {
             return Err(Error::Lacks { device: info.name.clone(), missing: info.lacks.join(", ") });
         }
-        let mut context = Context::new(instance, *physical, info.clone())?;
+        let mut context = Context::new(instance, *physical, info.clone(), options.robust)?;
         let allowed = &mut context.limits.binding_bytes;
         *allowed = options.binding_bytes.map_or(*allowed, |bytes| bytes.min(*allowed));
         Ok(Self(Arc::new(context)))

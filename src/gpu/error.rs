@@ -59,6 +59,18 @@ pub enum Error {
         /// The limit's name in Vulkan.
         limit_name: &'static str,
     },
+    /// An image or a draw has more pixels on a side than the device draws, or none.
+    #[error(
+        "{name}: {} × {} pixels, but this device draws 1 to {} × 1 to {}", size[0], size[1], limit[0], limit[1]
+    )]
+    Framebuffer {
+        /// The image's or the pass's name.
+        name: String,
+        /// Columns and rows asked for.
+        size: [u32; 2],
+        /// Most columns and rows.
+        limit: [u32; 2],
+    },
     /// The device stopped answering.
     #[error(
         "the device was lost during {during}: its driver stopped or started anew, often because a dispatch took too long; try \
@@ -84,6 +96,43 @@ pub enum Error {
         name: String,
         /// What is wrong.
         message: String,
+    },
+    /// A shader wrote behind a range that it was given: found in debug builds alone.
+    #[error(
+        "{passes}: something was written {bytes} bytes behind the end of {buffer} (bound as {binding}): {word:#010x}"
+    )]
+    Overrun {
+        /// The buffer's name.
+        buffer: String,
+        /// The variable that it was bound to.
+        binding: &'static str,
+        /// The passes that it was bound to, first and last.
+        passes: String,
+        /// Bytes between the end of the range and the first wrong word.
+        bytes: u64,
+        /// What stands there.
+        word: u32,
+    },
+    /// A pass did not store what another one had counted: found in debug builds alone.
+    #[error(
+        "{pass} did not store what was counted: {item} {element} ends at {stored} instead of {counted} \
+        ({differing} of {of} differ)"
+    )]
+    Miscounted {
+        /// The pass that stored.
+        pass: &'static str,
+        /// What the counts are of.
+        item: &'static str,
+        /// One that is wrong.
+        element: u64,
+        /// Where it ended.
+        stored: u32,
+        /// Where it should have.
+        counted: u32,
+        /// How many are wrong.
+        differing: u32,
+        /// How many there are.
+        of: u64,
     },
     /// The validation layers complained.
     #[error("{} validation message(s), the first: {}", .0.len(), .0.first().map_or("", String::as_str))]

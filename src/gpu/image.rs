@@ -124,9 +124,13 @@ impl Attachment {
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(format.usage())
             .initial_layout(vk::ImageLayout::UNDEFINED);
+        let limit = context.limits.framebuffer;
+        if !(0..2).all(|axis| (1..=limit[axis]).contains(&size[axis])) {
+            return Err(Error::Framebuffer { name: name.to_owned(), size, limit });
+        }
         let bytes = u64::from(size[0]) * u64::from(size[1]) * u64::from(samples) * format.bytes();
         let out_of_memory = || Error::OutOfMemory { name: name.to_owned(), bytes, in_use: context.in_use() };
-        // SAFETY: a live device, and a size that the caller checked; the handle is destroyed in drop.
+        // SAFETY: a live device, and a size that it has; the handle is destroyed in drop.
         let raw = unsafe { context.device.create_image(&info, None) }.map_err(|_| out_of_memory())?;
         let (context, view) = (context.clone(), vk::ImageView::null());
         let mut image = Self { context, format, samples, size, raw, view, allocation: None };

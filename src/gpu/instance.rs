@@ -50,21 +50,23 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is collected.
-    pub fn new(validation: bool) -> Result<Self, Error> {
-        Self::with_extensions(validation, &[])
+    /// Opens the loader. With `validation`, validation and synchronization validation are on and every warning or error is
+    /// collected; with `gpu_assisted` besides, shaders are instrumented, and synchronization is not looked at.
+    pub fn new(validation: bool, gpu_assisted: bool) -> Result<Self, Error> {
+        Self::with_extensions(validation, gpu_assisted, &[])
     }
 
     /// As [`Instance::new`], with the surface of a window.
     #[cfg(feature = "viewer")]
-    pub fn for_window(validation: bool, window: super::window::Handle) -> Result<Self, Error> {
-        let mut instance = Self::with_extensions(validation, super::window::extensions(&window)?)?;
+    pub fn for_window(validation: bool, gpu_assisted: bool, window: super::window::Handle) -> Result<Self, Error> {
+        let wanted = super::window::extensions(&window)?;
+        let mut instance = Self::with_extensions(validation, gpu_assisted, wanted)?;
         instance.surface = Some(super::window::Surface::new(&instance.entry, &instance.raw, window)?);
         Ok(instance)
     }
 
     /// `wanted` are names of further extensions.
-    fn with_extensions(validation: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
+    fn with_extensions(validation: bool, gpu_assisted: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
         // SAFETY: loading the system's Vulkan loader runs its initialisers; there is no other way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
@@ -80,8 +82,12 @@ impl Instance {
         let application = vk::ApplicationInfo::default().application_name(c"pellucid").api_version(vk::API_VERSION_1_3);
         let layer_names = [VALIDATION_LAYER.as_ptr()];
         let mut extension_names = wanted.to_vec();
-        let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        use vk::ValidationFeatureEnableEXT as Feature;
+        let enabled: &[_] = match gpu_assisted {
+            true => &[Feature::GPU_ASSISTED, Feature::GPU_ASSISTED_RESERVE_BINDING_SLOT],
+            false => &[Feature::SYNCHRONIZATION_VALIDATION],
+        };
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
         if debug_utils {
             extension_names.push(ext::debug_utils::NAME.as_ptr());
         }
@@ -164,7 +170,9 @@ unsafe extern "system" fn collect(
         let text = data.as_ref().and_then(|d| d.message_as_c_str());
         (user.cast::<Messages>().as_ref(), text.map(|t| t.to_string_lossy().into_owned()))
     };
-    if let (Some(messages), Some(text)) = (messages, text) {
+    // What GPU-assisted validation says of its own setting up (features that it switches on, checks that the device lacks)
+    // is no message about us.
+    if let (Some(messages), Some(text)) = (messages, text.filter(|text| !text.contains("Internal Warning: "))) {
         messages.push(text);
     }
     vk::FALSE

@@ -3,11 +3,13 @@
 //! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`Attachment`] an image, [`shader`] turns WGSL into SPIR-V,
 //! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
 
+mod agree;
 mod buffer;
 pub(crate) mod cache;
 mod context;
 mod device;
 mod error;
+mod guard;
 mod image;
 mod instance;
 mod kept;
@@ -20,9 +22,11 @@ mod spirv;
 #[cfg(feature = "viewer")]
 pub mod window;
 
+pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, ValidationLog, devices};
 pub use error::Error;
+pub(crate) use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};

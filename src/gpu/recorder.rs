@@ -11,10 +11,12 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
+use super::agree::Agreement;
 use super::context::lock;
+use super::guard::{self, Guards};
 use super::pipeline::{Blend, Outputs, Pipeline};
 use super::shader::WORKGROUP;
-use super::{Attachment, Context, Error, GpuType, Pass, RawSlice, Resource, Slice, Variant};
+use super::{Access, Attachment, Context, Error, GpuType, Pass, RawSlice, Resource, Slice, Variant};
 
 /// Passes that one pair of query pools covers.
 const QUERY_PASSES: u32 = 128;
@@ -163,6 +165,8 @@ pub struct Recorder<'a> {
     queries: Vec<Queries>,
     /// Name of each pass, and whether its invocations are counted.
     passes: Vec<(&'static str, bool)>,
+    guards: Guards,
+    agreements: Vec<Agreement>,
     buffers: PhantomData<&'a ()>,
 }
 
@@ -183,6 +187,8 @@ impl<'a> Recorder<'a> {
             descriptors_left: 0,
             queries: Vec::new(),
             passes: Vec::new(),
+            guards: Guards::default(),
+            agreements: Vec::new(),
             buffers: PhantomData,
         };
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -194,10 +200,37 @@ impl<'a> Recorder<'a> {
 
     /// Runs a compute pass.
     pub fn run<P: Pass + 'a>(&mut self, pass: &P, run: &Run<'a>) -> Result<(), Error> {
+        let name = run.label.unwrap_or(P::NAME);
+        let (pipeline, set) = self.prepare(pass, run, name)?;
+        self.begin_pass(name, true)?;
+        self.dispatch::<P>(&pipeline, set, run)?;
+        self.end_pass();
+        self.pipelines.push(pipeline);
+        Ok(())
+    }
+
+    /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the submission.
+    pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, run: &Run<'_>) -> Result<(), Error> {
+        let (pipeline, set) = self.prepare(pass, run, P::NAME)?;
+        self.memory_barrier();
+        self.dispatch::<P>(&pipeline, set, run)?;
+        self.pipelines.push(pipeline);
+        Ok(())
+    }
+
+    fn prepare<P: Pass>(
+        &mut self,
+        pass: &P,
+        run: &Run<'_>,
+        name: &'static str,
+    ) -> Result<(Arc<Pipeline>, vk::DescriptorSet), Error> {
         let pipeline = Pipeline::compute::<P>(&self.context, &run.variant)?;
+        let set = self.descriptors::<P>(&pipeline, name, &pass.resources())?;
+        Ok((pipeline, set))
+    }
+
+    fn dispatch<P: Pass>(&self, pipeline: &Pipeline, set: vk::DescriptorSet, run: &Run<'_>) -> Result<(), Error> {
         let groups = self.groups(P::NAME, run.dispatch)?;
-        let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
-        self.begin_pass(run.label.unwrap_or(P::NAME), true)?;
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been waited for.
         unsafe {
@@ -213,9 +246,17 @@ impl<'a> Recorder<'a> {
                 _ => device.cmd_dispatch(commands, groups[0], groups[1], 1),
             }
         }
-        self.end_pass();
-        self.pipelines.push(pipeline);
         Ok(())
+    }
+
+    /// For what is compared in debug builds.
+    pub(super) fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// A comparison whose outcome is looked at after the submission.
+    pub(super) fn keep(&mut self, agreement: Agreement) {
+        self.agreements.push(agreement);
     }
 
     /// Runs a pass that draws.
@@ -226,8 +267,12 @@ impl<'a> Recorder<'a> {
         push: &[u8],
         draw: Draw<'a>,
     ) -> Result<(), Error> {
+        let (size, limit) = (draw.area, self.context.limits.framebuffer);
+        if size[0] > limit[0] || size[1] > limit[1] {
+            return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
+        }
         let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs())?;
-        let set = self.descriptors(&pipeline, P::NAME, &pass.resources())?;
+        let set = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(P::NAME, true)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
@@ -249,7 +294,7 @@ impl<'a> Recorder<'a> {
         let before = if draw.targets.clear.is_some() { vk::ImageLayout::UNDEFINED } else { READ };
         self.image_barrier(draw.targets, before, DRAWN);
         let (device, commands) = (&self.context.device, self.commands);
-        // SAFETY: as in `run`; the area is within the framebuffer limits, which the caller checked. Indirect arguments lie
+        // SAFETY: as in `run`; the area is within the framebuffer limits. Indirect arguments lie
         // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
         // shader reads no splat beyond those that a direct draw would read.
         unsafe {
@@ -264,7 +309,7 @@ impl<'a> Recorder<'a> {
             match draw.vertices {
                 Vertices::Count(count) => device.cmd_draw(commands, count, 1, 0, 0),
                 Vertices::Indirect(arguments) => {
-                    let RawSlice { buffer, offset, bytes } = arguments.raw();
+                    let RawSlice { buffer, offset, bytes, .. } = arguments.raw();
                     assert!(bytes >= 16, "{}: a draw takes four words", P::NAME);
                     device.cmd_draw_indirect(commands, buffer, offset, 1, 16);
                 }
@@ -281,6 +326,7 @@ impl<'a> Recorder<'a> {
     pub fn fill<T: GpuType>(&mut self, name: &'static str, target: Slice<'a, T>, word: u32) -> Result<(), Error> {
         self.begin_pass(name, false)?;
         let raw = target.raw();
+        self.guards.note_write(raw);
         // SAFETY: ranges of buffers are multiples of four bytes for every `GpuType`.
         unsafe { self.context.device.cmd_fill_buffer(self.commands, raw.buffer, raw.offset, raw.bytes, word) };
         self.end_pass();
@@ -291,6 +337,7 @@ impl<'a> Recorder<'a> {
     pub fn copy<T: GpuType>(&mut self, name: &'static str, from: Slice<'a, T>, to: Slice<'a, T>) -> Result<(), Error> {
         assert_eq!(from.len(), to.len(), "{name}: ranges of different length");
         self.begin_pass(name, false)?;
+        self.guards.note_write(to.raw());
         self.copy_command(from.raw(), to.raw());
         self.end_pass();
         Ok(())
@@ -318,6 +365,7 @@ impl<'a> Recorder<'a> {
                 result => Error::call(call)(result),
             }
         };
+        self.guards.finish(&context, self.commands);
         self.host_barrier();
         let guard = lock(&context.submission);
         let device = &context.device;
@@ -340,6 +388,8 @@ impl<'a> Recorder<'a> {
             result.map_err(lost("vkQueueSubmit2"))?;
             wall
         };
+        self.guards.check(&context)?;
+        self.agreements.iter().try_for_each(Agreement::check)?;
         Ok(Submitted { passes: self.read_times()?, wall })
     }
 
@@ -390,7 +440,16 @@ impl<'a> Recorder<'a> {
     /// Workgroups in x and y; none of an indirect dispatch.
     fn groups(&self, name: &str, dispatch: Dispatch<'_>) -> Result<[u32; 2], Error> {
         match dispatch {
-            Dispatch::Invocations(n) => self.fold_groups(name, n.div_ceil(u64::from(WORKGROUP))),
+            Dispatch::Invocations(n) => {
+                let [x, y] = self.fold_groups(name, n.div_ceil(u64::from(WORKGROUP)))?;
+                // Folding rounds up; a shader's number of an invocation must not come round to 0.
+                let (numbered, limit) = (u64::from(x) * u64::from(y) * u64::from(WORKGROUP), 1 << 32);
+                if numbered > limit {
+                    let (name, limit_name) = (name.to_owned(), "invocations of a dispatch");
+                    return Err(Error::TooLarge { name, bytes: numbered, limit, limit_name });
+                }
+                Ok([x, y])
+            }
             Dispatch::Groups(n) => self.fold_groups(name, n),
             Dispatch::Indirect(_) => Ok([0; 2]),
         }
@@ -535,10 +594,10 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn descriptors(
+    fn descriptors<P: Pass>(
         &mut self,
         pipeline: &Pipeline,
-        name: &str,
+        name: &'static str,
         resources: &[Resource],
     ) -> Result<vk::DescriptorSet, Error> {
         let limit = self.context.limits.binding_bytes;
@@ -555,14 +614,21 @@ impl<'a> Recorder<'a> {
         let set = unsafe { self.context.device.allocate_descriptor_sets(&info) }
             .map_err(Error::call("vkAllocateDescriptorSets"))?[0];
         let (mut buffers, mut images) = (Vec::new(), Vec::new());
-        for resource in resources {
+        for (resource, binding) in resources.iter().zip(P::bindings()) {
             match *resource {
                 Resource::Buffer(RawSlice { bytes, .. }) if bytes > limit => {
                     let (name, limit_name) = (name.to_owned(), "maxStorageBufferRange");
                     return Err(Error::TooLarge { name, bytes, limit, limit_name });
                 }
-                Resource::Buffer(RawSlice { buffer, offset, bytes }) => {
-                    buffers.push([vk::DescriptorBufferInfo { buffer, offset, range: bytes }]);
+                Resource::Buffer(slice @ RawSlice { buffer, offset, bytes, .. }) => {
+                    assert!(bytes > 0, "{name}: nothing is bound to {}", binding.name);
+                    if binding.access == Access::ReadWrite {
+                        self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?;
+                    }
+                    let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
+                    // What fills the device's limit goes without, which then only makes its `arrayLength` too short.
+                    let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));
+                    buffers.push([vk::DescriptorBufferInfo { buffer, offset, range }]);
                 }
                 Resource::Texture(view) => {
                     images.push([vk::DescriptorImageInfo::default().image_view(view).image_layout(READ)]);

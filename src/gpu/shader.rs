@@ -14,7 +14,7 @@ use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, ImageDimension, ShaderStage, StorageAccess, TypeInner};
 
-use super::{Access, Binding, Error, Pass, Shape, cache, spirv};
+use super::{Access, Binding, Error, Pass, Shape, cache, guard, spirv};
 
 static SHADERS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
@@ -235,8 +235,8 @@ pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> 
 fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
     let source = source(stem, variant)?;
     // The declaration is part of the key: a cached shader was compared with the same one.
-    let identity =
-        format!("{}\n{source}\n{}\n{:?}\n{:?}", env!("CARGO_PKG_VERSION"), variant.key(), P::bindings(), P::push());
+    let (version, key) = (env!("CARGO_PKG_VERSION"), variant.key());
+    let identity = format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::push());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
         cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())

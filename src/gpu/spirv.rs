@@ -1,5 +1,7 @@
 //! Corrections to naga's SPIR-V, word by word.
 
+use super::guard;
+
 const OP_VARIABLE: u32 = 59;
 const OP_TYPE_INT: u32 = 21;
 const OP_TYPE_ARRAY: u32 = 28;
@@ -13,6 +15,10 @@ const OP_FUNCTION: u32 = 54;
 const STORAGE_FUNCTION: u32 = 7;
 const DECORATION_BUILT_IN: u32 = 11;
 const BUILT_IN_SAMPLE_MASK: u32 = 20;
+const OP_TYPE_STRUCT: u32 = 30;
+const OP_ARRAY_LENGTH: u32 = 68;
+const OP_I_SUB: u32 = 130;
+const DECORATION_ARRAY_STRIDE: u32 = 6;
 const HEADER_WORDS: usize = 5;
 const DECORATION_NO_CONTRACTION: u32 = 42;
 /// OpTypeVoid to OpTypeFunction.
@@ -40,7 +46,56 @@ fn emit(out: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
 
 /// All corrections.
 pub fn correct(words: &[u32]) -> Vec<u32> {
-    forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words)))
+    let words = forbid_contraction(&correct_sample_mask(&drop_array_initialisers(words)));
+    if guard::BYTES > 0 { hide_bytes(&words, guard::BYTES) } else { words }
+}
+
+/// Takes so many bytes off the length of every runtime-sized array: what is bound ends with a guard of which shaders know nothing.
+fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
+    let lengths: Vec<&[u32]> = instructions(words).filter(|(op, _)| *op == OP_ARRAY_LENGTH).map(|(_, i)| i).collect();
+    let mut next = words[BOUND];
+    let mut fresh = || {
+        next += 1;
+        next - 1
+    };
+    // Of each length: its instruction, what it was, and the constant that is taken off.
+    let hidden: Vec<(&[u32], u32, u32, u32)> = lengths
+        .into_iter()
+        .map(|i| (i, fresh(), fresh(), array_stride(words, i).map_or(0, |stride| (bytes / u64::from(stride)) as u32)))
+        .collect();
+    let mut out = words[..HEADER_WORDS].to_vec();
+    let mut declared = false;
+    for (op, instruction) in instructions(words) {
+        if op == OP_FUNCTION && !declared {
+            for (length, _, constant, elements) in &hidden {
+                emit(&mut out, OP_CONSTANT, &[length[1], *constant, *elements]);
+            }
+            declared = true;
+        }
+        match hidden.iter().find(|(length, ..)| op == OP_ARRAY_LENGTH && length[2] == instruction[2]) {
+            Some((length, whole, constant, _)) => {
+                emit(&mut out, OP_ARRAY_LENGTH, &[length[1], *whole, length[3], length[4]]);
+                emit(&mut out, OP_I_SUB, &[length[1], length[2], *whole, *constant]);
+            }
+            None => out.extend_from_slice(instruction),
+        }
+    }
+    out[BOUND] = next;
+    out
+}
+
+/// Bytes from element to element of the array that an OpArrayLength asks about.
+fn array_stride(words: &[u32], length: &[u32]) -> Option<u32> {
+    let operand = |op: u32, place: usize, id: u32, operand: usize| {
+        instructions(words)
+            .find(|(found, i)| *found == op && i.get(place) == Some(&id))
+            .and_then(|(_, i)| i.get(operand).copied())
+    };
+    let pointer = operand(OP_VARIABLE, 2, length[3], 1)?;
+    let block = operand(OP_TYPE_POINTER, 1, pointer, 3)?;
+    let array = operand(OP_TYPE_STRUCT, 1, block, 2 + length[4] as usize)?;
+    let stride = |i: &[u32]| i.len() == 4 && i[1] == array && i[2] == DECORATION_ARRAY_STRIDE;
+    instructions(words).find(|(op, i)| *op == OP_DECORATE && stride(i)).map(|(_, i)| i[3])
 }
 
 /// Decorates all floating-point arithmetic NoContraction, which naga cannot say.
@@ -202,6 +257,29 @@ mod tests {
         assert_eq!(chains(&fixed), chains(&words) + 2);
     }
 
+    const LENGTHS: &str = "struct Wide { a: vec4<f32>, b: f32 }
+        @group(0) @binding(0) var<storage, read_write> words: array<u32>;
+        @group(0) @binding(1) var<storage, read> wide: array<Wide>;
+        @compute @workgroup_size(1) fn main() {
+            words[0] = arrayLength(&words) + arrayLength(&wide) + arrayLength(&words);
+        }";
+
+    #[test]
+    fn lengths_of_arrays_leave_the_guard_out() {
+        let words = compiled(LENGTHS);
+        let hidden = hide_bytes(&words, 100);
+        assert_eq!(count(&hidden, |op, _| op == OP_ARRAY_LENGTH), 3);
+        let constants: Vec<u32> = instructions(&hidden)
+            .filter(|(op, _)| *op == OP_I_SUB)
+            .filter_map(|(_, sub)| {
+                let is = |op: u32, i: &[u32]| op == OP_CONSTANT && i[2] == sub[4];
+                instructions(&hidden).find(|(op, i)| is(*op, i)).map(|(_, i)| i[3])
+            })
+            .collect();
+        // 100 bytes are 25 words, and 3 whole elements of 32 bytes.
+        assert_eq!(constants, [25, 3, 25]);
+    }
+
     /// What the validation layers say of a shader module.
     fn messages(device: &crate::gpu::Device, words: &[u32]) -> usize {
         let before = device.validation_messages().len();
@@ -217,7 +295,7 @@ mod tests {
 
     #[test]
     fn the_layers_accept_what_is_corrected_and_refuse_a_bare_sample_mask() {
-        let options = crate::gpu::DeviceOptions { validation: true, ..Default::default() };
+        let options = crate::gpu::DeviceOptions::validated();
         let device = match crate::gpu::Device::open(&options) {
             Ok(device) => device,
             Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
@@ -225,7 +303,7 @@ mod tests {
             }
             Err(e) => return eprintln!("skipped, no device: {e}"),
         };
-        for source in [ARRAY, MASK] {
+        for source in [ARRAY, MASK, LENGTHS] {
             assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());
         }
         assert!(messages(&device, &compiled(MASK)) > 0);

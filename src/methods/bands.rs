@@ -22,6 +22,42 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     found
 }
 
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// As [`windows`], but of whole tiles of the image as long as there is room for one: tiles are then the same however the image
+/// is cut.
+pub fn tile_windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
+    let [tile, width] = [u64::from(TILE), u64::from(size[0])];
+    if capacity < tile * tile || u64::from(size[0]) * u64::from(size[1]) <= capacity {
+        return windows(size, capacity);
+    }
+    // A row of tiles, or as much of it as fits.
+    let columns = if width * tile <= capacity { size[0] } else { (capacity / tile / tile * tile) as u32 };
+    let rows = (capacity / u64::from(columns) / tile * tile).clamp(tile, u64::from(size[1]).max(tile)) as u32;
+    let mut found = Vec::new();
+    for y in (0..size[1]).step_by(rows as usize) {
+        for x in (0..size[0]).step_by(columns as usize) {
+            found.push([x, y, x.saturating_add(columns).min(size[0]), y.saturating_add(rows).min(size[1])]);
+        }
+    }
+    found
+}
+
+/// As [`halves`], between tiles of the image as long as a window has two.
+pub fn tile_halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
+    let middle = |low: u32, high: u32| low + (high - low).div_ceil(TILE) / 2 * TILE;
+    if y1 - y0 > TILE {
+        let y = middle(y0, y1);
+        Some([[x0, y0, x1, y], [x0, y, x1, y1]])
+    } else if x1 - x0 > TILE {
+        let x = middle(x0, x1);
+        Some([[x0, y0, x, y1], [x, y0, x1, y1]])
+    } else {
+        halves([x0, y0, x1, y1])
+    }
+}
+
 /// Halves a window by rows, or by columns if it has one row; `None` for a single pixel.
 pub fn halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
     if y1 - y0 > 1 {
@@ -139,6 +175,32 @@ mod tests {
                 for y in w[1]..w[3] {
                     for x in w[0]..w[2] {
                         seen[(y * size[0] + x) as usize] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|n| *n == 1), "{size:?} {capacity}");
+        }
+    }
+
+    #[test]
+    fn windows_of_tiles_cover_every_pixel_once_and_cut_no_tile() {
+        for (size, capacity) in [([70, 50], 300), ([70, 50], 1200), ([70, 50], 9000), ([70, 50], 100), ([9, 40], 256)] {
+            let mut seen = vec![0; (size[0] * size[1]) as usize];
+            let mut left = tile_windows(size, capacity);
+            assert!(left.iter().all(|w| pixels(*w) <= capacity), "{size:?} {capacity}");
+            while let Some(w) = left.pop() {
+                let whole =
+                    [0, 1].map(|axis| w[axis] % TILE == 0 && (w[axis + 2] % TILE == 0 || w[axis + 2] == size[axis]));
+                assert!(capacity < 256 || whole == [true; 2], "{w:?}");
+                let single = w[2] - w[0] <= TILE && w[3] - w[1] <= TILE;
+                match tile_halves(w).filter(|_| !single) {
+                    Some(parts) => left.extend(parts),
+                    None => {
+                        for y in w[1]..w[3] {
+                            for x in w[0]..w[2] {
+                                seen[(y * size[0] + x) as usize] += 1;
+                            }
+                        }
                     }
                 }
             }

@@ -8,7 +8,7 @@ use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, View};
 use super::radix::{Radix, Runs};
 use super::raster::Raster;
 use super::scan::Scan;
-use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Expected, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band, Budget, Window};
 use crate::methods::renderer::{Facts, Timeline};
 use crate::methods::{Error, Outcome};
@@ -744,7 +744,12 @@ impl Bins {
             entries: self.entries.get().all(),
         };
         let run = Run::new(Dispatch::Groups(binning.groups())).push(&binning.push());
-        Ok(recorder.run(&store, &run.variant(tile_variant().subgroup(binning.subgroup)))?)
+        recorder.run(&store, &run.variant(tile_variant().subgroup(binning.subgroup)))?;
+        // Each cell ends where the next one began; the last one is empty and has kept its cursor, the total.
+        let inner = binning.cells() - 1;
+        let (cursors, counts) = (self.cursors.get(), self.counts.get().slice(1, inner));
+        let next = Expected::Below { ends: cursors.slice(1, inner), counts };
+        Ok(recorder.agree("bin/tile-store", "run of a tile", cursors.slice(0, inner), next)?)
     }
 }
 

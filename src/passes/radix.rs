@@ -4,7 +4,7 @@
 //! shuffles. No barrier, no shared memory, no forward progress between workgroups.
 
 use super::scan::Scan;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -146,10 +146,25 @@ impl Radix {
             scan.record(recorder, counts, cursors, self.overflow.all())?;
             let run = Run::new(Dispatch::Groups(u64::from(runs))).push(&push).variant(scatter_variant(subgroup));
             recorder.run(&Scatter { records, cursors, moved }, &run)?;
+            agree(recorder, counts, cursors, push.count)?;
             (records, moved) = (moved, records);
         }
         Ok(digits as usize % 2)
     }
+}
+
+/// In debug builds: whether the cursors that `radix/scatter` left are those of the counts, of `records` records.
+pub fn agree<'a>(
+    recorder: &mut Recorder<'a>,
+    counts: Slice<'a, u32>,
+    cursors: Slice<'a, u32>,
+    records: u32,
+) -> Result<(), Error> {
+    let inner = cursors.len() - 1;
+    // The last one ends at the end; each of the others where the next one began.
+    recorder.agree("radix/scatter", "digit of a run", cursors.skip(inner), Expected::Value(records))?;
+    let next = Expected::Below { ends: cursors.skip(1), counts: counts.skip(1) };
+    recorder.agree("radix/scatter", "digit of a run", cursors.first(inner), next)
 }
 
 fn runs(device: &Device, records: u64) -> Runs {

@@ -2,7 +2,7 @@
 
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
-use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
 use crate::methods::bands::Window;
 use crate::{gpu_struct, pass};
 
@@ -129,6 +129,8 @@ impl Tiles {
             recorder.copy("splat/tile-cursors", starts, cursors)?;
             let entries = self.entries_of(stats, chunk);
             recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, &run)?;
+            let (ends, next) = (cursors.first(len - 1), starts.skip(1));
+            recorder.agree("splat/tile-store", "tile", ends, Expected::Words(next))?;
         }
         Ok(())
     }

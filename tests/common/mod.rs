@@ -26,7 +26,7 @@ pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Dev
     // One device at a time: its peak and its live allocations are then this test's own.
     static SERIAL: std::sync::Mutex<()> = std::sync::Mutex::new(());
     let _guard = SERIAL.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    match Device::open(&DeviceOptions { device: None, validation: true, binding_bytes }) {
+    match Device::open(&DeviceOptions { binding_bytes, ..DeviceOptions::validated() }) {
         Ok(device) => {
             test(&device);
             assert_eq!(device.validation_messages(), Vec::<String>::new());

@@ -3,6 +3,7 @@
 
 mod cloud;
 mod pages;
+mod path;
 mod pictures;
 mod prepared;
 mod profile;
@@ -14,6 +15,7 @@ use std::path::Path;
 use super::harness::Body;
 
 pub use cloud::{e57, las, pcd, ply, text};
+pub use path::path;
 pub use pictures::{compare, photo};
 pub use prepared::prepared;
 pub use profile::profile;
@@ -21,7 +23,7 @@ pub use scene::scene;
 pub use volume::volume;
 
 /// All of them by name, which is that of the target and of its corpus.
-pub const TARGETS: [(&str, Body); 11] = [
+pub const TARGETS: [(&str, Body); 12] = [
     ("ply", ply),
     ("las", las),
     ("e57", e57),
@@ -33,6 +35,7 @@ pub const TARGETS: [(&str, Body); 11] = [
     ("volume", volume),
     ("profile", profile),
     ("prepared", prepared),
+    ("path", path),
 ];
 
 /// Hands the path of a file with some content on. The file is gone afterwards.

@@ -205,8 +205,9 @@ impl Screen {
             barrier(device, commands, image, [COPIED, COPIED]);
             let region = picture.and_then(|picture| region(picture, swapchain.extent));
             if let Some(region) = region {
-                let source = self.staging.get().all().raw().buffer;
-                device.cmd_copy_buffer_to_image(commands, source, image, COPIED, &[region]);
+                let source = self.staging.get().all().raw();
+                let region = region.buffer_offset(source.offset);
+                device.cmd_copy_buffer_to_image(commands, source.buffer, image, COPIED, &[region]);
             }
             barrier(device, commands, image, [COPIED, DRAWN]);
             let colors = [vk::RenderingAttachmentInfo::default()

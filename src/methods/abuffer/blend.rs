@@ -2,7 +2,7 @@
 
 use super::passes::*;
 use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
-use crate::gpu::{Buffer, Device, Dispatch, Error, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::bands::{self, Band};
 use crate::methods::renderer::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
@@ -30,6 +30,12 @@ pub const CLASSES: [(u32, &str); 8] = [
 ];
 /// Words of a class in the table of classes (shaders/shared/classes.wgsl).
 const CLASS_WORDS: u64 = 8;
+/// Places of a class's words: pixels that were counted, and those that were put on its list.
+const CLASS_TOTAL: u64 = 3;
+/// See [`CLASS_TOTAL`].
+const CLASS_PLACED: u64 = 5;
+/// Place of the number of long lists among the words of [`LongWork`].
+const LIST_COUNT: u64 = 7;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
 /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
@@ -260,7 +266,10 @@ impl Blender {
         recorder.fill("abuffer/clear", classes, 0)?;
         recorder.run(&Classify { offsets, classes }, &run)?;
         recorder.run(&Groups { classes }, &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
-        recorder.run(&Order { offsets, classes, pixels }, &run)
+        recorder.run(&Order { offsets, classes, pixels }, &run)?;
+        let words = |place: u64| classes.skip(place).first(CLASS_WORDS * CLASSES.len() as u64 + 1);
+        let (placed, counted) = (words(CLASS_PLACED), words(CLASS_TOTAL));
+        recorder.agree_every(CLASS_WORDS as u32, "abuffer/order", "class", placed, Expected::Words(counted))
     }
 
     /// Records the work lists of runs and of long lists.
@@ -271,6 +280,9 @@ impl Blender {
         recorder.fill("abuffer/clear", work, 0)?;
         let over_long = self.over_class(CLASSES.len(), band).variant(class_variant());
         recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, &over_long)?;
+        let listed = work.cast().skip(LIST_COUNT).first(1);
+        let long = classes.skip(CLASS_WORDS * CLASSES.len() as u64 + CLASS_TOTAL).first(1);
+        recorder.agree("abuffer/split", "number of long lists", listed, Expected::Words(long))?;
         recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))
     }
 
@@ -294,8 +306,8 @@ impl Blender {
         Ok(unmerged)
     }
 
-    /// Records long lists sorted where they lie, each by one invocation: blocks, then merges level by level, in as few runs
-    /// as the loops allow; returns where the sorted lists are.
+    /// Records long lists sorted where they lie: runs as for the merge, then merges level by level, each list by one invocation,
+    /// in as few dispatches as the loops allow; returns where the sorted lists are.
     fn record_in_place_sort<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
@@ -303,8 +315,7 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        let blocks = self.over_lists().variant(sort_blocks_variant());
-        recorder.run(&SortBlocks { work, runs, lists, fragments }, &blocks)?;
+        recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
         for push in in_place_merges(longest) {
             recorder.run(&MergeInPlace { work, runs, lists, fragments }, &self.over_lists().push(&push))?;
         }
@@ -341,7 +352,7 @@ pub fn in_place_length() -> u32 {
 fn in_place_merges(longest: u32) -> Vec<InPlacePush> {
     let at_once = (MOST_ITERATIONS / step_iterations(longest)).max(1);
     let mut found = Vec::new();
-    for width_log in BLOCK_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
+    for width_log in LOCAL_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
         // A level takes one step more than the logarithm of its width.
         for first in (0..=width_log).step_by(at_once as usize) {
             let distance_log = width_log - first;
@@ -382,11 +393,6 @@ pub fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain(), LOCAL_LENGTH)
 }
 
-/// The variant of `abuffer/sort-blocks`.
-pub fn sort_blocks_variant() -> Variant {
-    Variant::plain().constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
-}
-
 /// What shaders/shared/local_sort.wgsl needs.
 fn local_sort(variant: Variant, capacity: u32) -> Variant {
     variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
@@ -419,7 +425,7 @@ pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
     let (fragments, _) = between(LOCAL_LENGTH, u32::MAX);
     let longest = lengths.iter().copied().max().unwrap_or(0);
     match name {
-        "abuffer/sort-runs" | "abuffer/sort-blocks" => Some(fragments * 2 * FRAGMENT_BYTES),
+        "abuffer/sort-runs" => Some(fragments * 2 * FRAGMENT_BYTES),
         // Every merge moves all long lists, whether they are done already or not.
         "abuffer/merge" => {
             let merges = u64::from(longest.div_ceil(LOCAL_LENGTH).next_power_of_two().ilog2());
@@ -460,7 +466,7 @@ mod tests {
             let merges = in_place_merges(longest);
             let steps: Vec<_> =
                 merges.iter().flat_map(|m| (0..m.steps).map(|s| (m.width_log, m.distance_log - s))).collect();
-            let widths = 5..u32::BITS - (longest - 1).leading_zeros();
+            let widths = 8..u32::BITS - (longest - 1).leading_zeros();
             assert_eq!(steps, widths.flat_map(|w| (0..=w).rev().map(move |d| (w, d))).collect::<Vec<_>>(), "{longest}");
             assert!(merges.iter().all(|m| m.steps * step_iterations(longest) <= MOST_ITERATIONS), "{longest}");
         }

@@ -13,7 +13,7 @@ mod passes;
 
 pub use blend::{
     CLASSES, class_variant, in_place_length, is_network, least_bytes, lower_bound, ordered_variant, record_nothing,
-    resolve_variant, sort_blocks_variant, sort_runs_variant,
+    resolve_variant, sort_runs_variant,
 };
 pub use passes::*;
 
@@ -24,7 +24,7 @@ use super::linked_list::{self, LinkedList};
 use super::renderer::{Facts, Target, Timeline};
 use super::soft::{self, Interior, Spheres};
 use super::{Error, Outcome};
-use crate::gpu::{self, Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{self, Buffer, Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
@@ -341,7 +341,7 @@ impl ABuffer {
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
         let need = Need::of(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
-        (left / need.bytes()).min(device.limits().binding_bytes / widest)
+        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
 
     fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
@@ -438,10 +438,17 @@ impl ABuffer {
             Storing::Links => {
                 let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
                 let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
-                self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?;
+                return Ok(self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?);
             }
         }
-        Ok(())
+        let [start, end] = band.pixels.map(u64::from);
+        let (ends, next) =
+            (self.counts.get().slice(start, end - start), self.offsets.get().slice(start + 1, end - start));
+        let name = match job.storing {
+            Storing::Spheres(_) => "soft/store",
+            _ => "abuffer/store",
+        };
+        Ok(recorder.agree(name, "pixel", ends, Expected::Words(next))?)
     }
 }
 

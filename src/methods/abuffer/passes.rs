@@ -261,16 +261,6 @@ pass! {
 }
 
 pass! {
-    /// Sorts each block of each long list in place.
-    pub SortBlocks = "abuffer/sort-blocks" in "abuffer/sort_blocks" {
-        work: ReadWrite<LongWork>,
-        runs: Read<ListRun>,
-        lists: Read<LongList>,
-        fragments: ReadWrite<[u32; 2]>,
-    }
-}
-
-pass! {
     /// Merges pairs of runs in place.
     pub MergeInPlace(InPlacePush) = "abuffer/merge-in-place" in "abuffer/merge_in_place" {
         work: ReadWrite<LongWork>,

@@ -554,7 +554,7 @@ impl Renderer {
                     self.target.deliver(window, image);
                     self.deliver_counts(frame, window, image)?;
                 }
-                Outcome::Overflow => split(window, &mut windows)?,
+                Outcome::Overflow => split(frame, window, &mut windows)?,
             }
         }
         Ok(facts)
@@ -562,6 +562,7 @@ impl Renderer {
 
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
+        frame.check()?;
         let window = [0, 0, frame.size[0], frame.size[1]];
         let stats = self.project(cloud, frame, window, &mut Timeline::default())?;
         let walker = self.walker(discs.raster, window)?;
@@ -589,7 +590,7 @@ impl Renderer {
         while let Some(window) = windows.pop() {
             let mut work = Work { window, budget, timeline: &mut Timeline::default(), facts: &mut facts, survey: true };
             if let Outcome::Overflow = self.work(cloud, frame, &mut work)? {
-                split(window, &mut windows)?;
+                split(frame, window, &mut windows)?;
             }
         }
         Ok(facts)
@@ -597,6 +598,7 @@ impl Renderer {
 
     /// What the cost of a frame of discs depends on, from projecting alone.
     pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Load, Error> {
+        frame.check()?;
         let [width, height] = frame.size;
         let stats = self.project(cloud, frame, [0, 0, width, height], &mut Timeline::default())?;
         let splats = stats.iter().map(|s| u64::from(s.visible)).sum();
@@ -958,7 +960,12 @@ fn initial_windows(frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> 
         }
         _ => splat::PIXEL_BYTES,
     };
-    Ok(last_first(bands::windows(frame.size, budget.window_pixels(pixel_bytes))))
+    let capacity = budget.window_pixels(pixel_bytes);
+    if let Method::Sorted(_) = frame.method {
+        // Splats of a tile are composed in runs of 2048: another tile would group them in another way.
+        return Ok(last_first(bands::tile_windows(frame.size, capacity)));
+    }
+    Ok(last_first(bands::windows(frame.size, capacity)))
 }
 
 fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
@@ -967,8 +974,9 @@ fn last_first(mut windows: Vec<Window>) -> Vec<Window> {
 }
 
 /// Puts the halves of a window that overflowed back on the list.
-fn split(window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
-    let [a, b] = bands::halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
+fn split(frame: &Frame, window: Window, windows: &mut Vec<Window>) -> Result<(), Error> {
+    let halves = if matches!(frame.method, Method::Sorted(_)) { bands::tile_halves } else { bands::halves };
+    let [a, b] = halves(window).ok_or(Error::PixelOverflow { x: window[0], y: window[1] })?;
     windows.extend([b, a]);
     Ok(())
 }

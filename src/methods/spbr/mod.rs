@@ -26,7 +26,7 @@ use self::tasks::{Task, Tasks};
 use super::Error;
 use super::bands::{self, Budget, Window};
 use super::renderer::{Facts, Frame, Target, Thin, Timeline};
-use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::{Column, DeviceCloud, Projecting, View};
 use crate::prepare::ensembles::slots;
@@ -614,10 +614,11 @@ impl Ensembles {
         let again = u32::from(task.piece.rows.is_some());
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push);
         let walk = (run, kind.variant(stage, None, counted).with("AGAIN", again));
-        if !job.listed() {
-            return self.record_stage(device, recorder, job, task, walk);
-        }
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
+        if !job.listed() {
+            self.record_stage(device, recorder, job, task, walk)?;
+            return Ok(recorder.agree("spbr/draw", "list of large squares", listed, Expected::Value(0))?);
+        }
         recorder.fill("spbr/clear", listed, 0)?;
         self.record_stage(device, recorder, job, task, walk)?;
         let stripes = job.stripes() as u32;

@@ -1,0 +1,150 @@
+//! Guard words: in debug builds every buffer goes on behind its content, shaders may write there, and each submission looks
+//! whether one did.
+//!
+//! Drivers may drop what is written behind a bound range: with robustBufferAccess all do, and lavapipe always does. So the
+//! range that is bound takes in the guard, and [`super::spirv`] takes its elements off what `arrayLength` says, so that
+//! shaders don't know of it. What lies behind a range that ends within a buffer's content belongs to others: it must be what
+//! it was, unless a pass of the same submission may write there.
+//!
+//! Nothing is guarded before a buffer: indices have no sign, so that a shader reaches nothing before its binding.
+
+use std::sync::Arc;
+
+use ash::vk::{self, Handle};
+
+use super::{Buffer, Context, Error, Memory, RawSlice};
+
+/// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in release builds.
+pub const BYTES: u64 = if cfg!(debug_assertions) { 256 } else { 0 };
+/// What they hold: no count, no float of a scene, no index.
+const WORD: u32 = 0xfade_d0c5;
+/// Guards whose words one buffer on the host takes.
+const PAGE: u64 = 32;
+
+/// The words behind a range that a pass may write to.
+struct Guard {
+    buffer: vk::Buffer,
+    start: u64,
+    bytes: u64,
+    /// Behind the buffer's content, and not within it.
+    is_behind: bool,
+    binding: &'static str,
+    /// The first and the last pass that may write to the range.
+    passes: [&'static str; 2],
+}
+
+/// The guards of a recording.
+#[derive(Default)]
+pub struct Guards {
+    guards: Vec<Guard>,
+    /// The words of each guard, before and after.
+    pages: Vec<Buffer<u32>>,
+    /// What the recording's commands may write to.
+    written: Vec<RawSlice>,
+}
+
+impl Guards {
+    /// A command writes to this range.
+    pub fn note_write(&mut self, slice: RawSlice) {
+        if BYTES > 0 {
+            self.written.push(slice);
+        }
+    }
+
+    /// A pass may write to this range. Records, outside of passes, what makes the words behind it known; a barrier must follow.
+    pub fn watch(
+        &mut self,
+        context: &Arc<Context>,
+        commands: vk::CommandBuffer,
+        names: (&'static str, &'static str),
+        slice: RawSlice,
+    ) -> Result<(), Error> {
+        if BYTES == 0 {
+            return Ok(());
+        }
+        let (pass, binding) = names;
+        self.written.push(slice);
+        let start = slice.offset + slice.bytes;
+        if let Some(known) = self.guards.iter_mut().find(|g| g.buffer == slice.buffer && g.start == start) {
+            known.passes[1] = pass;
+            return Ok(());
+        }
+        let is_behind = start == slice.room;
+        let bytes = if is_behind { BYTES } else { BYTES.min(slice.room - start) };
+        let guard = Guard { buffer: slice.buffer, start, bytes, is_behind, binding, passes: [pass; 2] };
+        if self.guards.len() as u64 == PAGE * self.pages.len() as u64 {
+            self.pages.push(Buffer::new(context, "guard words", 2 * PAGE * BYTES / 4, Memory::Readback)?);
+        }
+        full_barrier(context, commands);
+        if is_behind {
+            // SAFETY: every buffer has as many bytes behind its content.
+            unsafe { context.device.cmd_fill_buffer(commands, guard.buffer, start, bytes, WORD) };
+        } else {
+            self.copy(context, commands, self.guards.len(), &guard, 0);
+        }
+        self.guards.push(guard);
+        Ok(())
+    }
+
+    /// Records, after all passes, that the words come to the host.
+    pub fn finish(&self, context: &Context, commands: vk::CommandBuffer) {
+        if self.guards.is_empty() {
+            return;
+        }
+        full_barrier(context, commands);
+        for (number, guard) in self.guards.iter().enumerate() {
+            self.copy(context, commands, number, guard, 1);
+        }
+    }
+
+    fn copy(&self, context: &Context, commands: vk::CommandBuffer, number: usize, guard: &Guard, after: u64) {
+        let (page, place) = (number as u64 / PAGE, number as u64 % PAGE);
+        let page = &self.pages[page as usize];
+        let to = (2 * place + after) * BYTES;
+        let region = [vk::BufferCopy { src_offset: guard.start, dst_offset: to, size: guard.bytes }];
+        // SAFETY: the words lie within their buffer, and there is room for two guards' for each place of a page.
+        unsafe { context.device.cmd_copy_buffer(commands, guard.buffer, page.all().raw().buffer, &region) };
+    }
+
+    /// After the submission: an error that names the first words that no pass may have written.
+    pub fn check(&self, context: &Context) -> Result<(), Error> {
+        for (number, guard) in self.guards.iter().enumerate() {
+            let (page, place) = (number as u64 / PAGE, number as u64 % PAGE);
+            let words = self.pages[page as usize].mapped_slice();
+            let first = (2 * place * BYTES / 4) as usize;
+            let (known, found) = words[first..].split_at((BYTES / 4) as usize);
+            let changed = (0..(guard.bytes / 4) as usize).find(|&i| {
+                let at = guard.start + 4 * i as u64;
+                let wanted = if guard.is_behind { WORD } else { known[i] };
+                found[i] != wanted && !self.is_written(guard.buffer, at)
+            });
+            if let Some(word) = changed {
+                let [first, last] = guard.passes;
+                return Err(Error::Overrun {
+                    buffer: context.name_of((vk::Buffer::TYPE, guard.buffer.as_raw())),
+                    binding: guard.binding,
+                    passes: if first == last { first.to_owned() } else { format!("{first} to {last}") },
+                    bytes: 4 * word as u64,
+                    word: found[word],
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn is_written(&self, buffer: vk::Buffer, at: u64) -> bool {
+        self.written.iter().any(|w| w.buffer == buffer && (w.offset..w.offset + w.bytes).contains(&at))
+    }
+}
+
+fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
+    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(all)
+        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+        .dst_stage_mask(all)
+        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
+    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
+}
