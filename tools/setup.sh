@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, jq and a display without a screen as well. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named.
-# Does nothing, at once, where nothing is missing.
+# layers, a browser, jq and a display without a screen as well. On Debian and Ubuntu missing packages are installed with
+# apt, elsewhere they are named. Does nothing, at once, where nothing is missing.
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests]"
