@@ -24,6 +24,10 @@ mod cli {
     mod tradeoff;
 }
 
+#[cfg(unix)]
+#[path = "common/signals.rs"]
+mod ignored;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

@@ -17,6 +17,9 @@ mod faults {
     mod targets;
 }
 
+#[path = "common/signals.rs"]
+mod ignored;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
