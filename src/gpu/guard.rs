@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle};
 
+use super::recorder::full_barrier;
 use super::{Buffer, Context, Error, Memory, RawSlice};
 
 /// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in release builds.
@@ -135,16 +136,4 @@ impl Guards {
     fn is_written(&self, buffer: vk::Buffer, at: u64) -> bool {
         self.written.iter().any(|w| w.buffer == buffer && (w.offset..w.offset + w.bytes).contains(&at))
     }
-}
-
-fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
-    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-    let barrier = [vk::MemoryBarrier2::default()
-        .src_stage_mask(all)
-        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-        .dst_stage_mask(all)
-        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
-    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
 }

@@ -520,15 +520,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn memory_barrier(&self) {
-        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let barrier = [vk::MemoryBarrier2::default()
-            .src_stage_mask(all)
-            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-            .dst_stage_mask(all)
-            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-        let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-        // SAFETY: the command buffer is recording; the barrier has no resources.
-        unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
+        full_barrier(&self.context, self.commands);
     }
 
     /// Takes attachments from one layout to another, if there are any.
@@ -687,4 +679,17 @@ impl Drop for Recorder<'_> {
         }
         drop(guard);
     }
+}
+
+/// What was written before is seen by everything that comes after.
+pub(super) fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
+    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(all)
+        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+        .dst_stage_mask(all)
+        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
+    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
 }
