@@ -323,6 +323,12 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
+    /// From now on every submission fails as on a lost device, with [`Error::Lost`]; what is under way is finished. So whoever
+    /// renders on another thread ends soon.
+    pub fn abandon(&self) {
+        self.0.abandoned.store(true, Ordering::Relaxed);
+    }
+
     /// Names and sizes of what is allocated: the leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()

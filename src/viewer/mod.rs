@@ -4,6 +4,7 @@
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
 //! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
 //!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
+//! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
@@ -11,6 +12,8 @@ mod app;
 mod controls;
 mod display;
 mod draft;
+mod graphics;
+mod loss;
 mod model;
 mod navigate;
 mod overlay;
@@ -20,6 +23,8 @@ mod save;
 mod stage;
 mod ui;
 mod worker;
+
+pub use loss::Lost;
 
 use winit::event_loop::EventLoop;
 
@@ -89,7 +94,7 @@ impl Display {
     /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
     ///
     /// # Errors
-    /// No device that can show pictures in the window, a device that is lost, validation messages. What is wrong with a scene or a
+    /// No device that can show pictures in the window, one that is [`Lost`] again and again, validation messages. What is wrong with a scene or a
     /// setting later on is shown in the window.
     pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
         let mut app = app::App::new(options, self.0.create_proxy(), say);

@@ -25,6 +25,7 @@ const KEYS: &[(&str, &str)] = &[
     ("P", "perspective or orthographic"),
     ("T", "times of the passes"),
     ("H", "panel"),
+    ("F11", "the whole screen"),
     ("F12", "save the picture and its scene"),
     ("Ctrl + S", "save the scene"),
     ("Ctrl + Q", "close"),

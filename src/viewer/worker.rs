@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::JoinHandle;
 
@@ -10,12 +11,14 @@ use indicatif::ProgressBar;
 use super::display::Display;
 use super::navigate::Subject;
 use super::save::{self, Saving};
+use super::loss;
 use super::stage::{Pose, Stage, Taken};
 use crate::camera::Camera;
-use crate::gpu::{self, Device};
+use crate::cloud::Cloud;
+use crate::gpu::Device;
 use crate::methods::{Facts, FrameProfile};
 use crate::plan::Step;
-use crate::scene::{self, Document, Opened, Overrides, Scene};
+use crate::scene::{self, Document, Overrides, Scene};
 use crate::{Error, Result};
 
 /// A picture that is wanted.
@@ -83,41 +86,83 @@ pub enum News {
     Lost(Error),
 }
 
+/// What a thread works on, at its beginning and at its end.
+pub struct Held {
+    /// The clouds as they were read.
+    pub clouds: Vec<Cloud>,
+    /// Whether no file holds them.
+    pub generated: bool,
+    /// What was asked for and not done, but for pictures.
+    pub tasks: Vec<Task>,
+}
+
+/// What the thread is still to do.
+#[derive(Default)]
+struct Orders {
+    /// Nothing any more.
+    stop: AtomicBool,
+    /// Nothing but writing what is to be saved.
+    close: AtomicBool,
+    /// Scenes to save.
+    saves: AtomicUsize,
+}
+
+impl Orders {
+    fn allow(&self, task: &Task) -> bool {
+        let is_save = matches!(task, Task::Save(_));
+        !self.stop.load(Ordering::Relaxed) && (is_save || !self.close.load(Ordering::Relaxed))
+    }
+}
+
 /// The thread and its two ends.
 pub struct Worker {
+    device: Device,
+    orders: Arc<Orders>,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
-    thread: Option<JoinHandle<()>>,
+    /// Gives back what it held, and the tasks that it has not looked at.
+    thread: Option<JoinHandle<(Held, Receiver<Task>)>>,
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called after each piece of news.
-    pub fn start(device: &Device, opened: Opened, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
+    /// Starts the thread, with tasks that it has already. `wake` is called after each piece of news.
+    pub fn start(device: &Device, held: Held, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
-        let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
-        let mut work = Work { stage, setup, generated: opened.generated, display: Display::new() };
-        let thread = std::thread::spawn(move || {
-            while let Ok(task) = waiting.recv() {
-                for task in latest(task, &waiting) {
-                    let news = work.run(task);
-                    // Nobody listens any more: the window is closed.
-                    if teller.send(news).is_err() {
-                        return;
-                    }
-                    wake();
-                }
-            }
-        });
-        Ok(Self { tasks: Some(tasks), news, thread: Some(thread) })
+        let stage = Stage::new(device, held.clouds, setup.seed, setup.memory_budget)?;
+        let work = Work { stage, setup, generated: held.generated, display: Display::new() };
+        let orders = Arc::new(Orders::default());
+        let tell = move |news| {
+            // Nobody listens any more if the window is closed.
+            let _ = teller.send(news);
+            wake();
+        };
+        let theirs = orders.clone();
+        let thread = std::thread::spawn(move || work.run_all(waiting, &theirs, tell));
+        let worker = Self { device: device.clone(), orders, tasks: Some(tasks), news, thread: Some(thread) };
+        held.tasks.into_iter().for_each(|task| worker.ask(task));
+        Ok(worker)
     }
 
     /// Asks for something.
     pub fn ask(&self, task: Task) {
         if let Some(tasks) = &self.tasks {
+            self.orders.saves.fetch_add(usize::from(matches!(task, Task::Save(_))), Ordering::Relaxed);
             // A thread that is gone has said why.
             let _ = tasks.send(task);
         }
+    }
+
+    /// Ends the thread as soon as it can be; what it held, and the news that nobody has seen. `None` after a panic, which the
+    /// thread itself has printed.
+    pub fn end(mut self) -> Option<(Held, Vec<News>)> {
+        self.orders.stop.store(true, Ordering::Relaxed);
+        self.device.abandon();
+        self.tasks = None;
+        let (mut held, waiting) = self.thread.take()?.join().ok()?;
+        held.tasks.extend(waiting.try_iter());
+        held.tasks.retain(|task| !matches!(task, Task::Show(_)));
+        Some((held, self.news.try_iter().collect()))
     }
 
     /// The next piece of news, if there is one.
@@ -128,11 +173,14 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.tasks = None;
-        if let Some(thread) = self.thread.take() {
-            // A panic there was printed by the thread itself.
-            let _ = thread.join();
+        let Some(thread) = self.thread.take() else { return };
+        self.orders.close.store(true, Ordering::Relaxed);
+        if self.orders.saves.load(Ordering::Relaxed) == 0 {
+            self.device.abandon();
         }
+        self.tasks = None;
+        // A panic there was printed by the thread itself.
+        let _ = thread.join();
     }
 }
 
@@ -166,16 +214,43 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
 }
 
 impl Work {
-    fn run(&mut self, task: Task) -> News {
+    /// Does what is asked for until nobody can ask any more or the device is lost.
+    fn run_all(
+        mut self,
+        waiting: Receiver<Task>,
+        orders: &Orders,
+        tell: impl Fn(News),
+    ) -> (Held, Receiver<Task>) {
+        let mut left = Vec::new();
+        let mut lost = false;
+        while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
+            for task in latest(task, &waiting) {
+                if lost || !orders.allow(&task) {
+                    left.push(task);
+                    continue;
+                }
+                let news = self.run(&task);
+                lost = matches!(news, News::Lost(_));
+                if lost {
+                    left.push(task);
+                } else if let Task::Save(_) = task {
+                    orders.saves.fetch_sub(1, Ordering::Relaxed);
+                }
+                tell(news);
+            }
+        }
+        (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+    }
+
+    fn run(&mut self, task: &Task) -> News {
         let (serial, done) = match task {
-            Task::Show(request) => (request.serial, self.show(&request)),
-            Task::Open(files) => (0, self.open(&files)),
-            Task::Save(saving) => (0, self.save(&saving)),
+            Task::Show(request) => (request.serial, self.show(request)),
+            Task::Open(files) => (0, self.open(files)),
+            Task::Save(saving) => (0, self.save(saving)),
         };
-        done.unwrap_or_else(|error| match error {
-            Error::Gpu(gpu::Error::Lost { .. }) => News::Lost(error),
-            Error::Render(crate::methods::Error::Gpu(gpu::Error::Lost { .. })) => News::Lost(error),
-            error => News::Failed(serial, error.to_string()),
+        done.unwrap_or_else(|error| match loss::during(&error) {
+            Some(_) => News::Lost(error),
+            None => News::Failed(serial, error.to_string()),
         })
     }
 
