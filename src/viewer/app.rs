@@ -15,6 +15,7 @@ use winit::window::{Fullscreen, Window, WindowId};
 use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses, Lost};
 use super::model::Model;
+use super::visibility::Visibility;
 use super::worker::{Held, News, Setup, Task};
 use super::{Options, ui};
 use crate::Result;
@@ -50,6 +51,7 @@ struct Running {
     dropped_at: Instant,
     /// When to draw again, whatever happens.
     again_at: Option<Instant>,
+    visibility: Visibility,
     /// Whether something else covers the window.
     covered: bool,
     /// The picture that waits until somebody can see it.
@@ -114,6 +116,7 @@ impl App {
         let model = Model::new(name, document, options.view, options.budget_ms)?;
         let held = Held { clouds, generated, tasks: Vec::new() };
         let graphics = Graphics::open(&self.opening, &window, held, Textures::default(), &mut self.logs)?;
+        let visibility = Visibility::of(&window);
         let ctx = egui::Context::default();
         ui::style(&ctx);
         let scale = Some(window.scale_factor() as f32);
@@ -128,6 +131,7 @@ impl App {
             dropped: Vec::new(),
             dropped_at: now,
             again_at: Some(now),
+            visibility,
             covered: false,
             held_back: None,
             shown: None,
@@ -312,7 +316,7 @@ impl Running {
     }
 
     fn is_minimised(&self) -> bool {
-        self.window.is_minimized() == Some(true)
+        self.visibility.is_minimised(&self.window)
     }
 
     /// Asks the worker for what is due; for pictures only if somebody can see them.

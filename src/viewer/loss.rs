@@ -36,6 +36,9 @@ pub enum Lost {
         /// What became of opening it.
         why: String,
     },
+    /// The server of the window has ended the connection.
+    #[error("the display has closed the window ({0}); what was saved before is there")]
+    Display(String),
 }
 
 /// What was being done when the device was lost, if that is what an error says.

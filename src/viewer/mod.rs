@@ -5,6 +5,7 @@
 //! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
 //!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
+//! - `visibility`: whether the window is minimised.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
@@ -22,6 +23,7 @@ mod pointer;
 mod save;
 mod stage;
 mod ui;
+mod visibility;
 mod worker;
 
 pub use loss::Lost;
@@ -94,13 +96,14 @@ impl Display {
     /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
     ///
     /// # Errors
-    /// No device that can show pictures in the window, one that is [`Lost`] again and again, validation messages. What is wrong with a scene or a
+    /// No device that can show pictures in the window, one that is [`Lost`] again and again, a display that ends, validation messages.
+    /// What is wrong with a scene or a
     /// setting later on is shown in the window.
     pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
         let mut app = app::App::new(options, self.0.create_proxy(), say);
         let ran = self.0.run_app(&mut app);
         app.finish()?;
-        ran.map_err(no_display)
+        ran.map_err(|error| Lost::Display(plain(&error.to_string())).into())
     }
 }
 
