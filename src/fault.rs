@@ -190,7 +190,8 @@ mod armed {
             assert_eq!([1, 1].map(|units| first.due("submit", units)), [Some(0), None]);
             let again = Plan::parse("device-lost@wait:2,4").unwrap();
             assert_eq!([1, 1, 1, 1, 1].map(|units| again.due("wait", units)), [None, Some(0), None, Some(0), None]);
-            let wrong = ["", "kill", "kill@nowhere", "kill@submit:0", "kill@submit:x", "burn@submit", "kill@submit:3,3"];
+            let wrong =
+                ["", "kill", "kill@nowhere", "kill@submit:0", "kill@submit:x", "burn@submit", "kill@submit:3,3"];
             for wrong in wrong {
                 assert!(Plan::parse(wrong).is_none(), "{wrong}");
             }

@@ -2,6 +2,7 @@
 //! `tests/viewer.rs`; `PELLUCID_FAULT` (src/fault.rs, debug builds) says where a fault happens.
 #![cfg(all(unix, feature = "viewer"))]
 
+#[path = "viewer"]
 mod viewer {
     pub mod display;
     pub mod garden;

@@ -2,6 +2,7 @@
 //! `tests/viewer.rs`; without ctwm or cage those tests that need them are skipped with a note.
 #![cfg(all(target_os = "linux", feature = "viewer"))]
 
+#[path = "viewer"]
 mod viewer {
     pub mod display;
     pub mod garden;

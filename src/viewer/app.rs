@@ -15,6 +15,7 @@ use winit::window::{Fullscreen, Window, WindowId};
 use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses, Lost};
 use super::model::Model;
+use super::said::Said;
 use super::visibility::Visibility;
 use super::worker::{Held, News, Setup, Task};
 use super::{Options, ui};
@@ -59,15 +60,6 @@ struct Running {
     /// The picture that is on the screen.
     shown: Option<u64>,
     said: Said,
-}
-
-/// What was told to whoever asked for more.
-#[derive(Default)]
-struct Said {
-    at_rest: Option<u64>,
-    hidden: bool,
-    message: Option<String>,
-    controls: Vec<(String, [i32; 4])>,
 }
 
 /// The application as the event loop sees it.
@@ -304,8 +296,12 @@ impl Running {
             self.again_at = None;
             self.window.request_redraw();
         }
-        self.tell(say);
-        self.tell_at_rest(say, now);
+        self.said.tell(say, &self.model);
+        if self.model.is_at_rest(now)
+            && let Some(graphics) = &self.graphics
+        {
+            self.said.tell_at_rest(say, &self.model, self.shown, &graphics.device);
+        }
         let drop_at = (!self.dropped.is_empty()).then(|| self.dropped_at + DROP);
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
     }
@@ -335,10 +331,7 @@ impl Running {
         if hidden {
             self.again_at = self.again_at.or(Some(now + LOOK));
         }
-        if hidden != self.said.hidden {
-            say(if hidden { "hidden: pictures wait" } else { "no picture waits any more" });
-            self.said.hidden = hidden;
-        }
+        self.said.tell_hidden(say, hidden);
     }
 
     /// Draws the panel and shows it with the picture; whether the window is to be closed.
@@ -362,7 +355,10 @@ impl Running {
         let picture = self.model.picture().map(|picture| Picture { size: picture.size, at, rgba: &picture.rgba });
         let Some(graphics) = &mut self.graphics else { return Ok(close) };
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
-        let (shown, delay) = match graphics.screen.show(size, picture.as_ref(), &drawing) {
+        // Wayland's compositors then ask for the next frame when they have a use for it: not for a window that nobody sees.
+        let window = &self.window;
+        let shown = graphics.screen.show(size, picture.as_ref(), &drawing, &|| window.pre_present_notify());
+        let (shown, delay) = match shown {
             Ok(Shown::Yes) => (Shown::Yes, delay),
             Ok(Shown::NotNow) => (Shown::NotNow, delay.min(RETRY)),
             Err(error) if error.is_out_of_memory() => {
@@ -376,33 +372,5 @@ impl Running {
             self.shown = self.model.picture().map(|picture| picture.serial);
         }
         Ok(close)
-    }
-
-    /// Says that the picture on the screen is as it should be, once for each.
-    fn tell_at_rest(&mut self, say: &dyn Fn(&str), now: Instant) {
-        let Some(picture) = self.model.picture().filter(|_| self.model.is_at_rest(now)) else { return };
-        if self.shown == Some(picture.serial) && self.said.at_rest != self.shown {
-            let ([width, height], ms) = (picture.size, picture.profile.wall.as_secs_f64() * 1e3);
-            say(&format!("at rest: frame {}, {width} × {height}, {}, {ms:.1} ms", picture.serial, picture.method));
-            let live = self.graphics.as_ref().map(|graphics| graphics.device.live_allocations()).unwrap_or_default();
-            let bytes: u64 = live.iter().map(|(_, bytes)| bytes).sum();
-            say(&format!("device memory: {bytes} bytes in {} allocations", live.len()));
-            self.said.at_rest = Some(picture.serial);
-        }
-    }
-
-    fn tell(&mut self, say: &dyn Fn(&str)) {
-        let message = self.model.message.as_ref().map(|(text, _)| text.clone());
-        if message != self.said.message {
-            message.iter().for_each(|message| say(message));
-            self.said.message = message;
-        }
-        let controls: Vec<_> = self.model.controls.iter().map(|(key, place)| (key.clone(), *place)).collect();
-        if controls != self.said.controls {
-            for (key, [left, top, width, height]) in &controls {
-                say(&format!("control {key} at {left},{top} {width}x{height}"));
-            }
-            self.said.controls = controls;
-        }
     }
 }

@@ -5,7 +5,7 @@
 //! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
 //!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
-//! - `visibility`: whether the window is minimised.
+//! - `visibility`: whether the window is minimised; `said`: what `-v` tells.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
@@ -20,6 +20,7 @@ mod navigate;
 mod overlay;
 mod panel;
 mod pointer;
+mod said;
 mod save;
 mod stage;
 mod ui;

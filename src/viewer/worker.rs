@@ -9,9 +9,9 @@ use std::thread::JoinHandle;
 use indicatif::ProgressBar;
 
 use super::display::Display;
+use super::loss;
 use super::navigate::Subject;
 use super::save::{self, Saving};
-use super::loss;
 use super::stage::{Pose, Stage, Taken};
 use crate::camera::Camera;
 use crate::cloud::Cloud;
@@ -215,12 +215,7 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
 
 impl Work {
     /// Does what is asked for until nobody can ask any more or the device is lost.
-    fn run_all(
-        mut self,
-        waiting: Receiver<Task>,
-        orders: &Orders,
-        tell: impl Fn(News),
-    ) -> (Held, Receiver<Task>) {
+    fn run_all(mut self, waiting: Receiver<Task>, orders: &Orders, tell: impl Fn(News)) -> (Held, Receiver<Task>) {
         let mut left = Vec::new();
         let mut lost = false;
         while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {

@@ -8,8 +8,7 @@ use crate::viewer::garden::{WINDOW, garden, with_display};
 use crate::viewer::window::Window;
 
 /// Takes long at rest.
-const LONG: [&str; 8] =
-    ["view", "scene.toml", "--size", WINDOW, "--method", "spbr", "--set", "method.ensembles=1000"];
+const LONG: [&str; 8] = ["view", "scene.toml", "--size", WINDOW, "--method", "spbr", "--set", "method.ensembles=1000"];
 
 #[test]
 fn a_window_that_is_closed_in_the_middle_of_a_frame_says_nothing() {

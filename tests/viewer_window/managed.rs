@@ -21,10 +21,8 @@ impl Manager {
         manager.args(["-f", "ctwmrc"]).current_dir(folder).env("DISPLAY", &display.name).env_remove("SESSION_MANAGER");
         let started = manager.stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok().map(Self);
         if started.is_none() {
-            assert!(
-                std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v != "1"),
-                "ctwm is required: tools/setup.sh --tests installs it"
-            );
+            let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
+            assert!(!required, "ctwm is required: tools/setup.sh --tests installs it");
             eprintln!("skipped, no ctwm");
         }
         started

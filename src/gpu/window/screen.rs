@@ -97,14 +97,24 @@ impl Screen {
     }
 
     /// Shows a picture with a drawing over it in a window of this size (physical pixels); returns when the device is done.
+    /// `about_to_present` is called just before the window gets the picture, if it does.
     ///
     /// # Errors
     /// [`Error::Lost`] if the device or the surface is lost; a picture of another length than its size says is
     /// [`Error::NoSurface`]. After an error for want of memory the next frame may do.
-    pub fn show(&mut self, size: [u32; 2], picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<Shown, Error> {
+    pub fn show(
+        &mut self,
+        size: [u32; 2],
+        picture: Option<&Picture<'_>>,
+        drawing: &Drawing,
+        about_to_present: &dyn Fn(),
+    ) -> Result<Shown, Error> {
         let Some(painter) = &mut self.painter else { return Ok(Shown::NotNow) };
         painter.take_in(&drawing.textures.set);
-        let shown = self.bring_textures().and_then(|()| self.show_with_textures(size, picture, drawing));
+        let shown = self
+            .bring_textures()
+            .and_then(|()| self.draw(size, picture, drawing))
+            .and_then(|index| index.map_or(Ok(Shown::NotNow), |index| self.present(index, about_to_present)));
         if shown.is_err() {
             self.give_up();
         }
@@ -122,20 +132,16 @@ impl Screen {
         brought
     }
 
-    fn show_with_textures(
-        &mut self,
-        size: [u32; 2],
-        picture: Option<&Picture<'_>>,
-        drawing: &Drawing,
-    ) -> Result<Shown, Error> {
+    /// Draws to an image of the window, if it has one to give.
+    fn draw(&mut self, size: [u32; 2], picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<Option<u32>, Error> {
         self.stage(picture)?;
         if self.stale {
             self.renew(size)?;
         }
-        let Some(index) = self.acquire()? else { return Ok(Shown::NotNow) };
+        let Some(index) = self.acquire()? else { return Ok(None) };
         self.record(index, picture, drawing)?;
         self.submit(index)?;
-        self.present(index)
+        Ok(Some(index))
     }
 
     /// After a frame that was not shown: it may have an image for ever, and the semaphore of it.
@@ -144,7 +150,8 @@ impl Screen {
             self.destroy(&old);
         }
         // SAFETY: whatever was submitted is over; what can't be reset is an error when it is begun.
-        let _ = unsafe { self.context.device.reset_command_buffer(self.commands, vk::CommandBufferResetFlags::empty()) };
+        let _ =
+            unsafe { self.context.device.reset_command_buffer(self.commands, vk::CommandBufferResetFlags::empty()) };
         self.stale = true;
     }
 
@@ -175,8 +182,9 @@ impl Screen {
     fn acquire(&mut self) -> Result<Option<u32>, Error> {
         let Some(swapchain) = &self.swapchain else { return Ok(None) };
         // SAFETY: the semaphore was waited for by the last submission, which is over.
-        let acquired =
-            unsafe { self.loader.acquire_next_image(swapchain.raw, PATIENCE_NS, swapchain.acquired, vk::Fence::null()) };
+        let acquired = unsafe {
+            self.loader.acquire_next_image(swapchain.raw, PATIENCE_NS, swapchain.acquired, vk::Fence::null())
+        };
         match acquired {
             Ok((index, suboptimal)) => {
                 self.stale = suboptimal;
@@ -268,12 +276,13 @@ impl Screen {
         }
     }
 
-    fn present(&mut self, index: u32) -> Result<Shown, Error> {
+    fn present(&mut self, index: u32, about_to_present: &dyn Fn()) -> Result<Shown, Error> {
         let Some(swapchain) = &self.swapchain else { return Ok(Shown::NotNow) };
         let (swapchains, indices) = ([swapchain.raw], [index]);
         let finished = [swapchain.finished[index as usize]];
         let info =
             vk::PresentInfoKHR::default().wait_semaphores(&finished).swapchains(&swapchains).image_indices(&indices);
+        about_to_present();
         let guard = lock(&self.context.submission);
         // SAFETY: the image was acquired and is in the layout for presenting.
         let presented = unsafe { self.loader.queue_present(self.context.queue, &info) };
