@@ -32,7 +32,7 @@ impl Client {
         let plain = CreateWindowAux::new();
         let class = WindowClass::INPUT_ONLY;
         connection
-            .create_window(COPY_DEPTH_FROM_PARENT as u8, own, root, 0, 0, 1, 1, 0, class, COPY_FROM_PARENT, &plain)
+            .create_window(COPY_DEPTH_FROM_PARENT, own, root, 0, 0, 1, 1, 0, class, COPY_FROM_PARENT, &plain)
             .unwrap();
         Self { connection, root, own }
     }
