@@ -1,7 +1,7 @@
 //! The logical device with its queue, allocator and pipelines; everything made from it holds an `Arc` of it.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, vk};
@@ -31,14 +31,14 @@ pub struct Context {
     pub instance: Instance,
     /// Held for every submission: a queue and a command pool must not be used from two threads at once.
     pub submission: Mutex<()>,
-    /// Whether nothing is to be submitted any more.
-    pub abandoned: AtomicBool,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
     peak: AtomicU64,
     /// Bytes of [`super::Buffer::upload`] so far.
     pub uploaded: AtomicU64,
+    /// Submissions that may still be made.
+    pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
     cache_key: String,
 }
@@ -100,10 +100,10 @@ impl Context {
             pipeline_cache,
             instance,
             submission: Mutex::new(()),
-            abandoned: AtomicBool::new(false),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
+            allowed: AtomicU64::new(u64::MAX),
             uploaded: AtomicU64::new(0),
             pipelines: Mutex::default(),
             cache_key,
@@ -150,11 +150,6 @@ impl Context {
         let mut list: Vec<_> = lock(&self.live).values().cloned().collect();
         list.sort();
         list
-    }
-
-    /// What Vulkan would answer to a submission if the device is lost or abandoned.
-    pub fn may_submit(&self) -> Result<(), vk::Result> {
-        if self.abandoned.load(Ordering::Relaxed) { Err(vk::Result::ERROR_DEVICE_LOST) } else { Ok(()) }
     }
 
     /// The pipeline of a key, built at its first use.

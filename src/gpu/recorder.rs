@@ -7,6 +7,7 @@
 use std::ffi::CString;
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ash::vk;
@@ -358,6 +359,10 @@ impl<'a> Recorder<'a> {
     /// Ends, submits, waits, and reads the times. `name` says in errors what was submitted.
     pub fn submit(self, name: &str) -> Result<Submitted, Error> {
         let context = self.context.clone();
+        let allowed = |left: u64| if left == u64::MAX { Some(left) } else { left.checked_sub(1) };
+        if context.allowed.fetch_update(Ordering::Relaxed, Ordering::Relaxed, allowed).is_err() {
+            return Err(Error::Stopped { before: name.to_owned() });
+        }
         let lost = |call: &'static str| {
             let during = name.to_owned();
             move |result| match result {
@@ -376,10 +381,8 @@ impl<'a> Recorder<'a> {
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
             let start = Instant::now();
-            let submitted = context
-                .may_submit()
-                .and_then(|()| crate::fault::vulkan("submit"))
-                .and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
+            let submitted =
+                crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
             // Whoever shows pictures in a window may submit while this one waits.
             drop(guard);
             let result = submitted

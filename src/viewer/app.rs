@@ -320,8 +320,8 @@ impl Running {
         let Some(graphics) = &self.graphics else { return };
         while let Some(task) = self.model.next_task(now) {
             match task {
-                Task::Show(_) => self.held_back = Some(task),
-                task => graphics.worker.ask(task),
+                Task::Open(_) | Task::Save(_) => graphics.worker.ask(task),
+                task => self.held_back = Some(task),
             }
         }
         let hidden = self.held_back.is_some() && self.is_hidden();

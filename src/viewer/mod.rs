@@ -2,13 +2,15 @@
 //!
 //! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
-//! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
-//!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
+//! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` says what is
+//!   left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
+//!   picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
 //! - `visibility`: whether the window is minimised; `said`: what `-v` tells.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
+mod accuracy;
 mod app;
 mod controls;
 mod display;
@@ -23,6 +25,7 @@ mod pointer;
 mod said;
 mod save;
 mod stage;
+mod thin;
 mod ui;
 mod visibility;
 mod worker;
