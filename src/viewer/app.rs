@@ -146,8 +146,10 @@ impl App {
                     Some(during) => running.begin_anew(&self.opening, during, &mut self.logs),
                     None => Err(error),
                 };
-                if let Err(error) = begun_anew {
-                    self.end(event_loop, Err(error));
+                match begun_anew {
+                    // At once: a control that is being moved takes the message back.
+                    Ok(()) => running.said.tell(&self.say, &running.model),
+                    Err(error) => self.end(event_loop, Err(error)),
                 }
             }
         }
