@@ -33,7 +33,7 @@ const RETRY: Duration = Duration::from_millis(50);
 /// The same, if memory was lacking.
 const RETRY_MEMORY: Duration = Duration::from_secs(1);
 
-/// How often to look whether a minimised window is back.
+/// How often to look whether a minimized window is back.
 const LOOK: Duration = Duration::from_millis(250);
 
 /// The worker has news.
@@ -310,11 +310,11 @@ impl Running {
 
     /// Whether nobody can see the window.
     fn is_hidden(&self) -> bool {
-        self.covered || self.is_minimised()
+        self.covered || self.is_minimized()
     }
 
-    fn is_minimised(&self) -> bool {
-        self.visibility.is_minimised(&self.window)
+    fn is_minimized(&self) -> bool {
+        self.visibility.is_minimized(&self.window)
     }
 
     /// Asks the worker for what is due; for pictures only if somebody can see them.
@@ -342,7 +342,7 @@ impl Running {
         if self.covered || size.contains(&0) {
             return Ok(false);
         }
-        if self.is_minimised() {
+        if self.is_minimized() {
             self.again_at = Some(Instant::now() + LOOK);
             return Ok(false);
         }

@@ -6,7 +6,7 @@
 //!   left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
 //!   picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
-//! - `visibility`: whether the window is minimised; `said`: what `-v` tells.
+//! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 

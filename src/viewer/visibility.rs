@@ -1,4 +1,4 @@
-//! Whether a window is on the screen at all: what is minimised need not be drawn.
+//! Whether a window is on the screen at all: what is minimized need not be drawn.
 
 use winit::window::Window;
 
@@ -18,8 +18,8 @@ impl Visibility {
         }
     }
 
-    /// Whether the window is minimised, as far as the system tells: Wayland doesn't.
-    pub fn is_minimised(&self, window: &Window) -> bool {
+    /// Whether the window is minimized, as far as the system tells: Wayland doesn't.
+    pub fn is_minimized(&self, window: &Window) -> bool {
         #[cfg(all(unix, not(target_vendor = "apple")))]
         if self.server.as_ref().and_then(x11::Server::is_mapped) == Some(false) {
             return true;
@@ -36,7 +36,7 @@ mod x11 {
     use x11rb::rust_connection::RustConnection;
 
     /// An X11 window by a connection of our own. The window library passes on only what some window managers say of a window
-    /// (_NET_WM_STATE_HIDDEN); that a minimised one is not mapped holds for all (ICCCM 4.1.4).
+    /// (_NET_WM_STATE_HIDDEN); that a minimized one is not mapped holds for all (ICCCM 4.1.4).
     pub struct Server {
         connection: RustConnection,
         window: u32,

@@ -1,4 +1,4 @@
-//! What other programs of a desktop do to a window: they drop files onto it and ask for it to be maximised.
+//! What other programs of a desktop do to a window: they drop files onto it and ask for it to be maximized.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -48,10 +48,10 @@ impl Client {
     }
 
     /// Asks the window manager to give a window all of the screen beside what it keeps for itself, or to take that back.
-    pub fn maximise(&self, window: u32, maximised: bool) {
+    pub fn maximize(&self, window: u32, maximized: bool) {
         let (across, down) = (self.atom("_NET_WM_STATE_MAXIMIZED_HORZ"), self.atom("_NET_WM_STATE_MAXIMIZED_VERT"));
         let mask = EventMask::SUBSTRUCTURE_REDIRECT | EventMask::SUBSTRUCTURE_NOTIFY;
-        self.send(self.root, mask, window, "_NET_WM_STATE", [u32::from(maximised), across, down, 1, 0]);
+        self.send(self.root, mask, window, "_NET_WM_STATE", [u32::from(maximized), across, down, 1, 0]);
     }
 
     /// Drops files onto a window, as freedesktop.org's XDND has it (version 5); returns when the window has taken them.
@@ -117,7 +117,7 @@ impl Client {
         [place.dst_x, place.dst_y].map(|x| x.try_into().unwrap())
     }
 
-    /// Whether the window is on the screen: what is minimised is not.
+    /// Whether the window is on the screen: what is minimized is not.
     pub fn is_mapped(&self, window: u32) -> bool {
         let attributes = self.connection.get_window_attributes(window).unwrap().reply().unwrap();
         attributes.map_state != MapState::UNMAPPED

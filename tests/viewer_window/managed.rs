@@ -1,4 +1,4 @@
-//! A window manager that minimises and maximises: ctwm.
+//! A window manager that minimizes and maximizes: ctwm.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -46,7 +46,7 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 #[test]
-fn a_window_that_is_minimised_maximised_and_full_screen_shows_what_it_should() {
+fn a_window_that_is_minimized_maximized_and_full_screen_shows_what_it_should() {
     with_display(|display| {
         let folder = garden();
         let folder = folder.path();
@@ -65,7 +65,7 @@ fn a_window_that_is_minimised_maximised_and_full_screen_shows_what_it_should() {
 
         // What is opened meanwhile is read, but nothing is rendered before somebody can see it.
         display.do_it(&format!("windowminimize {name}"));
-        wait_until("minimised", || !client.is_mapped(id));
+        wait_until("minimized", || !client.is_mapped(id));
         client.drop_files(id, &[&folder.join("ground.ply")]);
         window.wait_for("hidden: pictures wait");
         std::thread::sleep(Duration::from_millis(700));
@@ -83,10 +83,10 @@ fn a_window_that_is_minimised_maximised_and_full_screen_shows_what_it_should() {
         // The panel is 330 wide.
         let all = [SIZE[0] as u16, SIZE[1] as u16];
         let rest = format!(" {} × {},", SIZE[0] - 330, SIZE[1]);
-        for way in ["maximised", "full"] {
+        for way in ["maximized", "full"] {
             let toggle = |on| match way {
                 "full" => drop(display.do_it("key F11")),
-                _ => client.maximise(id, on),
+                _ => client.maximize(id, on),
             };
             toggle(true);
             window.wait_for(&rest);
