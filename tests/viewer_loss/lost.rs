@@ -1,6 +1,7 @@
 //! A device that is lost, once and again, and one without memory.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use pellucid::scene::{Overrides, Scene};
 
@@ -85,6 +86,56 @@ fn a_device_that_is_lost_again_is_an_error_that_says_what_helps() {
             for part in ["leaked", "validation", "panicked"] {
                 assert!(!said.contains(part), "{fault}: {said}");
             }
+        }
+    });
+}
+
+/// The manifest of the driver that tests run on, if it is known: the one that was chosen, or lavapipe's.
+fn manifest() -> Option<PathBuf> {
+    let chosen = std::env::var_os("VK_DRIVER_FILES").map(PathBuf::from);
+    let is_lavapipe =
+        |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("lvp_icd"));
+    let installed = std::fs::read_dir("/usr/share/vulkan/icd.d").into_iter().flatten().flatten();
+    chosen.or_else(|| installed.map(|entry| entry.path()).find(is_lavapipe)).filter(|path| path.is_file())
+}
+
+#[test]
+fn a_device_that_is_gone_is_an_error_that_says_what_helps() {
+    with_display(|display| {
+        let Some(manifest) = manifest() else {
+            eprintln!("skipped, no driver that can be taken away");
+            return;
+        };
+        let folder = garden();
+        let driver = folder.path().join("driver.json");
+        std::fs::copy(manifest, &driver).unwrap();
+        let variables = [
+            ("DISPLAY", display.name.as_str()),
+            ("PELLUCID_FAULT", "device-lost@show:60"),
+            ("VK_DRIVER_FILES", driver.to_str().unwrap()),
+        ];
+        let arguments = ["view", "scene.toml", "--size", WINDOW];
+        let mut window = Window::open_with(folder.path(), &variables, &arguments);
+        window.wait_for("at rest");
+        take(display);
+        std::fs::remove_file(&driver).unwrap();
+        // A frame of the window for each, until one of them is lost.
+        let until = Instant::now() + Duration::from_secs(60);
+        for x in (0..200).cycle() {
+            display.do_it(&format!("mousemove {} 300", 420 + x));
+            if window.process.try_wait().unwrap().is_some() || Instant::now() > until {
+                break;
+            }
+        }
+        let (status, said) = window.end();
+        assert_eq!(status, Some(1), "{said}");
+        let last = said.lines().last().unwrap();
+        assert!(last.starts_with("error: ") && last.contains(" was lost during showing a picture"), "{said}");
+        for part in ["can't be opened again: no Vulkan device", "`pellucid devices`", "--device", "`pellucid render`"] {
+            assert!(last.contains(part), "{part}: {said}");
+        }
+        for part in ["leaked", "validation message", "panicked"] {
+            assert!(!said.contains(part), "{said}");
         }
     });
 }
