@@ -8,9 +8,11 @@
 //!   [`Screen`](crate::gpu::window::Screen).
 
 mod app;
+mod census;
 mod controls;
 mod display;
 mod draft;
+mod hints;
 mod model;
 mod navigate;
 mod overlay;

@@ -7,12 +7,14 @@ use std::time::{Duration, Instant};
 
 use glam::DVec2;
 
+use super::census::Census;
+use super::controls::Extent;
 use super::navigate::{self, Navigator};
 use super::save::Saving;
 use super::stage::Pose;
 use super::worker::{News, Picture, Request, Task};
 use crate::camera::Projection;
-use crate::scene::{Document, Scene, Setting, View};
+use crate::scene::{Change, Document, Scene, Setting, View, method_keys};
 use crate::{Error, Result};
 
 /// How long nothing may move for a picture without omissions to be due.
@@ -78,6 +80,7 @@ pub struct Model {
     flatten: bool,
     viewport: Viewport,
     picture: Option<Box<Picture>>,
+    census: Arc<[Census]>,
     way: Way,
     serial: u64,
     changed_at: Instant,
@@ -113,6 +116,7 @@ impl Model {
             flatten: false,
             viewport: Viewport::default(),
             picture: None,
+            census: Arc::default(),
             way: Way::Changed,
             serial: 0,
             changed_at: Instant::now(),
@@ -135,6 +139,24 @@ impl Model {
     /// The last picture.
     pub fn picture(&self) -> Option<&Picture> {
         self.picture.as_deref()
+    }
+
+    /// What is known of the clouds, in the scene's order; nothing as long as nobody has looked.
+    pub fn census(&self) -> Arc<[Census]> {
+        self.census.clone()
+    }
+
+    /// How large the scene of the last picture is, and its soft points.
+    pub fn extent(&self) -> Extent {
+        let Some(picture) = &self.picture else { return Extent::default() };
+        let diagonal = Some(picture.subject.bounds.diagonal()).filter(|diagonal| *diagonal > 0.0);
+        let median_radius = picture.spread.as_ref().map_or(0.0, |spread| spread.parts.median_radius);
+        Extent { diagonal: diagonal.unwrap_or(1.0), median_radius }
+    }
+
+    /// Whether a key of the scene file is given; of `cloud.*` whether any cloud has it.
+    pub fn is_given(&self, key: &str) -> bool {
+        self.document.has(key)
     }
 
     /// Where the picture is.
@@ -174,7 +196,36 @@ impl Model {
 
     /// Gives a key of the scene file a value; what the scene doesn't allow is said.
     pub fn set(&mut self, key: &str, value: Setting) {
-        match self.document.set(key, value) {
+        self.change(&[(key.to_owned(), Some(value))]);
+    }
+
+    /// Gives keys of the scene file values, or takes them out, all at once; what the scene doesn't allow is said.
+    pub fn change(&mut self, changes: &[Change]) {
+        let changed = self.document.change(changes);
+        self.follow(changed);
+    }
+
+    /// Another method. The keys that it shares with the one before stay, but for values that are none of its own.
+    pub fn set_method(&mut self, name: &str) {
+        let set = ("method.name".to_owned(), Some(Setting::Word(name.to_owned())));
+        let out = |key: &&str| (format!("method.{key}"), None);
+        let keys = method_keys(name);
+        let each = keys.iter().map(|key| vec![out(key), set.clone()]);
+        let ways = std::iter::once(vec![set.clone()]).chain(each);
+        let ways = ways.chain([keys.iter().map(out).chain([set.clone()]).collect()]);
+        let mut changed = Ok(Scene::clone(&self.scene));
+        for way in ways {
+            changed = self.document.change(&way);
+            if changed.is_ok() {
+                break;
+            }
+        }
+        self.follow(changed);
+    }
+
+    /// Shows what the document has become, or says why it hasn't.
+    fn follow(&mut self, changed: Result<Scene, crate::scene::Error>) {
+        match changed {
             Ok(scene) => {
                 self.message = None;
                 self.scene = Arc::new(scene);
@@ -318,6 +369,7 @@ impl Model {
         match news {
             News::Picture(picture) => self.show(picture),
             News::Opened(name, document) => return self.replace(name, *document),
+            News::Clouds(census) => self.census = census,
             News::Saved(files) => {
                 let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
                 self.message = Some((format!("saved {}", names.join(" and ")), false));

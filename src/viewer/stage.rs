@@ -2,6 +2,7 @@
 
 use indicatif::ProgressBar;
 
+use super::census::{Histograms, Spread};
 use super::draft::{self, Cost};
 use super::navigate::Subject;
 use crate::camera::Camera;
@@ -73,6 +74,8 @@ pub struct Taken {
     pub subject: Subject,
     /// Whether nothing was left out.
     pub full: bool,
+    /// How F of the points is spread, if the method asks for it.
+    pub spread: Option<Spread>,
 }
 
 /// A renderer with the clouds of one scene.
@@ -84,12 +87,13 @@ pub struct Stage {
     placed: Option<Placed>,
     /// What the last frame of a method took.
     cost: Option<(&'static str, Cost)>,
+    histograms: Histograms,
 }
 
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, cost: None })
+        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, cost: None, histograms: Histograms::default() })
     }
 
     /// The renderer.
@@ -132,7 +136,11 @@ impl Stage {
         let steps = draft::steps(&frame.method).unwrap_or(1);
         self.cost = Some((whole.name(), Cost { ms, steps }));
         let full = frame.method == whole;
-        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, full })
+        let spread = whole.threshold().map(|threshold| Spread {
+            histogram: self.histograms.of(scene, &placed.arranged.points().fields),
+            parts: placed.cloud.parts(threshold),
+        });
+        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, full, spread })
     }
 
     /// Brings the scene's points to the device, unless they are there.

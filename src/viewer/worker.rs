@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 
 use indicatif::ProgressBar;
 
+use super::census::{Census, Spread};
 use super::display::Display;
 use super::navigate::Subject;
 use super::save::{self, Saving};
@@ -67,6 +68,8 @@ pub struct Picture {
     pub facts: Facts,
     /// The passes and why.
     pub plan: Vec<Step>,
+    /// How F of the points is spread, if the method asks for it.
+    pub spread: Option<Spread>,
 }
 
 /// What the thread has to say.
@@ -75,6 +78,8 @@ pub enum News {
     Picture(Box<Picture>),
     /// Other files are there: their name and keys.
     Opened(String, Box<Document>),
+    /// What is known of the clouds, in the scene's order.
+    Clouds(Arc<[Census]>),
     /// Files were written.
     Saved(Vec<PathBuf>),
     /// The task of this serial failed (0: it had none); another one may do.
@@ -98,14 +103,18 @@ impl Worker {
         let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
         let mut work = Work { stage, setup, generated: opened.generated, display: Display::new() };
         let thread = std::thread::spawn(move || {
+            // Nobody listens any more if the window is closed.
+            let tell = |news| teller.send(news).map(|()| wake()).is_ok();
+            if !tell(work.census()) {
+                return;
+            }
             while let Ok(task) = waiting.recv() {
                 for task in latest(task, &waiting) {
                     let news = work.run(task);
-                    // Nobody listens any more: the window is closed.
-                    if teller.send(news).is_err() {
+                    let others = matches!(news, News::Opened(..));
+                    if !tell(news) || (others && !tell(work.census())) {
                         return;
                     }
-                    wake();
                 }
             }
         });
@@ -179,13 +188,17 @@ impl Work {
         })
     }
 
+    fn census(&self) -> News {
+        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
+    }
+
     fn show(&mut self, request: &Request) -> Result<News> {
         let Request { scene, pose, budget_ms, serial } = request;
         let mut taken = self.stage.take(scene, *pose, *budget_ms)?;
         let plan = self.stage.plan(&taken);
         let rgba = self.display.bytes(&taken.rendered.image, scene.image.background, scene.image.color);
         let depths = std::mem::take(&mut taken.rendered.image.depth);
-        let Taken { rendered, frame, subject, full, .. } = taken;
+        let Taken { rendered, frame, subject, full, spread, .. } = taken;
         let picture = Picture {
             serial: *serial,
             pose: *pose,
@@ -199,6 +212,7 @@ impl Work {
             profile: rendered.profile,
             facts: rendered.facts,
             plan,
+            spread,
         };
         Ok(News::Picture(Box::new(picture)))
     }

@@ -48,6 +48,7 @@ fn picture(request: &Request, full: bool) -> News {
         profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
         facts: Facts::default(),
         plan: Vec::new(),
+        spread: None,
     }))
 }
 
