@@ -100,7 +100,8 @@ fn of_alternatives(method: &Method, key: &str, extent: Extent) -> Option<Entry> 
         ("softness" | "lambda", _) => Some(density(method, method.soft()?, key, extent)),
         ("modulation", _) => {
             let Soft { threshold, modulation, .. } = method.soft()?;
-            let start = beside::above(*threshold);
+            // Half-way, so that both have room to move.
+            let start = 0.5 + 0.5 * *threshold;
             Some(Entry::optional(Control::Slider(0.0, 1.0), *modulation, start, number, "off"))
         }
         ("shells", _) => {

@@ -1,10 +1,10 @@
 //! The clouds: how much each hides, and, unfolded, its color, radii, field and classes.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{Grid, Label, ScrollArea, Ui};
+use egui::{Grid, ScrollArea, Ui};
 
 use super::field;
-use super::row::row;
+use super::row::{name as row_name, row};
 use crate::prepare::field::Field;
 use crate::scene::{CloudSettings, Method, Setting};
 use crate::viewer::census::{Census, class_name};
@@ -29,14 +29,18 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     for (i, settings) in clouds.iter().enumerate() {
         let id = ui.make_persistent_id(("cloud", i));
         let state = CollapsingState::load_with_default_open(ui.ctx(), id, false);
-        let header = state.show_header(ui, |ui| {
+        let mut clicked = false;
+        let mut header = state.show_header(ui, |ui| {
             let (name, key) = (name(settings, i), format!("cloud.{i}.opacity"));
             ui.spacing_mut().slider_width = super::SLIDER - 20.0;
-            match controls::cloud(settings, "opacity", false, None, model.extent()).filter(|_| blended) {
+            clicked = match controls::cloud(settings, "opacity", false, None, model.extent()).filter(|_| blended) {
                 Some(entry) => row(ui, model, &key, &name, entry),
-                None => drop(ui.add(Label::new(name).truncate())),
-            }
+                None => row_name(ui, "", &name).on_hover_text(settings.path.display().to_string()).clicked(),
+            };
         });
+        if clicked {
+            header.toggle();
+        }
         header.body(|ui| details(ui, model, i, settings, census.get(i)));
     }
 }

@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use egui::{Button, Color32, RichText, ScrollArea, Ui};
+use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Plot, VLine};
 
-use super::row::{choice, name, note, vector};
+use super::row::{choice, name, note, takes_out, vector};
 use crate::prepare::field::Field;
 use crate::scene::{Change, Setting};
 use crate::viewer::census::{BINS, Spread, class_name};
@@ -56,8 +56,7 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
             let (response, chosen) = choice(ui, &key, word, &words);
             note(ui, model, &key, &response);
             name(ui, &key, "field F");
-            let button = Button::new(RichText::new("⟲").size(11.0)).frame(false);
-            (chosen, given && ui.add(button).on_hover_text("back to the default").clicked())
+            (chosen, given && takes_out(ui))
         })
         .inner;
     let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, census)| {
@@ -181,7 +180,8 @@ fn histogram(ui: &mut Ui, spread: &Spread, threshold: f64) {
     };
     let bars = spread.histogram.iter().enumerate().map(bar).collect();
     let chart = BarChart::new("points", bars).element_formatter(Box::new(says));
-    let plot = Plot::new("field").height(74.0).include_x(0.0).include_x(1.0).include_y(0.0);
+    let plot =
+        Plot::new("field").height(74.0).width(ui.available_width() - 8.0).include_x(0.0).include_x(1.0).include_y(0.0);
     let plot = plot.show_axes([true, false]).show_grid(false).set_margin_fraction([0.01, 0.05].into());
     let plot = plot
         .allow_drag(false)

@@ -9,7 +9,7 @@ mod picture;
 mod row;
 mod shading;
 
-use egui::{Color32, RichText, ScrollArea, Ui};
+use egui::{Color32, Label, RichText, ScrollArea, Ui};
 
 use super::model::Model;
 use crate::scene::{ShadingModel, ViewName};
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     model.controls.clear();
     ui.spacing_mut().slider_width = SLIDER;
     ui.add_space(4.0);
-    ui.heading(&model.name);
+    ui.add(Label::new(RichText::new(&model.name).heading()).truncate()).on_hover_text(&model.name);
     message(ui, model);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         section(ui, "Method", true, |ui| method::show(ui, model));

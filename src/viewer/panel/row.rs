@@ -1,6 +1,6 @@
 //! A control with its name, for a key of the scene file.
 
-use egui::{Button, ComboBox, DragValue, Label, Response, RichText, Slider, SliderClamping, Ui};
+use egui::{Button, ComboBox, DragValue, Label, Response, RichText, Sense, Slider, SliderClamping, Ui};
 
 use crate::scene::Setting;
 use crate::viewer::controls::{self, Control, Entry, Presence, significant};
@@ -29,17 +29,20 @@ impl Edit {
     }
 }
 
-/// A row whose key changes by itself.
-pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) {
-    match edit_row(ui, model, key, label, entry) {
+/// A row whose key changes by itself; whether its name was clicked.
+pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> bool {
+    let (edit, clicked) = edit_row(ui, model, key, label, entry);
+    match edit {
         Some(Edit::To(value)) => model.set(key, value),
         Some(Edit::Out) => model.change(&controls::changes(key, None)),
         None => {}
     }
+    clicked
 }
 
-/// A control with its name and, if its key is given, a button that takes it out; notes where the control is.
-pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> Option<Edit> {
+/// A control with its name and, if its key is given, a button that takes it out; notes where the control is. What was done, and
+/// whether the name was clicked.
+pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
     let given = model.is_given(key);
     let Entry { control, value, presence } = entry;
     ui.horizontal(|ui| {
@@ -52,13 +55,11 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
             ui.weak(without);
         }
-        if control != Control::Flag {
-            name(ui, key, label);
-        }
-        if given && takes_out(ui, &presence) {
+        let named = (control != Control::Flag).then(|| name(ui, key, label));
+        if given && presence == Presence::Always && takes_out(ui) {
             edit = Some(Edit::Out);
         }
-        edit
+        (edit, named.is_some_and(|name| name.clicked()))
     })
     .inner
 }
@@ -80,21 +81,20 @@ fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start:
 }
 
 /// What a row is called, as long as there is room.
-pub fn name(ui: &mut Ui, key: &str, label: &str) {
+pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
     let room = (ui.available_width() - BUTTON).max(0.0);
-    ui.scope(|ui| {
+    let label = Label::new(label).truncate().selectable(false).sense(Sense::click());
+    let shown = ui.scope(|ui| {
         ui.set_max_width(room);
-        ui.add(Label::new(label).truncate().selectable(false)).on_hover_text(hint(key));
+        ui.add(label)
     });
+    let said = hint(key);
+    if said.is_empty() { shown.inner } else { shown.inner.on_hover_text(said) }
 }
 
-/// The button of a key that is given. What has a switch needs none.
-fn takes_out(ui: &mut Ui, presence: &Presence) -> bool {
-    matches!(presence, Presence::Always)
-        && ui
-            .add(Button::new(RichText::new("⟲").size(11.0)).frame(false))
-            .on_hover_text("back to the default")
-            .clicked()
+/// The button of a key that is given, but for those with a switch.
+pub fn takes_out(ui: &mut Ui) -> bool {
+    ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default").clicked()
 }
 
 /// Notes where a control is.

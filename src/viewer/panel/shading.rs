@@ -127,7 +127,9 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
         UpAxis::Z => (-DVec3::Y, DVec3::Z),
         UpAxis::Y => (DVec3::Z, DVec3::Y),
     };
-    let azimuth = from.x.atan2(from.dot(front)).to_degrees();
+    let [x, y] = [from.x, from.dot(front)];
+    // A vertical has none, and 0 would be 180 by the sign of a zero.
+    let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
     [azimuth, from.dot(vertical).clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
