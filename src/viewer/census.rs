@@ -141,7 +141,7 @@ pub fn class_name(code: u8) -> Option<&'static str> {
 
 /// How F of the points that are shown is spread.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spread {
+pub struct FieldFacts {
     /// Points of each of [`BINS`] equal parts of [0, 1].
     pub histogram: Arc<[u64]>,
     /// What the threshold makes of them.

@@ -8,7 +8,7 @@ use egui_plot::{Bar, BarChart, Plot, VLine};
 use super::row::{choice, name, note, takes_out, vector};
 use crate::prepare::field::Field;
 use crate::scene::{Change, Setting};
-use crate::viewer::census::{BINS, Spread, class_name};
+use crate::viewer::census::{BINS, FieldFacts, class_name};
 use crate::viewer::controls::{changes, rounded};
 use crate::viewer::hints::hint;
 use crate::viewer::model::Model;
@@ -30,9 +30,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         chooser(ui, model, "*", &all);
         ui.weak("for all clouds; each has its own under Clouds");
     }
-    let spread = model.picture().and_then(|picture| picture.spread.clone());
-    if let (Some(spread), Some(threshold)) = (spread, model.scene().method.threshold()) {
-        histogram(ui, &spread, rounded(threshold));
+    let facts = model.picture().and_then(|picture| picture.field.clone());
+    if let (Some(facts), Some(threshold)) = (facts, model.scene().method.threshold()) {
+        histogram(ui, &facts, rounded(threshold));
     }
 }
 
@@ -164,7 +164,7 @@ fn range(ui: &mut Ui, census: &crate::viewer::census::Census, field: &str, cloud
 }
 
 /// How F is spread, by powers of ten, and where the threshold cuts it.
-fn histogram(ui: &mut Ui, spread: &Spread, threshold: f64) {
+fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
     let width = 1.0 / BINS as f64;
     let middle = |bin: usize| (bin as f64 + 0.5) * width;
     let bar = |(bin, count): (usize, &u64)| {
@@ -172,13 +172,13 @@ fn histogram(ui: &mut Ui, spread: &Spread, threshold: f64) {
         let height = if *count > 0 { 1.0 + (*count as f64).log10() } else { 0.0 };
         Bar::new(middle(bin), height).width(width).fill(color).stroke(egui::Stroke::NONE)
     };
-    let counts = spread.histogram.clone();
+    let counts = facts.histogram.clone();
     let says = move |bar: &Bar, _: &BarChart| {
         let bin = ((bar.argument / width) as usize).min(BINS - 1);
         let [from, to] = [bin, bin + 1].map(|bin| bin as f64 * width);
         format!("F from {from:.3} to {to:.3}\n{} points", super::grouped(counts.get(bin).copied().unwrap_or_default()))
     };
-    let bars = spread.histogram.iter().enumerate().map(bar).collect();
+    let bars = facts.histogram.iter().enumerate().map(bar).collect();
     let chart = BarChart::new("points", bars).element_formatter(Box::new(says));
     let plot =
         Plot::new("field").height(74.0).width(ui.available_width() - 8.0).include_x(0.0).include_x(1.0).include_y(0.0);
@@ -194,7 +194,7 @@ fn histogram(ui: &mut Ui, spread: &Spread, threshold: f64) {
         plot.bar_chart(chart);
         plot.vline(VLine::new("t", threshold).color(THRESHOLD).width(1.5));
     });
-    let parts = spread.parts;
+    let parts = facts.parts;
     let all = (parts.solid + parts.soft).max(1);
     let share = 100.0 * parts.soft as f64 / all as f64;
     ui.weak(format!("{share:.1}% soft: {} of {} points", super::grouped(parts.soft), super::grouped(all)));
