@@ -96,6 +96,30 @@ fn soft_points_are_chosen_in_the_panel() {
     });
 }
 
+/// What a scene says again is what it said at first, whatever was found for the points in between.
+#[test]
+fn a_field_that_is_taken_back_is_the_default_again() {
+    with_display(|display| {
+        if !shows_windows(display) {
+            return;
+        }
+        let folder = garden();
+        let text = "[method]\nname = 'soft-express'\nthreshold = 0.1\n[[cloud]]\npath = 'wood.ply'\n\
+            field = 'z'\nneighbors = 5\n";
+        let mut desk = Desk::open(display, folder.path(), text);
+        desk.click("cloud.0.field default");
+        assert_eq!(desk.saved().clouds[0].field, None);
+        // The cloud's name unfolds it.
+        let [left, top, width, height] = desk.window.control("cloud.0");
+        display.do_it(&format!("mousemove {} {}", left + width / 2, top + height / 2));
+        display.do_it("click 1");
+        desk.window.wait_for("control cloud.0.neighbors?");
+        desk.click("cloud.0.neighbors?");
+        let scene = desk.saved();
+        assert_eq!((&scene.clouds[0].field, scene.clouds[0].neighbors), (&None, None));
+    });
+}
+
 /// A light that turns, and shadows that come and go.
 #[test]
 fn light_and_shadows_are_set_in_the_panel() {
@@ -118,5 +142,7 @@ fn light_and_shadows_are_set_in_the_panel() {
         assert_ne!(after.shading.light, before.shading.light);
         desk.click("shadows.method");
         assert_eq!(desk.saved().shadows, None);
+        desk.click("shadows.method");
+        assert_eq!(desk.saved().shadows, Some(shadows));
     });
 }

@@ -12,6 +12,8 @@ use crate::scene::{Overrides, ViewName};
 use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
+mod edited;
+
 const SIZE: [u32; 2] = [64, 48];
 
 fn model() -> Model {

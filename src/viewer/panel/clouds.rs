@@ -4,7 +4,7 @@ use egui::collapsing_header::CollapsingState;
 use egui::{Grid, ScrollArea, Ui};
 
 use super::field;
-use super::row::{name as row_name, row};
+use super::row::{name as row_name, note, row};
 use crate::prepare::field::Field;
 use crate::scene::{CloudSettings, Method, Setting};
 use crate::viewer::census::{Census, class_name};
@@ -35,7 +35,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             ui.spacing_mut().slider_width = super::SLIDER - 20.0;
             clicked = match controls::cloud(settings, "opacity", false, None, model.extent()).filter(|_| blended) {
                 Some(entry) => row(ui, model, &key, &name, entry),
-                None => row_name(ui, "", &name).on_hover_text(settings.path.display().to_string()).clicked(),
+                None => {
+                    let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
+                    note(ui, model, &format!("cloud.{i}"), &response);
+                    response.clicked()
+                }
             };
         });
         if clicked {

@@ -56,7 +56,7 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
             let (response, chosen) = choice(ui, &key, word, &words);
             note(ui, model, &key, &response);
             name(ui, &key, "field F");
-            (chosen, given && takes_out(ui))
+            (chosen, given && takes_out(ui, model, &key))
         })
         .inner;
     let counts = known.iter().fold(BTreeMap::new(), |mut sum: BTreeMap<u8, usize>, (_, census)| {

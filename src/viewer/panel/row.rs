@@ -56,7 +56,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
             ui.weak(without);
         }
         let named = (control != Control::Flag).then(|| name(ui, key, label));
-        if given && presence == Presence::Always && takes_out(ui) {
+        if given && presence == Presence::Always && takes_out(ui, model, key) {
             edit = Some(Edit::Out);
         }
         (edit, named.is_some_and(|name| name.clicked()))
@@ -92,9 +92,11 @@ pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
     if said.is_empty() { shown.inner } else { shown.inner.on_hover_text(said) }
 }
 
-/// The button of a key that is given, but for those with a switch.
-pub fn takes_out(ui: &mut Ui) -> bool {
-    ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default").clicked()
+/// The button that takes a given key out; those with a switch have none.
+pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
+    let response = ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default");
+    note(ui, model, &format!("{key} default"), &response);
+    response.clicked()
 }
 
 /// Notes where a control is.

@@ -3,9 +3,9 @@
 use egui::Ui;
 use glam::DVec3;
 
-use super::row::{choice, name, note, row, vector};
+use super::row::{choice, name, note, row, takes_out, vector};
 use crate::cloud::UpAxis;
-use crate::scene::{Light, Method, Scene, Setting, ShadingModel, Shadows, View};
+use crate::scene::{Change, Light, Method, Scene, Setting, ShadingModel, Shadows, View};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
 
@@ -44,13 +44,16 @@ fn light(ui: &mut Ui, model: &mut Model, light: Light) {
         Light::Direction(_) => "direction",
         Light::Position(_) => "position",
     };
-    let chosen = ui.horizontal(|ui| {
-        let (response, chosen) = choice(ui, "shading.light", word, &words);
-        note(ui, model, "shading.light", &response);
-        name(ui, "shading.light", "light");
-        chosen
-    });
-    if let Some(word) = chosen.inner {
+    let given = model.is_given("shading.light");
+    let (chosen, out) = ui
+        .horizontal(|ui| {
+            let (response, chosen) = choice(ui, "shading.light", word, &words);
+            note(ui, model, "shading.light", &response);
+            name(ui, "shading.light", "light");
+            (chosen, given && takes_out(ui, model, "shading.light"))
+        })
+        .inner;
+    if let Some(word) = chosen.or(out.then_some("headlight")) {
         set_light(model, light, other_kind(model, light, word));
         return;
     }
@@ -72,8 +75,8 @@ fn set_light(model: &mut Model, before: Light, light: Light) {
 
 /// A light of another kind that shines from the same side.
 fn other_kind(model: &Model, light: Light, word: &str) -> Light {
-    let subject = model.picture().map(|picture| picture.subject);
-    let (center, up) = subject.map_or((DVec3::ZERO, UpAxis::Z), |subject| (subject.bounds.center(), subject.up));
+    let center = model.picture().map_or(DVec3::ZERO, |picture| picture.subject.bounds.center());
+    let up = vertical(model);
     let along = match light {
         Light::Direction(direction) => direction.normalize_or(-DVec3::Z),
         Light::Position(position) => (center - position).normalize_or(-DVec3::Z),
@@ -87,9 +90,18 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
+/// The axis that elevations are counted from: what the scene's camera has at its top, else the clouds' vertical.
+fn vertical(model: &Model) -> UpAxis {
+    match model.scene().camera.up {
+        Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
+        Some(up) if up.y != 0.0 => UpAxis::Y,
+        _ => model.picture().map_or(UpAxis::Z, |picture| picture.subject.up),
+    }
+}
+
 /// A direction by its angles, and by its numbers.
 fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
-    let up = model.picture().map_or(UpAxis::Z, |picture| picture.subject.up);
+    let up = vertical(model);
     let angles = angles(travels, up);
     let mut turned = angles;
     let rows = [("azimuth", 180.0, 0), ("elevation", STEEPEST, 1)];
@@ -143,10 +155,16 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     let mut on = model.is_given("shadows");
     let response = ui.checkbox(&mut on, "cast shadows");
     note(ui, model, "shadows.method", &response);
-    if response.changed() {
-        let value = |word: &str| Setting::Word(word.to_owned());
-        let change = if on { ("shadows.method", Some(value("texture"))) } else { ("shadows", None) };
-        model.change(&controls::changes(change.0, change.1));
+    // What was switched off comes back as it was.
+    let id = egui::Id::new("shadows, switched off");
+    if response.changed() && on {
+        let kept: Option<(Shadows, Light)> = ui.data(|data| data.get_temp(id));
+        model.change(&cast(kept, model.scene().shading.light));
+    } else if response.changed() {
+        if let Some(shadows) = model.scene().shadows {
+            ui.data_mut(|data| data.insert_temp(id, (shadows, model.scene().shading.light)));
+        }
+        model.change(&controls::changes("shadows", None));
     }
     if !on {
         return;
@@ -172,9 +190,30 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     }
 }
 
+/// The changes that cast shadows, as they were under a light. Its radius is no use under a light of another kind.
+fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
+    let default = Shadows::default();
+    let (shadows, before) = kept.unwrap_or((default, light));
+    let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
+    let number = |x: f32| Setting::Number(controls::rounded(x));
+    let given = [
+        ("method", Some(Setting::Word("texture".to_owned()))),
+        ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),
+        ("light_radius", (same && shadows.light_radius > 0.0).then(|| number(shadows.light_radius))),
+        ("resolution", (shadows.resolution != default.resolution).then_some(Setting::Integer(shadows.resolution))),
+        ("min_layer_distance", shadows.min_layer_distance.map(number)),
+    ];
+    given
+        .into_iter()
+        .filter(|(_, value)| value.is_some())
+        .map(|(key, value)| (format!("shadows.{key}"), value))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Document, Overrides};
 
     #[test]
     fn angles_and_directions_are_the_same_light() {
@@ -195,5 +234,21 @@ mod tests {
         let light = direction(FROM, UpAxis::Z);
         assert!(light.x > 0.0 && light.y > 0.0 && light.z < 0.0, "{light}");
         assert_eq!(angles(-DVec3::Z, UpAxis::Z), [0.0, 90.0]);
+    }
+
+    #[test]
+    fn shadows_come_back_as_they_were() {
+        let text =
+            "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shading]\nmodel = 'lambert'\nlight = [0, 0, -1]\n";
+        let light = Light::Direction(-DVec3::Z);
+        let soft = Shadows { samples: 16, light_radius: 12.5, resolution: 300, min_layer_distance: Some(0.25) };
+        for (kept, light, wanted) in [
+            (None, light, Shadows::default()),
+            (Some((soft, light)), light, soft),
+            (Some((soft, Light::Position(DVec3::Z))), light, Shadows { light_radius: 0.0, ..soft }),
+        ] {
+            let mut document = Document::from_toml(text, "s.toml".as_ref(), &Overrides::default()).unwrap();
+            assert_eq!(document.change(&cast(kept, light)).unwrap().shadows, Some(wanted));
+        }
     }
 }
