@@ -11,12 +11,16 @@ use crate::viewer::census::{Census, class_name};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
 
+/// Clouds that are listed among the other controls; more of them scroll by themselves, in so many points.
+const MANY: usize = 15;
+const ROOM: f32 = 330.0;
+
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let method = model.scene().method;
     let blended =
         method.discs().is_some() || method.is_dealt() || matches!(method, Method::Auto(_) | Method::PeelLayers(_));
-    let (clouds, census) = (model.scene().clouds.clone(), model.census());
+    let clouds = model.scene().clouds.clone();
     if blended && clouds.len() > 1 {
         all(ui, model, &clouds);
     }
@@ -26,6 +30,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     {
         row(ui, model, "cloud.*.radius_factor", "radius ×", entry);
     }
+    if clouds.len() <= MANY {
+        list(ui, model, blended);
+    } else {
+        let some = ScrollArea::vertical().id_salt("clouds").max_height(ROOM).auto_shrink([false, true]);
+        some.show(ui, |ui| list(ui, model, blended));
+    }
+}
+
+/// Every cloud: its opacity if clouds are blended, and its name, which unfolds it.
+fn list(ui: &mut Ui, model: &mut Model, blended: bool) {
+    let (clouds, census) = (model.scene().clouds.clone(), model.census());
     for (i, settings) in clouds.iter().enumerate() {
         let id = ui.make_persistent_id(("cloud", i));
         let state = CollapsingState::load_with_default_open(ui.ctx(), id, false);

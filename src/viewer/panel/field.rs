@@ -9,7 +9,7 @@ use super::row::{choice, name, note, takes_out, vector};
 use crate::prepare::field::Field;
 use crate::scene::{Change, Setting};
 use crate::viewer::census::{BINS, FieldFacts, class_name};
-use crate::viewer::controls::{changes, rounded};
+use crate::viewer::controls::rounded;
 use crate::viewer::hints::hint;
 use crate::viewer::model::Model;
 
@@ -145,13 +145,21 @@ fn axis(ui: &mut Ui, model: &mut Model, target: &str, point: Option<[f64; 3]>, d
             response.on_hover_text(hint(&key)).changed()
         });
         if switched.inner {
-            model.change(&changes(&key, on.then(|| Setting::Numbers(start.to_vec()))));
+            model.change(&around(target, part, on.then_some(start)));
         } else if let Some(numbers) = given.and_then(|given| vector(ui, model, &key, given, speed))
             && (part == "point" || numbers != [0.0; 3])
         {
-            model.change(&changes(&key, Some(Setting::Numbers(numbers.to_vec()))));
+            model.change(&around(target, part, Some(numbers)));
         }
     }
+}
+
+/// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the scene saying
+/// so, which is then said.
+fn around(target: &str, part: &str, numbers: Option<[f64; 3]>) -> Vec<Change> {
+    let field = Setting::Word("distance-to-axis".to_owned());
+    let numbers = numbers.map(|numbers| Setting::Numbers(numbers.to_vec()));
+    vec![(format!("cloud.{target}.field"), Some(field)), (format!("cloud.{target}.axis.{part}"), numbers)]
 }
 
 /// From where to where a property goes.
@@ -218,9 +226,11 @@ mod tests {
             assert_eq!((is_set, scene.warnings), (vec![first, second], vec![]));
             let scene = document.change(&to_field(target, Some("distance-to-axis"), &counts)).unwrap();
             assert_eq!(scene.warnings, [""; 0]);
-            document
-                .change(&changes(&format!("cloud.{target}.axis.point"), Some(Setting::Numbers(vec![1.0; 3]))))
-                .unwrap();
+            let scene = document.change(&around(target, "point", Some([1.0; 3]))).unwrap();
+            let through = Some(Field::DistanceToAxis { point: Some([1.0; 3]), direction: None });
+            assert!(scene.clouds.iter().any(|cloud| cloud.field == through) && scene.warnings.is_empty());
+            let scene = document.change(&around(target, "point", None)).unwrap();
+            assert!(scene.clouds.iter().all(|cloud| cloud.field != through) && scene.warnings.is_empty());
             let scene = document.change(&to_field(target, None, &counts)).unwrap();
             assert_eq!((&scene.clouds[0].field, &scene.clouds[1].field), (&None, &None));
             assert!(
