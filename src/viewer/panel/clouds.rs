@@ -110,9 +110,11 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
             row(ui, model, &format!("cloud.{i}.{key}"), key, entry);
         }
     }
-    if method.needs_field() {
+    // Of a single cloud it has a section.
+    if method.needs_field() && model.scene().clouds.len() > 1 {
         field::chooser(ui, model, &i.to_string(), &[i]);
-    } else if !census.classes.is_empty() {
+    }
+    if !census.classes.is_empty() {
         ui.collapsing(format!("{} classes", census.classes.len()), |ui| classes(ui, i, census));
     }
 }
