@@ -250,7 +250,7 @@ pub fn label(key: &str) -> String {
         "lambda" => "lambda λ".to_owned(),
         "ensembles" => "ensembles L".to_owned(),
         "min_layer_distance" => "layer distance".to_owned(),
-        "antialias_threshold" => "… from a share of".to_owned(),
+        "antialias_threshold" => "edge share".to_owned(),
         key => key.replace('_', " "),
     }
 }

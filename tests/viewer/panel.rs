@@ -50,7 +50,7 @@ impl<'a> Desk<'a> {
     fn saved(&mut self) -> Scene {
         let name = shoot(self.display, &mut self.window);
         let picture = std::fs::read(self.folder.join(format!("{name}.png"))).unwrap();
-        assert_eq!(picture, rendered(self.folder, &name, &[]));
+        assert!(picture == rendered(self.folder, &name, &[]), "{name}: another picture than that of its scene");
         scene(self.folder, &name)
     }
 }

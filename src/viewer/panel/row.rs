@@ -10,6 +10,9 @@ use crate::viewer::model::Model;
 /// Room at the end of a row for its button, in points.
 const BUTTON: f32 = 20.0;
 
+/// Room that a switch takes before a control, in points.
+const SWITCH: f32 = 26.0;
+
 /// What was done to a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
@@ -46,6 +49,10 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
     let given = model.is_given(key);
     let Entry { control, value, presence } = entry;
     ui.horizontal(|ui| {
+        if presence != Presence::Always {
+            // What the switch takes, so that numbers stand below each other.
+            ui.spacing_mut().slider_width -= SWITCH;
+        }
         let (on, mut edit) = switch(ui, model, key, &presence, &value);
         if on {
             let (response, changed) = change(ui, key, label, control, value);
@@ -55,8 +62,10 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
             ui.weak(without);
         }
-        let named = (control != Control::Flag).then(|| name(ui, key, label));
-        if given && presence == Presence::Always && takes_out(ui, model, key) {
+        let has_button = given && presence == Presence::Always;
+        let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
+        let named = (control != Control::Flag).then(|| name_within(ui, key, label, room));
+        if has_button && takes_out(ui, model, key) {
             edit = Some(Edit::Out);
         }
         (edit, named.is_some_and(|name| name.clicked()))
@@ -82,10 +91,14 @@ fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start:
 
 /// What a row is called, as long as there is room.
 pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
-    let room = (ui.available_width() - BUTTON).max(0.0);
+    let room = ui.available_width() - BUTTON;
+    name_within(ui, key, label, room)
+}
+
+fn name_within(ui: &mut Ui, key: &str, label: &str, room: f32) -> Response {
     let label = Label::new(label).truncate().selectable(false).sense(Sense::click());
     let shown = ui.scope(|ui| {
-        ui.set_max_width(room);
+        ui.set_max_width(room.max(0.0));
         ui.add(label)
     });
     let said = hint(key);
