@@ -31,8 +31,8 @@ impl<'a> Desk<'a> {
 
     /// Clicks a control, which changes the picture.
     fn click(&mut self, key: &str) {
-        let [left, top, _, height] = self.window.control(key);
-        self.display.do_it(&format!("mousemove {} {}", left + height / 2, top + height / 2));
+        let [left, top, width, height] = self.window.control(key);
+        self.display.do_it(&format!("mousemove {} {}", left + width.min(height) / 2, top + height / 2));
         self.display.do_it("click 1");
         self.window.wait_for("at rest");
     }
@@ -109,10 +109,12 @@ fn a_field_that_is_taken_back_is_the_default_again() {
         let mut desk = Desk::open(display, folder.path(), text);
         desk.click("cloud.0.field default");
         assert_eq!(desk.saved().clouds[0].field, None);
-        // The cloud's name unfolds it.
+        // The cloud's name unfolds it, however slowly it is clicked: frames may take long between pressing and letting go.
         let [left, top, width, height] = desk.window.control("cloud.0");
         display.do_it(&format!("mousemove {} {}", left + width / 2, top + height / 2));
-        display.do_it("click 1");
+        display.do_it("mousedown 1");
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        display.do_it("mouseup 1");
         desk.window.wait_for("control cloud.0.neighbors?");
         desk.click("cloud.0.neighbors?");
         let scene = desk.saved();
