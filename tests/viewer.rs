@@ -5,6 +5,7 @@
 mod viewer {
     pub mod display;
     pub mod garden;
+    mod panel;
     pub mod window;
 }
 

@@ -12,10 +12,12 @@
 
 mod accuracy;
 mod app;
+mod census;
 mod controls;
 mod display;
 mod draft;
 mod graphics;
+mod hints;
 mod loss;
 mod model;
 mod navigate;

@@ -5,6 +5,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
+use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::thin::{self, Thin};
@@ -15,6 +16,7 @@ use crate::methods::brightness::{self, Applied};
 use crate::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use crate::passes::project::DeviceCloud;
 use crate::points::Arranged;
+use crate::prepare::field::Field;
 use crate::prepare::{self, Request};
 use crate::scene::{self, CameraSettings, CloudSettings, Method, Scene, View};
 use crate::{Result, plan};
@@ -86,6 +88,8 @@ pub struct Taken {
     pub lights: Option<[u32; 2]>,
     /// What the picture is, if it is a whole one.
     pub standing: Option<Standing>,
+    /// How F of the points is spread, if the method asks for it.
+    pub field: Option<FieldFacts>,
 }
 
 impl Taken {
@@ -113,6 +117,9 @@ pub struct Stage {
     placed: Option<Placed>,
     /// What frames of the last method took.
     costs: Option<(&'static str, Costs)>,
+    histograms: Histograms,
+    /// K and field of each cloud as it was read, where a scene says nothing.
+    defaults: Vec<(usize, Field)>,
     /// What `auto` stood for in the last whole picture, and why.
     chosen: Option<(Method, Method, String)>,
 }
@@ -120,7 +127,11 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, costs: None, chosen: None })
+        let default = Request::default();
+        let defaults = clouds.iter().map(|cloud| (default.neighbors_of(cloud), default.field_of(cloud))).collect();
+        let histograms = Histograms::default();
+        let (placed, costs, chosen) = (None, None, None);
+        Ok(Self { renderer, clouds, seed, memory_budget, placed, costs, chosen, histograms, defaults })
     }
 
     /// The renderer.
@@ -180,11 +191,15 @@ impl Stage {
                 costs => *costs = Some((method.name(), Costs::new(cost))),
             }
         }
-        let Some(placed) = &self.placed else { return Err(no_points()) };
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
         let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
-        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing })
+        let field = method.threshold().map(|threshold| FieldFacts {
+            histogram: self.histograms.of(scene, &placed.arranged.points().fields),
+            parts: placed.cloud.parts(threshold),
+        });
+        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
     }
 
     /// The picture of the method that shows exactly what this one approximates.
@@ -246,14 +261,18 @@ impl Stage {
 
     /// Finds radii and fields once and keeps them with the clouds, as a prepared file does.
     fn remember_neighbors(&mut self, scene: &Scene, arrangement: &Arrangement, progress: &ProgressBar) {
-        for (settings, cloud) in scene.clouds.iter().zip(&mut self.clouds) {
+        let clouds = self.clouds.iter_mut().zip(&self.defaults);
+        for (settings, (cloud, (neighbors, field))) in scene.clouds.iter().zip(clouds) {
             let estimated = arrangement.radii && settings.radius.is_none() && cloud.own_radii().is_none();
             if !(estimated || arrangement.fields) || arrangement.dealt {
                 continue;
             }
-            let field = settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate));
+            // Not what another scene asked for before.
+            let given = settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate));
+            let field = given.or(Some(field.clone()));
             let (radii, fields) = (true, arrangement.fields);
-            let request = Request { neighbors: settings.neighbors, field, radii, fields, normals: false };
+            let neighbors = settings.neighbors.or(Some(*neighbors));
+            let request = Request { neighbors, field, radii, fields, normals: false };
             if cloud.prepared.is_some() && request.notes(cloud).is_empty() {
                 continue;
             }

@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 use indicatif::ProgressBar;
 
 use super::accuracy::{Accuracy, History, Rung, Standing};
+use super::census::{Census, FieldFacts};
 use super::display::{self, Display};
 use super::draft::Effort;
 use super::loss;
@@ -78,6 +79,8 @@ pub struct Picture {
     pub facts: Facts,
     /// The passes and why.
     pub plan: Vec<Step>,
+    /// How F of the points is spread, if the method asks for it.
+    pub field: Option<FieldFacts>,
 }
 
 /// What the thread has to say.
@@ -86,6 +89,8 @@ pub enum News {
     Picture(Box<Picture>),
     /// Other files are there: their name and keys.
     Opened(String, Box<Document>),
+    /// What is known of the clouds, in the scene's order.
+    Clouds(Arc<[Census]>),
     /// How far the pictures of the view with this serial are off the exact one.
     Measured(u64, Accuracy),
     /// The task of this serial was stopped, since a later one was there.
@@ -265,6 +270,7 @@ impl Work {
     fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, tell: impl Fn(News)) -> (Held, Receiver<Task>) {
         let device = self.stage.renderer().device().clone();
         let (mut left, mut lost) = (Vec::new(), false);
+        tell(self.census());
         while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
             for task in latest(task, &waiting) {
                 device.allow_submissions(None);
@@ -280,7 +286,11 @@ impl Work {
                 if lost || stops.ending.load(Ordering::SeqCst) && matches!(news, News::Stopped(_)) {
                     left.push(task);
                 }
+                let others = matches!(news, News::Opened(..));
                 tell(news);
+                if others {
+                    tell(self.census());
+                }
             }
         }
         (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
@@ -299,6 +309,10 @@ impl Work {
             Error::Render(crate::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
             error => News::Failed(serial, error.to_string()),
         })
+    }
+
+    fn census(&self) -> News {
+        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -323,7 +337,7 @@ impl Work {
         }
         let rgba = self.display.bytes(&pixels, scene.image.color);
         self.history.add(scene, *pose, rung, pixels, whole);
-        let Taken { rendered, frame, subject, standing, .. } = taken;
+        let Taken { rendered, frame, subject, standing, field, .. } = taken;
         if let (true, Some(standing)) = (whole, standing) {
             self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
         }
@@ -342,6 +356,7 @@ impl Work {
             profile: rendered.profile,
             facts: rendered.facts,
             plan,
+            field,
         };
         Ok(News::Picture(Box::new(picture)))
     }
