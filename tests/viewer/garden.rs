@@ -32,9 +32,15 @@ pub fn garden() -> tempfile::TempDir {
     folder
 }
 
-/// Presses F12 and waits for the files: their common name. The pointer goes to the panel, lest it be seen in the picture.
+/// Presses F12 and waits for the files: their common name. The pointer goes to the window's corner, lest it be seen in the
+/// picture, or a control's hint.
 pub fn shoot(display: &Display, window: &mut Window) -> String {
-    display.do_it("mousemove 715 415");
+    shoot_from(display, window, [715, 415])
+}
+
+/// The same in a window of another size, with the pointer's place.
+pub fn shoot_from(display: &Display, window: &mut Window, [x, y]: [usize; 2]) -> String {
+    display.do_it(&format!("mousemove {x} {y}"));
     display.do_it("key F12");
     let line = window.wait_for("saved ");
     line.split_once("saved ").unwrap().1.split(".toml").next().unwrap().to_owned()

@@ -3,7 +3,7 @@
 use pellucid::output::read_image;
 use pellucid::scene::{Overrides, Scene};
 
-use crate::viewer::garden::{garden, rendered, shoot, wait_for_screen, with_display};
+use crate::viewer::garden::{garden, rendered, shoot_from, wait_for_screen, with_display};
 use crate::viewer::window::Window;
 
 /// Width of the panel in points.
@@ -29,7 +29,7 @@ fn pictures_have_the_screens_pixels_and_controls_are_where_they_say() {
             let y = top + high / 2;
             display.drag(1, [left + 60, y], [left - 60, y]);
             window.wait_for("at rest");
-            let first = shoot(display, &mut window);
+            let first = shoot_from(display, &mut window, [955, 595]);
             let png = folder.join(format!("{first}.png"));
             let picture = read_image(&png).unwrap();
             assert_eq!([picture.width, picture.height], expected, "{factor}");
@@ -42,7 +42,7 @@ fn pictures_have_the_screens_pixels_and_controls_are_where_they_say() {
             let quarter = expected[1] as i32 / 4;
             display.drag(1, [40, 200], [40 + quarter, 200]);
             window.wait_for("at rest");
-            let second = shoot(display, &mut window);
+            let second = shoot_from(display, &mut window, [955, 595]);
             let along = |name: &str| (scene(name).camera.target.unwrap() - scene(name).camera.eye.unwrap()).with_z(0.0);
             let angle = along(&first).angle_between(along(&second)).to_degrees();
             assert!((angle - 45.0).abs() < 1e-6, "{factor}: {angle}");

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::viewer::display::{Display, SIZE};
-use crate::viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen_at, with_display};
+use crate::viewer::garden::{WINDOW, garden, rendered, shoot, shoot_from, wait_for_screen_at, with_display};
 use crate::viewer::window::Window;
 use crate::viewer::x11::Client;
 
@@ -91,12 +91,14 @@ fn a_window_that_is_minimized_maximized_and_full_screen_shows_what_it_should() {
             toggle(true);
             window.wait_for(&rest);
             wait_until(way, || client.size(id) == all);
-            // Beyond the panel's controls there is nothing that the pointer would show.
-            let large = shoot(display, &mut window);
+            let large = shoot_from(display, &mut window, [SIZE[0] - 5, SIZE[1] - 5]);
             assert_eq!(std::fs::read(picture(&large)).unwrap(), rendered(folder, &large, &[]), "{way}");
             wait_for_screen(&picture(&large));
             toggle(false);
             window.wait_for(" 390 × 420,");
+            // The keys go where the pointer is.
+            display.do_it("mousemove 300 300");
+            display.do_it(&format!("windowfocus --sync {name}"));
         }
         display.do_it("key ctrl+q");
         let (status, said) = window.end();
