@@ -21,11 +21,12 @@ mod table;
 mod tree;
 mod view;
 
-pub use along::Course;
+pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use document::{Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
+pub(crate) use framing::{DEFAULT_FOV_Y, nearest_axis};
 pub use framing::{camera, camera_at};
 pub use keys::{METHODS, method_keys};
 pub use layers::note_of_layers;

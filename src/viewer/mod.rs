@@ -2,6 +2,7 @@
 //!
 //! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
+//! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
 //! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` leaves
 //!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
@@ -9,6 +10,7 @@
 
 mod app;
 mod controls;
+mod dialog;
 mod display;
 mod draft;
 mod model;
@@ -16,14 +18,18 @@ mod navigate;
 mod overlay;
 mod panel;
 mod pointer;
+mod route;
 mod save;
 mod stage;
 mod ui;
 mod worker;
 
+use std::path::PathBuf;
+
 use winit::event_loop::EventLoop;
 
 use crate::Result;
+use crate::camera::import::Source;
 use crate::gpu::DeviceOptions;
 use crate::scene::{Opened, View};
 
@@ -43,6 +49,8 @@ pub struct Options {
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.
     pub budget_ms: f64,
+    /// Cameras whose keys the window begins with, and the file that they are from.
+    pub path: Option<(PathBuf, Source)>,
 }
 
 /// Why there is no window.

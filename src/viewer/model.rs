@@ -7,11 +7,14 @@ use std::time::{Duration, Instant};
 
 use glam::DVec2;
 
+use super::dialog::Dialog;
 use super::navigate::{self, Navigator};
+use super::route::Route;
 use super::save::Saving;
 use super::stage::Pose;
 use super::worker::{News, Picture, Request, Task};
 use crate::camera::Projection;
+use crate::camera::import::{self, Source};
 use crate::scene::{Document, Scene, Setting, View};
 use crate::{Error, Result};
 
@@ -85,6 +88,12 @@ pub struct Model {
     tasks: VecDeque<Task>,
     /// What is to be told, and whether something went wrong.
     pub message: Option<(String, bool)>,
+    /// The path of key frames.
+    pub route: Route,
+    /// A file of cameras that waits for the first picture.
+    arriving: Option<(PathBuf, Source)>,
+    /// The dialog for files.
+    pub dialog: Dialog,
     /// Files that are being read or written.
     pub busy: bool,
     /// The last frames.
@@ -119,6 +128,9 @@ impl Model {
             budget_ms,
             tasks: VecDeque::new(),
             message: None,
+            route: Route::default(),
+            arriving: None,
+            dialog: Dialog::default(),
             busy: false,
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
@@ -192,6 +204,7 @@ impl Model {
         if *navigator != before {
             let near_far = (self.scene.camera.near, self.scene.camera.far);
             self.pose = Pose::At(navigator.settings(near_far.0, near_far.1));
+            self.route.stop();
             self.touch();
         }
     }
@@ -200,6 +213,7 @@ impl Model {
     /// since nobody knows yet where it is.
     pub fn look_from(&mut self, view: View) {
         self.flatten = self.is_orthographic();
+        self.route.stop();
         self.navigator = None;
         self.pose = Pose::View(view);
         self.touch();
@@ -233,26 +247,44 @@ impl Model {
         }
     }
 
-    /// Opens other files.
+    /// Opens other files: a scene or clouds instead of what is shown, and cameras as the keys of the path.
     pub fn open(&mut self, files: Vec<PathBuf>) {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
+        if cameras.len() > 1 {
+            self.message = Some(("there is one camera path at a time: give one file of cameras".to_owned(), true));
+            return;
+        }
         self.message = Some((format!("reading {}", names.join(", ")), false));
         self.busy = true;
-        self.tasks.push_back(Task::Open(files));
+        if !files.is_empty() {
+            self.tasks.push_back(Task::Open(files));
+        }
+        self.tasks.extend(cameras.into_iter().map(Task::Cameras));
+    }
+
+    /// What the names of saved files begin with.
+    fn stem(&self) -> String {
+        let first = PathBuf::from(self.name.split(' ').next().unwrap_or_default());
+        first.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
     }
 
     /// Writes the scene as it is shown, with or without its picture, once there is a camera.
     pub fn save(&mut self, picture: bool) {
+        self.save_to(picture, None);
+    }
+
+    /// As [`Model::save`], to a file of this name.
+    pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() {
             self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
             return;
         }
         match self.document_as_shown() {
             Ok(document) => {
-                let stem = PathBuf::from(self.name.split(' ').next().unwrap_or_default());
-                let stem = stem.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
                 self.busy = true;
-                self.tasks.push_back(Task::Save(Box::new(Saving { document, stem, picture })));
+                let saving = Saving { document, stem: self.stem(), picture, path: None, to };
+                self.tasks.push_back(Task::Save(Box::new(saving)));
             }
             Err(error) => self.message = Some((error.to_string(), true)),
         }
@@ -319,9 +351,12 @@ impl Model {
             News::Picture(picture) => self.show(picture),
             News::Opened(name, document) => return self.replace(name, *document),
             News::Saved(files) => {
-                let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-                self.message = Some((format!("saved {}", names.join(" and ")), false));
+                self.message = Some((self.saved(&files), false));
                 self.busy = false;
+            }
+            News::Cameras(file, source) => {
+                self.busy = false;
+                self.take_path(file, *source);
             }
             News::Failed(serial, message) => {
                 self.message = Some((message, true));
@@ -338,7 +373,11 @@ impl Model {
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
         let (shows, viewport, serial) = (self.shows, self.viewport, self.serial);
-        *self = Self { shows, viewport, serial, ..Self::new(name, document, View::default(), self.budget_ms)? };
+        // Keys are places in the world, which another scene may show as well.
+        let mut route = std::mem::take(&mut self.route);
+        route.invalidate();
+        let new = Self::new(name, document, View::default(), self.budget_ms)?;
+        *self = Self { shows, viewport, serial, route, ..new };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }
@@ -365,8 +404,11 @@ impl Model {
             }
         }
         self.picture = Some(picture);
+        self.receive_path();
     }
 }
+
+mod path;
 
 #[cfg(test)]
 mod tests;

@@ -59,13 +59,20 @@ fn drag(response: &Response, model: &mut Model, scale: f64) {
 
 /// What keys ask for besides the model's own: the window is to be closed.
 pub fn keys(ctx: &Context, model: &mut Model) -> bool {
-    if ctx.wants_keyboard_input() {
+    if ctx.wants_keyboard_input() || model.dialog.is_open() {
         return false;
     }
     let pressed = |modifiers, key| ctx.input_mut(|input| input.consume_key(modifiers, key));
+    if pressed(Modifiers::CTRL | Modifiers::SHIFT, Key::S) && !model.busy {
+        model.ask_where_to_save();
+    }
     if pressed(Modifiers::CTRL, Key::S) && !model.busy {
         model.save(false);
     }
+    if pressed(Modifiers::CTRL, Key::O) && !model.busy {
+        model.dialog.open();
+    }
+    path_keys(&pressed, model);
     let close = pressed(Modifiers::CTRL, Key::Q);
     if pressed(Modifiers::NONE, Key::F12) && !model.busy {
         model.save(true);
@@ -88,6 +95,28 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     }
     fly(ctx, model);
     close
+}
+
+/// What keys do to the path.
+fn path_keys(pressed: &impl Fn(Modifiers, Key) -> bool, model: &mut Model) {
+    if pressed(Modifiers::CTRL, Key::K) && !model.busy {
+        model.save_path();
+    }
+    if pressed(Modifiers::NONE, Key::K) {
+        model.add_key();
+    }
+    if pressed(Modifiers::NONE, Key::Space) {
+        model.play();
+    }
+}
+
+/// Runs on along the path, if the camera runs.
+pub fn play(ctx: &Context, model: &mut Model) {
+    if model.route.is_playing() {
+        // A frame that took longer than half a second was none of the motion.
+        model.tick(f64::from(ctx.input(|input| input.stable_dt.min(0.5))));
+        ctx.request_repaint();
+    }
 }
 
 fn fly(ctx: &Context, model: &mut Model) {

@@ -11,7 +11,8 @@ use super::display::Display;
 use super::navigate::Subject;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, Taken};
-use crate::camera::Camera;
+use crate::camera::import::Source;
+use crate::camera::{Camera, path};
 use crate::gpu::{self, Device};
 use crate::methods::{Facts, FrameProfile};
 use crate::plan::Step;
@@ -37,6 +38,8 @@ pub enum Task {
     Show(Box<Request>),
     /// Other files instead of the scene.
     Open(Vec<PathBuf>),
+    /// A file of cameras.
+    Cameras(PathBuf),
     /// The scene as a file, with or without a picture of it.
     Save(Box<Saving>),
 }
@@ -75,6 +78,8 @@ pub enum News {
     Picture(Box<Picture>),
     /// Other files are there: their name and keys.
     Opened(String, Box<Document>),
+    /// Cameras are there, from this file.
+    Cameras(PathBuf, Box<Source>),
     /// Files were written.
     Saved(Vec<PathBuf>),
     /// The task of this serial failed (0: it had none); another one may do.
@@ -170,6 +175,7 @@ impl Work {
         let (serial, done) = match task {
             Task::Show(request) => (request.serial, self.show(&request)),
             Task::Open(files) => (0, self.open(&files)),
+            Task::Cameras(file) => return cameras(file),
             Task::Save(saving) => (0, self.save(&saving)),
         };
         done.unwrap_or_else(|error| match error {
@@ -213,6 +219,21 @@ impl Work {
 
     fn save(&mut self, saving: &Saving) -> Result<News> {
         save::write(&mut self.stage, saving, self.generated, self.setup.seed).map(News::Saved)
+    }
+}
+
+/// Reads cameras; where a file holds something else, what it could hold.
+fn cameras(file: PathBuf) -> News {
+    match Source::read(&file) {
+        Ok(source) => News::Cameras(file, Box::new(source)),
+        Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
+        Err(error) => News::Failed(
+            0,
+            format!(
+                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio or a \
+                 model of COLMAP"
+            ),
+        ),
     }
 }
 

@@ -4,6 +4,7 @@ mod camera;
 mod clouds;
 mod files;
 mod method;
+mod path;
 mod picture;
 mod row;
 
@@ -38,6 +39,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         section(ui, "Clouds", |ui| clouds::show(ui, model));
         section(ui, "Picture", |ui| picture::show(ui, model));
         section(ui, "Camera", |ui| camera::show(ui, model));
+        section(ui, "Path", |ui| path::show(ui, model));
         section(ui, "Files", |ui| files::show(ui, model));
     });
 }
