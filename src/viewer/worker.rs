@@ -242,6 +242,29 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_holds_no_cameras_is_told_what_could() {
+        let folder = tempfile::tempdir().unwrap();
+        let failed = |name: &str, text: &str| {
+            let file = folder.path().join(name);
+            std::fs::write(&file, text).unwrap();
+            match cameras(file) {
+                News::Failed(0, message) => message,
+                _ => panic!("{name} holds no cameras"),
+            }
+        };
+        for (text, says) in [
+            ("{\"points\": 3}", "has neither keys (a camera path) nor frames"),
+            ("solid", ":1:1: "),
+            ("{\"version\": 1, \"keys\": []}", "a path has from 1 to"),
+        ] {
+            let message = failed("a.json", text);
+            assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
+            assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
+        }
+        assert!(matches!(cameras(folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
+    }
+
+    #[test]
     fn a_picture_that_a_later_one_replaces_is_not_rendered() {
         let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
         let scene = Arc::new(scene);

@@ -11,6 +11,9 @@ use crate::methods::{Facts, FrameProfile};
 use crate::scene::{Overrides, ViewName};
 use crate::viewer::navigate::Subject;
 
+mod path;
+mod reopened;
+
 const SIZE: [u32; 2] = [64, 48];
 
 fn model() -> Model {

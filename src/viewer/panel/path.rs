@@ -142,7 +142,7 @@ fn files(ui: &mut Ui, model: &mut Model) {
     let any = !model.route.keys().is_empty();
     ui.horizontal(|ui| {
         let hint = "Fills the path with a full turn of the present camera around the vertical through the point that it turns \
-                    about, as far away as it is now: a key every 45°.\n`render --turntable` turns around the middle of the \
+                    about, as far away as it is now: a key every 22.5°.\n`render --turntable` turns around the middle of the \
                     scene, from so far away that all of it is in every frame.";
         if button(ui, model, "turntable", "turntable", true, hint) {
             model.fill_turntable();

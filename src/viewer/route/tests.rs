@@ -47,7 +47,7 @@ fn keys_come_behind_the_selected_one_and_go_where_they_are_moved() {
     assert_eq!((eyes(&route), route.selected()), (vec![0.0, 1.0, 2.0, 3.0], Some(1)));
     route.replace(key(7.0), &defaults()).unwrap();
     assert_eq!((eyes(&route), route.selected()), (vec![0.0, 7.0, 2.0, 3.0], Some(1)));
-    for left in (0..4).rev() {
+    for left in (0..4usize).rev() {
         route.delete(&defaults()).unwrap();
         assert_eq!((route.keys().len(), route.selected()), (left, left.checked_sub(1).map(|last| last.min(1))));
     }
