@@ -9,6 +9,7 @@ mod viewer {
 }
 
 use std::path::Path;
+use std::time::Duration;
 
 use pellucid::camera::path::CameraPath;
 use pellucid::gpu::{Device, DeviceOptions};
@@ -48,6 +49,14 @@ fn shoot(display: &Display, window: &mut Window, folder: &Path) -> Vec<u8> {
     let line = window.wait_for("saved ");
     let name = line.split_once("saved ").unwrap().1.split(".toml").next().unwrap();
     std::fs::read(folder.join(format!("{name}.png"))).unwrap()
+}
+
+/// What a dialog is told, key by key, as fast as a hand.
+fn choose(display: &Display, told: &[&str]) {
+    for told in told.iter().chain(&["key Return"]) {
+        std::thread::sleep(Duration::from_millis(400));
+        display.do_it(told);
+    }
 }
 
 /// Clicks what was said to be somewhere.
@@ -128,4 +137,19 @@ fn a_path_from_the_window_is_the_path_of_render() {
     let id = display.do_it("search --sync --onlyvisible --name pellucid");
     display.do_it(&format!("windowfocus --sync {id}"));
     assert!(pixels(&shoot(&display, &mut window, folder)) == frame(0), "it begins at the first key");
+
+    // By the dialog: the scene under another name, and the one of a picture again.
+    press(&display, "ctrl+shift+s");
+    choose(&display, &["key ctrl+a", "type kept.toml"]);
+    window.wait_for("saved kept.toml");
+    press(&display, "ctrl+o");
+    choose(&display, &["type scene-2.t", "key Down"]);
+    window.wait_for("scene-2.toml: opened");
+    window.wait_for("at rest");
+    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(2), "a saved scene is the same again");
+    press(&display, "ctrl+o");
+    choose(&display, &["type kept.t", "key Down"]);
+    window.wait_for("kept.toml: opened");
+    window.wait_for("at rest");
+    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(0), "as it was kept");
 }

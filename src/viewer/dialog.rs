@@ -60,7 +60,8 @@ impl Dialog {
         }
         let mut dialog = self.0.take()?;
         let files = dialog.take_picked_multiple().filter(|files| !files.is_empty());
-        files.map(Chosen::Files).or_else(|| dialog.take_picked().map(Chosen::Scene))
+        let files = files.map(|files| Chosen::Files(files.iter().map(|file| from_here(file)).collect()));
+        files.or_else(|| dialog.take_picked().map(|file| Chosen::Scene(from_here(&file))))
     }
 }
 
@@ -68,6 +69,12 @@ impl Dialog {
 fn dialog() -> FileDialog {
     let dialog = FileDialog::new().default_size([720.0, 420.0]).anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]);
     dialog.show_pinned_folders(false).show_system_files_option(false)
+}
+
+/// The name of a file as one would type it: from the current folder on, if it is below that.
+fn from_here(file: &Path) -> PathBuf {
+    let here = std::env::current_dir().and_then(|here| here.canonicalize()).unwrap_or_default();
+    file.strip_prefix(here).unwrap_or(file).to_owned()
 }
 
 /// What files are, by name.
@@ -88,5 +95,33 @@ fn kind(path: &Path) -> Option<Kind> {
         _ if is("toml") => Some(Kind::Scene),
         _ if is("json") || is_cameras(path) => Some(Kind::Cameras),
         _ => io::is_cloud(path).then_some(Kind::Cloud),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_told_by_their_names() {
+        for (name, expected) in [
+            ("a.toml", Some(Kind::Scene)),
+            ("a.TOML", Some(Kind::Scene)),
+            ("transforms.json", Some(Kind::Cameras)),
+            ("a.copc.laz", Some(Kind::Cloud)),
+            ("a.XYZ", Some(Kind::Cloud)),
+            ("a.e57", Some(Kind::Cloud)),
+            ("a.png", None),
+            ("toml", None),
+        ] {
+            assert_eq!(kind(Path::new(name)), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_are_as_one_would_type_them() {
+        let here = std::env::current_dir().unwrap().canonicalize().unwrap();
+        assert_eq!(from_here(&here.join("scans/a.ply")), Path::new("scans/a.ply"));
+        assert_eq!(from_here(Path::new("/elsewhere/a.ply")), Path::new("/elsewhere/a.ply"));
     }
 }

@@ -265,7 +265,9 @@ impl Model {
 
     /// What the names of saved files begin with.
     fn stem(&self) -> String {
-        let first = PathBuf::from(self.name.split(' ').next().unwrap_or_default());
+        // One file, in whose name there may be spaces, or the first of several.
+        let whole = PathBuf::from(&self.name);
+        let first = if whole.exists() { whole } else { PathBuf::from(self.name.split(' ').next().unwrap_or_default()) };
         first.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
     }
 

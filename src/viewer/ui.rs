@@ -24,7 +24,7 @@ pub fn show(ctx: &Context, model: &mut Model) -> bool {
     overlay::show(ctx, model);
     match model.dialog.show(ctx) {
         Some(Chosen::Files(files)) => model.open(files),
-        Some(Chosen::Scene(file)) => model.save_to(false, Some(file)),
+        Some(Chosen::Scene(file)) => model.save_as(file),
         None => {}
     }
     close

@@ -262,6 +262,23 @@ impl Model {
         self.dialog.save(&format!("{}.toml", self.stem()));
     }
 
+    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is written over.
+    pub fn save_as(&mut self, file: PathBuf) {
+        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            return self.save_to(false, Some(file));
+        }
+        let mut named = file.into_os_string();
+        named.push(".toml");
+        let named = PathBuf::from(named);
+        if named.exists() {
+            let problem =
+                format!("{} is there already; its whole name says that it is to be replaced", named.display());
+            self.message = Some((problem, true));
+        } else {
+            self.save_to(false, Some(named));
+        }
+    }
+
     /// What was written, and the command that makes a film of a path.
     pub(super) fn saved(&self, files: &[PathBuf]) -> String {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();

@@ -134,6 +134,28 @@ fn a_path_is_saved_with_the_scene_that_it_leads_through() {
 }
 
 #[test]
+fn a_scene_is_saved_under_the_name_that_was_chosen() {
+    let (mut model, now) = settled();
+    let folder = tempfile::tempdir().unwrap();
+    let there = folder.path().join("there.toml");
+    std::fs::write(&there, "").unwrap();
+    let mut chosen = |name: &str| {
+        model.message = None;
+        model.save_as(folder.path().join(name));
+        match model.next_task(now) {
+            Some(Task::Save(saving)) => Ok(saving.to.unwrap().file_name().unwrap().to_str().unwrap().to_owned()),
+            _ => Err(model.message.clone().unwrap().0),
+        }
+    };
+    assert_eq!(chosen("a.toml").unwrap(), "a.toml");
+    assert_eq!(chosen("a").unwrap(), "a.toml");
+    assert_eq!(chosen("a.b").unwrap(), "a.b.toml");
+    // The dialog has asked whether a whole name is to be replaced.
+    assert_eq!(chosen("there.toml").unwrap(), "there.toml");
+    assert!(chosen("there").unwrap_err().contains("is there already"));
+}
+
+#[test]
 fn files_of_cameras_become_keys() {
     let mut model = model();
     let text = r#"{"version": 1, "size": [640, 480], "loop": true, "keys": [
