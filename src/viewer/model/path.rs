@@ -1,6 +1,6 @@
 //! The path of key frames: what the window's buttons and keys do with it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{Model, Pose, Setting, Task};
 use crate::camera::import::Source;
@@ -256,49 +256,6 @@ impl Model {
             Err(error) => self.message = Some((error.to_string(), true)),
         }
     }
-
-    /// Asks for a file for the scene.
-    pub fn ask_where_to_save(&mut self) {
-        self.dialog.save(&format!("{}.toml", self.stem()));
-    }
-
-    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is written over.
-    pub fn save_as(&mut self, file: PathBuf) {
-        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
-            return self.save_to(false, Some(file));
-        }
-        let mut named = file.into_os_string();
-        named.push(".toml");
-        let named = PathBuf::from(named);
-        if named.exists() {
-            let problem =
-                format!("{} is there already; its whole name says that it is to be replaced", named.display());
-            self.message = Some((problem, true));
-        } else {
-            self.save_to(false, Some(named));
-        }
-    }
-
-    /// What was written, and the command that makes a film of a path.
-    pub(super) fn saved(&self, files: &[PathBuf]) -> String {
-        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-        let text = format!("saved {}", names.join(" and "));
-        let path = files.iter().find(|file| file.extension().is_some_and(|e| e == "json"));
-        let command = path.zip(files.first()).map(|(path, scene)| {
-            let frames = path.with_extension("");
-            let (scene, path) = (word(scene), word(path));
-            let frames = word(Path::new(&format!("{}_%04d.png", frames.display())));
-            format!("; pellucid render {scene} --path {path} --frames {} -o {frames}", self.route.frames())
-        });
-        text + &command.unwrap_or_default()
-    }
-}
-
-/// A path as a shell takes it.
-fn word(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+%".contains(c);
-    if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
 /// A key with the numbers of a camera.
