@@ -218,7 +218,7 @@ impl Format {
 }
 
 /// Whether a file's extension is one that point clouds have.
-pub(crate) fn is_cloud(path: &Path) -> bool {
+pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
         || text::Kind::of_extension(&extension).is_some()

@@ -10,7 +10,7 @@ use crate::cloud::{Bounds, UpAxis};
 use crate::points::Points;
 
 /// Vertical field of view if the scene doesn't say, in degrees.
-pub(crate) const DEFAULT_FOV_Y: f64 = 45.0;
+pub const DEFAULT_FOV_Y: f64 = 45.0;
 
 /// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
 pub(super) const FILL: f64 = 0.95;
@@ -98,7 +98,7 @@ fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) 
 }
 
 /// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.
-pub(crate) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
+pub(super) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     let length = up.abs();
     match length.max_element() {
         max if length.y == max && length.y > length.z => Some(UpAxis::Y),

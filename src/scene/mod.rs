@@ -26,8 +26,7 @@ pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_g
 pub use document::{Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
-pub(crate) use framing::{DEFAULT_FOV_Y, nearest_axis};
-pub use framing::{camera, camera_at};
+pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{METHODS, method_keys};
 pub use layers::note_of_layers;
 pub use open::{DEFAULT_SCENE, Opened, open};

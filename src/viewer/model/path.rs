@@ -26,9 +26,7 @@ impl Model {
 
     /// What keys that don't say take, as `render --path` does.
     fn defaults(&self) -> Option<Defaults> {
-        let camera = &self.scene.camera;
-        let up = camera.up.and_then(crate::scene::nearest_axis).or(Some(self.subject()?.up))?;
-        Some(path_defaults(camera, up))
+        Some(path_defaults(&self.scene.camera, self.subject()?.up))
     }
 
     /// The present camera as a key. Its depths are left to the scene.
@@ -210,7 +208,10 @@ impl Model {
                     self.touch();
                 }
             }
-            None => self.message = Some(("this key shows nothing of the scene from where it is".to_owned(), true)),
+            None => {
+                let said = "this key makes no camera: it is too far away, or near is not less than far";
+                self.message = Some((said.to_owned(), true));
+            }
         }
     }
 

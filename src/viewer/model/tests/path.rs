@@ -182,6 +182,32 @@ fn files_of_cameras_become_keys() {
     assert_eq!(model.route.keys().len(), 2);
 }
 
+/// Cameras of nerfstudio stay what they are, and what they lose is said.
+#[test]
+fn cameras_of_other_programs_become_keys() {
+    let (mut model, _) = settled();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("transforms.json");
+    // The first looks along y from (0, −9, 0), with z up; the second is turned by 90° about the view.
+    let frames = "{\"transform_matrix\": [[1,0,0,0],[0,0,-1,-9],[0,1,0,0],[0,0,0,1]]},
+        {\"transform_matrix\": [[0,1,0,0],[0,0,-1,-9],[-1,0,0,0],[0,0,0,1]]}";
+    let lens = "\"fl_x\": 48, \"fl_y\": 48, \"w\": 64, \"h\": 96, \"k1\": 0.1";
+    std::fs::write(&file, format!("{{{lens}, \"frames\": [{frames}]}}")).unwrap();
+    model.take_path("transforms.json".into(), Source::read(&file).unwrap());
+    let (text, warned) = model.message.clone().unwrap();
+    assert!(warned && text.starts_with("transforms.json: 2 keys; ") && text.contains("distortion"), "{text}");
+    assert!(model.route.keys().iter().all(|key| key.orientation.is_some() && key.target.is_none()));
+    assert_eq!(model.route.path(SIZE).size, Some([64, 96]));
+    for (at, up) in [(0, DVec3::Z), (1, DVec3::X)] {
+        model.go_to_key(at);
+        let Pose::At(camera) = model.pose else { panic!("a key is a place") };
+        let along = (camera.target.unwrap() - camera.eye.unwrap()).normalize();
+        let off = (along - DVec3::Y).length() + (camera.up.unwrap() - up).length();
+        assert!(off < 1e-12 && camera.eye == Some(DVec3::new(0.0, -9.0, 0.0)), "{camera:?}");
+        assert!((camera.fov_y.unwrap() - 90.0).abs() < 1e-12);
+    }
+}
+
 #[test]
 fn cameras_are_told_from_clouds() {
     let (mut model, now) = settled();
