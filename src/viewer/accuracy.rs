@@ -88,8 +88,7 @@ pub struct History {
 impl History {
     /// Adds a picture; those of another view are forgotten. The whole one is what the ones before are held against.
     pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Vec<[f32; 3]>, whole: bool) {
-        let same = self.view.as_ref().is_some_and(|(before, from)| Arc::ptr_eq(before, scene) && *from == pose);
-        if !same {
+        if !self.is_of(scene, pose) {
             *self = Self { view: Some((scene.clone(), pose)), ..Self::default() };
         }
         // The same once more says nothing new.
@@ -108,12 +107,16 @@ impl History {
 
     /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one by now.
     pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
-        let same = self.view.as_ref().is_some_and(|(before, from)| Arc::ptr_eq(before, scene) && *from == pose);
+        let same = self.is_of(scene, pose);
         if same {
             self.rungs.iter_mut().for_each(|(rung, pixels)| rung.rmse = Some(metrics::rmse(exact, pixels)));
             self.against = Some(Reference::Exact(method));
         }
         same
+    }
+
+    fn is_of(&self, scene: &Scene, pose: Pose) -> bool {
+        self.view.as_ref().is_some_and(|(before, from)| *from == pose && **before == *scene)
     }
 
     fn bytes(&self) -> usize {
@@ -183,7 +186,9 @@ mod tests {
         assert_eq!(errors(&history), [Some(0.375), Some(0.125), Some(0.125)]);
         assert_eq!(history.accuracy(None).against, Some(Reference::Exact("abuffer")));
         // Another view: all before is forgotten, and what belongs to the old one isn't taken.
-        let again = Arc::new(Scene::clone(&scene));
+        let mut again = Scene::clone(&scene);
+        again.image.size[0] += 1;
+        let again = Arc::new(again);
         history.add(&again, Pose::Scene, rung("a"), gray(1.0), false);
         assert_eq!(errors(&history), [None]);
         assert!(!history.measure(&scene, Pose::Scene, "abuffer", &gray(0.0)));

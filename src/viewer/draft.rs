@@ -53,6 +53,48 @@ pub struct Cost {
     pub work: f64,
 }
 
+/// What frames of a method took: the last one, and the last one of quite another share of the work, which tells what all frames
+/// take alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Costs {
+    last: Cost,
+    other: Option<Cost>,
+}
+
+impl Costs {
+    /// Of the first frame.
+    pub fn new(first: Cost) -> Self {
+        Self { last: first, other: None }
+    }
+
+    /// With another frame.
+    pub fn add(&mut self, cost: Cost) {
+        if apart(cost, self.last) {
+            self.other = Some(self.last);
+        }
+        self.last = cost;
+    }
+
+    /// The share of the work that `budget_ms` are expected to be enough for: a straight line through both, or, while there is
+    /// only one or they make no sense together, in proportion to the last one.
+    fn share(&self, budget_ms: f64) -> f64 {
+        let Cost { ms, work } = self.last;
+        let line = self.other.filter(|other| apart(*other, self.last)).map(|other| {
+            let slope = (other.ms - ms) / (other.work - work);
+            (slope, ms - slope * work)
+        });
+        match line {
+            Some((slope, alike)) if slope > 0.0 && alike > 0.0 => (budget_ms - alike) / slope,
+            _ => work * budget_ms / ms.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Whether two works are far enough from each other for a line through both.
+fn apart(a: Cost, b: Cost) -> bool {
+    a.work > 2.0 * b.work || b.work > 2.0 * a.work
+}
+
 /// How many samples, ensembles or layers a method takes, if its image only gets better with their number.
 fn steps(method: &Method) -> Option<u32> {
     match method {
@@ -68,12 +110,11 @@ impl Draft {
         Self { steps: steps(method), coarse: 1 }
     }
 
-    /// The most accurate one that is to take at most `budget_ms`, by what the last frame of the method took; the coarsest one if
-    /// none is. Methods without steps are tried whole at first.
-    pub fn within(method: &Method, last: Option<Cost>, budget_ms: f64) -> Self {
-        let share = match last {
-            Some(Cost { ms, work }) if ms > 0.0 => work * budget_ms / ms,
-            _ => return Self { steps: steps(method).map(|most| most.min(FEWEST)), coarse: 1 },
+    /// The most accurate one that is to take at most `budget_ms`, by what frames of the method took; the coarsest one if none
+    /// is. Methods without steps are tried whole at first.
+    pub fn within(method: &Method, costs: Option<Costs>, budget_ms: f64) -> Self {
+        let Some(share) = costs.map(|costs| costs.share(budget_ms)) else {
+            return Self { steps: steps(method).map(|most| most.min(FEWEST)), coarse: 1 };
         };
         let Some(most) = steps(method) else { return Self { steps: None, coarse: coarse(share) } };
         let fewest = most.min(FEWEST);
@@ -143,7 +184,7 @@ mod tests {
 
     #[test]
     fn samples_go_first() {
-        let taken = |ms, work, budget| Draft::within(&stochastic(), Some(Cost { ms, work }), budget);
+        let taken = |ms, work, budget| Draft::within(&stochastic(), Some(Costs::new(Cost { ms, work })), budget);
         let draft = |steps, coarse| Draft { steps: Some(steps), coarse };
         assert_eq!(Draft::within(&stochastic(), None, 33.0), draft(4, 1));
         assert_eq!(taken(128.0, 1.0, 33.0), draft(16, 1));
@@ -159,7 +200,7 @@ mod tests {
     #[test]
     fn exact_methods_get_coarser() {
         let method = Method::ABuffer(Default::default());
-        let coarse = |cost| Draft::within(&method, cost, 33.0).coarse;
+        let coarse = |cost: Option<Cost>| Draft::within(&method, cost.map(Costs::new), 33.0).coarse;
         assert_eq!(coarse(None), 1);
         for (ms, expected) in [(33.0, 1), (33.1, 2), (132.0, 2), (140.0, 3), (500.0, 4), (1e9, 8)] {
             assert_eq!(coarse(Some(Cost { ms, work: 1.0 })), expected, "{ms} ms");
@@ -173,7 +214,7 @@ mod tests {
         for method in [stochastic(), Method::ABuffer(Default::default()), Method::Spbr(Spbr::default())] {
             for budget in [1.0, 5.0, 33.0, 100.0, 1000.0] {
                 let whole_ms = 200.0;
-                let draft = Draft::within(&method, Some(Cost { ms: whole_ms * 0.25, work: 0.25 }), budget);
+                let draft = Draft::within(&method, Some(Costs::new(Cost { ms: whole_ms * 0.25, work: 0.25 })), budget);
                 let takes = whole_ms * draft.work(&method);
                 let coarsest = draft.coarse == 8;
                 assert!(takes <= budget || coarsest, "{draft:?} takes {takes} of {budget}");
@@ -182,11 +223,31 @@ mod tests {
     }
 
     #[test]
+    fn what_all_frames_take_alike_is_told_apart() {
+        // 20 ms for any frame, 1000 for the whole picture's work.
+        let cost = |coarse: f64| Cost { ms: 20.0 + 1000.0 / (coarse * coarse), work: 1.0 / (coarse * coarse) };
+        let mut costs = Costs::new(cost(1.0));
+        assert!((costs.share(33.0) - 33.0 / 1020.0).abs() < 1e-12);
+        for coarse in [6.0, 8.0, 3.0, 8.0, 8.0] {
+            costs.add(cost(coarse));
+            assert!((costs.share(33.0) - 0.013).abs() < 1e-9, "{coarse}: {}", costs.share(33.0));
+        }
+        // By proportion alone the last one would keep it at 1/64.
+        assert!(33.0 / 1020.0 > 0.013 && 33.0 / 64.0 / cost(8.0).ms < 0.0155);
+        // Less than what all take: nothing fits, the coarsest it is.
+        let method = Method::ABuffer(Default::default());
+        assert_eq!(Draft::within(&method, Some(costs), 10.0).coarse, 8);
+        // A scene that suddenly takes less makes no line.
+        costs.add(Cost { ms: 1.0, work: 1.0 });
+        assert_eq!(costs.share(33.0), 33.0);
+    }
+
+    #[test]
     fn whole_pictures_have_everything() {
         for method in [stochastic(), Method::Points, Method::Spbr(Spbr::default())] {
             let whole = Draft::whole(&method);
             assert_eq!((whole.work(&method), whole.method(method)), (1.0, method));
-            assert_eq!(Draft::within(&method, Some(Cost { ms: 1.0, work: 1.0 }), 1.0), whole);
+            assert_eq!(Draft::within(&method, Some(Costs::new(Cost { ms: 1.0, work: 1.0 })), 1.0), whole);
         }
         let half = Draft { steps: Some(8), coarse: 2 };
         assert_eq!(half.ensembles(&Method::Spbr(Spbr::default())), Some(8));

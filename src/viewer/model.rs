@@ -282,8 +282,8 @@ impl Model {
     fn effort(&self, now: Instant) -> Option<(Effort, u32)> {
         let moving = now < self.rest_at();
         match self.way {
-            Way::Changed if moving => Some((Effort::Moving(self.budget_ms), 0)),
-            Way::Changed => Some((Effort::Whole, MOST_REFINED)),
+            // However late this is asked: a long frame may have kept the window waiting.
+            Way::Changed => Some((Effort::Moving(self.budget_ms), 0)),
             Way::Draft(refined) if moving || refined > MOST_REFINED => None,
             Way::Draft(MOST_REFINED) => Some((Effort::Whole, MOST_REFINED)),
             Way::Draft(refined) => {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
-use super::draft::{Cost, Draft, Effort};
+use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::thin::{self, Thin};
 use crate::camera::Camera;
@@ -18,6 +18,9 @@ use crate::points::Arranged;
 use crate::prepare::{self, Request};
 use crate::scene::{self, CameraSettings, CloudSettings, Method, Scene, View};
 use crate::{Result, plan};
+
+/// Share of the whole picture's work from which a picture at rest is the whole one.
+const NEARLY_WHOLE: f64 = 0.5;
 
 /// From where a picture is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,8 +111,8 @@ pub struct Stage {
     seed: u64,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
-    /// What the last frame of a method took.
-    cost: Option<(&'static str, Cost)>,
+    /// What frames of the last method took.
+    costs: Option<(&'static str, Costs)>,
     /// What `auto` stood for in the last whole picture, and why.
     chosen: Option<(Method, Method, String)>,
 }
@@ -117,7 +120,7 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, cost: None, chosen: None })
+        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, costs: None, chosen: None })
     }
 
     /// The renderer.
@@ -156,15 +159,21 @@ impl Stage {
         frame.method = method;
         let lights = lights(&mut frame, &placed.cloud, effort);
         let draft = match effort.budget_ms() {
-            Some(budget) => Draft::within(&method, self.cost_of(&method), budget),
+            Some(budget) => Draft::within(&method, self.costs_of(&method), budget),
             None => Draft::whole(&method),
         };
+        // At rest the whole picture is worth twice the wait for most of it.
+        let nearly = matches!(effort, Effort::Refining(_)) && draft.work(&method) >= NEARLY_WHOLE;
+        let draft = if nearly { Draft::whole(&method) } else { draft };
         let started = Instant::now();
         let (rendered, brightness) = self.draw(&frame, draft)?;
         // Shadows that were cast are there for the next one.
         if rendered.facts.light_views == 0 {
-            let ms = started.elapsed().as_secs_f64() * 1e3;
-            self.cost = Some((method.name(), Cost { ms, work: draft.work(&method) }));
+            let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };
+            match &mut self.costs {
+                Some((name, costs)) if *name == method.name() => costs.add(cost),
+                costs => *costs = Some((method.name(), Costs::new(cost))),
+            }
         }
         let Some(placed) = &self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
@@ -183,8 +192,8 @@ impl Stage {
         Ok(self.renderer.render(&mut placed.cloud, &frame)?)
     }
 
-    fn cost_of(&self, method: &Method) -> Option<Cost> {
-        self.cost.filter(|(name, _)| *name == method.name()).map(|(_, cost)| cost)
+    fn costs_of(&self, method: &Method) -> Option<Costs> {
+        self.costs.filter(|(name, _)| *name == method.name()).map(|(_, costs)| costs)
     }
 
     /// Renders what a draft has of a whole frame.

@@ -270,7 +270,8 @@ impl Work {
         let rung = Rung {
             name: draft.clone(),
             ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
-            standard_error: image.standard_error(),
+            // A single stratum of samples has no spread.
+            standard_error: image.standard_error().filter(|error| error.is_finite()),
             rmse: None,
         };
         let mut pixels = display::compose(image, scene.image.background, scene.image.color);

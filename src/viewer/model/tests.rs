@@ -129,7 +129,7 @@ fn what_was_stopped_is_asked_for_again() {
     let first = asked(&mut model, now).unwrap();
     model.take_in(News::Stopped(first.serial)).unwrap();
     let second = asked(&mut model, now + REST).unwrap();
-    assert_eq!((second.pose, second.effort), (first.pose, Effort::Whole));
+    assert_eq!((second.pose, second.effort), (first.pose, Effort::Moving(33.0)));
     // What nobody waits for any more is nothing new.
     model.take_in(News::Stopped(first.serial)).unwrap();
     assert!(asked(&mut model, now + REST).is_none());
