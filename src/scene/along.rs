@@ -73,30 +73,12 @@ impl<'a> Course<'a> {
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
         let axis = settings.up.filter(|_| own).unwrap_or_else(|| framing::axis(self.vertical)).normalize();
         if settings.eye.is_some() && own {
-            return Ok(self.turntable_of_eye(start, center, axis, warnings));
+            let eye =
+                if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
+            return Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings));
         }
         let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
-    }
-
-    /// The turn of an eye that the scene gives.
-    fn turntable_of_eye(
-        &self,
-        start: Camera,
-        center: DVec3,
-        axis: DVec3,
-        mut warnings: Vec<String>,
-    ) -> (Turntable, Vec<String>) {
-        let eye = if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
-        if eye != start.eye {
-            warnings.push(format!(
-                "the turn would lose points from {} away, where [camera] stands: it is made from {}; key frames (--path) can be \
-                 anywhere",
-                (start.eye - center).length() as f32,
-                (eye - center).length() as f32
-            ));
-        }
-        (Turntable::new(&Camera { eye, ..start }, center, axis), warnings)
     }
 
     /// Whether nothing outside of the image would come into it by going back: all is in it during the whole turn, or it has no
