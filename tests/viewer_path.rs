@@ -24,7 +24,10 @@ const WINDOW: &str = "720x690";
 fn display() -> Option<Display> {
     let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
     match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
-        Ok(device) if device.info().name.contains("SwiftShader") => return None,
+        Ok(device) if device.info().name.contains("SwiftShader") => {
+            eprintln!("skipped, {} shows nothing in windows", device.info().name);
+            return None;
+        }
         Ok(_) => {}
         Err(error) if required => panic!("a device is required: {error}"),
         Err(error) => {

@@ -55,7 +55,7 @@ impl Model {
     }
 
     /// The scene with the camera and the size of the picture.
-    fn document_as_shown(&self) -> Result<Document> {
+    pub(super) fn document_as_shown(&self) -> Result<Document> {
         let mut document = self.document.clone();
         document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
         let shown = match (self.pose, &self.navigator) {
@@ -70,8 +70,10 @@ impl Model {
             for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
                 document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
             }
-            let lens = [("fov_y", camera.fov_y), ("height", camera.height)];
-            for (key, number) in lens.into_iter().filter_map(|(key, number)| Some((key, number?))) {
+            // A key may have depths of its own.
+            let numbers =
+                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)];
+            for (key, number) in numbers.into_iter().filter_map(|(key, number)| Some((key, number?))) {
                 document.put(&format!("camera.{key}"), Setting::Number(number))?;
             }
         }

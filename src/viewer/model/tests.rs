@@ -12,6 +12,7 @@ use crate::scene::{Overrides, ViewName};
 use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
+mod keys;
 mod path;
 mod reopened;
 

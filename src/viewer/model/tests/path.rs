@@ -176,10 +176,20 @@ fn files_of_cameras_become_keys() {
     model.take_in(News::Cameras("b.json".into(), Box::new(Source::Path(CameraPath::new(vec![key]))))).unwrap();
     let (text, wrong) = model.message.clone().unwrap();
     assert!(wrong && text.starts_with("b.json: keys[0].up: ") && model.route.keys().len() == 2, "{text}");
+    // Depths of a key are saved with its picture, and are gone with the next movement.
+    let key = Key { target: Some([0.0; 3]), near: Some(1.5), far: Some(40.0), ..Key::at([5.0, 0.0, 0.0]) };
+    model.take_path("c.json".into(), Source::Path(CameraPath::new(vec![key])));
+    let depths = |model: &Model| {
+        let camera = model.document_as_shown().unwrap().scene().unwrap().camera;
+        (camera.near, camera.far)
+    };
+    assert_eq!(depths(&model), (Some(1.5), Some(40.0)));
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    assert_eq!(depths(&model), (Some(0.5), None));
     // Another scene keeps the keys.
     let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
     model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
-    assert_eq!(model.route.keys().len(), 2);
+    assert_eq!(model.route.keys().len(), 1);
 }
 
 /// Cameras of nerfstudio stay what they are, and what they lose is said.
