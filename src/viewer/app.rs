@@ -102,7 +102,10 @@ impl App {
         // A loop that is gone needs no news.
         let wake = move || drop(proxy.send_event(Wake));
         let worker = Worker::start(&device, options.opened, setup, wake)?;
-        let model = Model::new(name, document, options.view, options.budget_ms)?;
+        let mut model = Model::new(name, document, options.view, options.budget_ms)?;
+        if let Some((file, source)) = options.path {
+            model.take_path(file, source);
+        }
         let ctx = egui::Context::default();
         ui::style(&ctx);
         let scale = Some(window.scale_factor() as f32);

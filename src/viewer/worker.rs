@@ -15,7 +15,8 @@ use super::draft::Effort;
 use super::navigate::Subject;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, Taken};
-use crate::camera::Camera;
+use crate::camera::import::Source;
+use crate::camera::{Camera, path};
 use crate::gpu::{self, Device};
 use crate::methods::{Facts, Frame, FrameProfile};
 use crate::plan::Step;
@@ -43,6 +44,8 @@ pub enum Task {
     Measure(u64),
     /// Other files instead of the scene.
     Open(Vec<PathBuf>),
+    /// A file of cameras.
+    Cameras(PathBuf),
     /// The scene as a file, with or without a picture of it.
     Save(Box<Saving>),
 }
@@ -89,6 +92,8 @@ pub enum News {
     Opened(String, Box<Document>),
     /// What is known of the clouds, in the scene's order.
     Clouds(Arc<[Census]>),
+    /// Cameras are there, from this file.
+    Cameras(PathBuf, Box<Source>),
     /// How far the pictures of the view with this serial are off the exact one.
     Measured(u64, Accuracy),
     /// The task of this serial was stopped, since a later one was there.
@@ -107,7 +112,7 @@ impl Task {
         match self {
             Self::Show(request) => !matches!(request.effort, Effort::Moving(_)),
             Self::Measure(_) => true,
-            Self::Open(_) | Self::Save(_) => false,
+            Self::Open(_) | Self::Cameras(_) | Self::Save(_) => false,
         }
     }
 }
@@ -252,6 +257,7 @@ impl Work {
             Task::Show(request) => (request.serial, self.show(&request)),
             Task::Measure(serial) => (serial, self.measure(serial)),
             Task::Open(files) => (0, self.open(&files)),
+            Task::Cameras(file) => return cameras(file),
             Task::Save(saving) => (0, self.save(&saving)),
         };
         done.unwrap_or_else(|error| match error {
@@ -340,9 +346,47 @@ impl Work {
     }
 }
 
+/// Reads cameras; where a file holds something else, what it could hold.
+fn cameras(file: PathBuf) -> News {
+    match Source::read(&file) {
+        Ok(source) => News::Cameras(file, Box::new(source)),
+        Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
+        Err(error) => News::Failed(
+            0,
+            format!(
+                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio or a \
+                 model of COLMAP"
+            ),
+        ),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_holds_no_cameras_is_told_what_could() {
+        let folder = tempfile::tempdir().unwrap();
+        let failed = |name: &str, text: &str| {
+            let file = folder.path().join(name);
+            std::fs::write(&file, text).unwrap();
+            match cameras(file) {
+                News::Failed(0, message) => message,
+                _ => panic!("{name} holds no cameras"),
+            }
+        };
+        for (text, says) in [
+            ("{\"points\": 3}", "has neither keys (a camera path) nor frames"),
+            ("solid", ":1:1: "),
+            ("{\"version\": 1, \"keys\": []}", "a path has from 1 to"),
+        ] {
+            let message = failed("a.json", text);
+            assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
+            assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
+        }
+        assert!(matches!(cameras(folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
+    }
 
     #[test]
     fn a_picture_that_a_later_one_replaces_is_not_rendered() {

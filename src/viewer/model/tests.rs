@@ -13,6 +13,9 @@ use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
 mod edited;
+mod keys;
+mod path;
+mod reopened;
 
 const SIZE: [u32; 2] = [64, 48];
 
