@@ -29,8 +29,8 @@ pub struct ViewArgs {
     /// of COLMAP.
     #[arg(long, value_name = "PATH")]
     path: Option<PathBuf>,
-    /// Milliseconds that a frame should take while something moves: methods that get better with the number of samples,
-    /// ensembles or layers take as many as fit. At rest nothing is left out.
+    /// Milliseconds that a frame should take while something moves: samples, pixels and points that don't fit are left out. At
+    /// rest the picture gets finer until nothing is.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
     budget: f64,
 }
