@@ -1,5 +1,7 @@
 //! Points on the device, and their projection to splats.
 
+mod change;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -217,6 +219,15 @@ impl Parts {
 /// Field and radius of each point; nothing without a field.
 fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
     points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
+}
+
+/// The largest value; 0 of none.
+fn most(values: &[f32]) -> f32 {
+    values.iter().copied().fold(0.0, f32::max)
+}
+
+fn most_of_colors(colors: &[Vec3]) -> f32 {
+    colors.iter().map(|c| c.max_element()).fold(0.0, f32::max)
 }
 
 /// The median, the mean of the middle two of an even number; 0 of none.
@@ -568,9 +579,9 @@ impl DeviceCloud {
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
             depth_origin: 0.0,
-            most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
-            most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
-            most_radius: points.radii.iter().copied().fold(0.0, f32::max),
+            most_opacity: most(&points.opacities),
+            most_color: most_of_colors(&points.colors),
+            most_radius: most(&points.radii),
             fields_and_radii: fields_and_radii(points),
             parts: None,
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },

@@ -15,6 +15,7 @@ mod model;
 mod navigate;
 mod overlay;
 mod panel;
+mod placed;
 mod pointer;
 mod save;
 mod stage;

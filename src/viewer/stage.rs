@@ -4,15 +4,14 @@ use indicatif::ProgressBar;
 
 use super::draft::{self, Cost};
 use super::navigate::Subject;
+use super::placed::{Placed, Sources};
 use crate::camera::Camera;
 use crate::cloud::Cloud;
 use crate::gpu::Device;
 use crate::methods::brightness::{self, Applied};
 use crate::methods::{Frame, Rendered, Renderer, Stop};
-use crate::passes::project::DeviceCloud;
-use crate::points::Arranged;
-use crate::prepare::{self, Request};
-use crate::scene::{self, CameraSettings, CloudSettings, Scene, View};
+use crate::points::Changes;
+use crate::scene::{self, CameraSettings, Scene, View};
 use crate::{Result, plan};
 
 /// From where a picture is taken.
@@ -24,39 +23,6 @@ pub enum Pose {
     View(View),
     /// From here: eye, target and up are given.
     At(CameraSettings),
-}
-
-/// Of the points: what they depend on.
-#[derive(Debug, Clone, PartialEq)]
-struct Arrangement {
-    clouds: Vec<CloudSettings>,
-    dealt: bool,
-    radii: bool,
-    fields: bool,
-    shadows: Option<scene::Shadows>,
-}
-
-impl Arrangement {
-    fn of(scene: &Scene) -> Self {
-        let method = &scene.method;
-        // Where a cloud came from doesn't matter any more.
-        let clouds = scene.clouds.iter().map(|cloud| CloudSettings { path: Default::default(), ..cloud.clone() });
-        Self {
-            clouds: clouds.collect(),
-            dealt: method.is_dealt(),
-            radii: method.needs_radii(),
-            fields: method.needs_field(),
-            shadows: scene.shadows,
-        }
-    }
-}
-
-/// Points on the device.
-struct Placed {
-    arrangement: Arrangement,
-    arranged: Arranged,
-    cloud: DeviceCloud,
-    subject: Subject,
 }
 
 /// A picture and how it came about.
@@ -78,8 +44,9 @@ pub struct Taken {
 /// A renderer with the clouds of one scene.
 pub struct Stage {
     renderer: Renderer,
-    clouds: Vec<Cloud>,
-    seed: u64,
+    sources: Sources,
+    /// Says what is done to points before they can be rendered.
+    progress: ProgressBar,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
     /// What the last frame of a method took.
@@ -89,7 +56,8 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        Ok(Self { renderer, clouds, seed, memory_budget, placed: None, cost: None })
+        let (sources, progress) = (Sources::new(clouds, seed), ProgressBar::hidden());
+        Ok(Self { renderer, sources, progress, memory_budget, placed: None, cost: None })
     }
 
     /// The renderer.
@@ -99,7 +67,7 @@ impl Stage {
 
     /// The clouds as they were read.
     pub fn clouds(&self) -> &[Cloud] {
-        &self.clouds
+        self.sources.clouds()
     }
 
     /// Takes an image back whose memory the next one may have.
@@ -114,7 +82,7 @@ impl Stage {
     /// Whatever keeps the scene from being rendered; the next one may do.
     pub fn take(&mut self, scene: &Scene, pose: Pose, budget_ms: Option<f64>) -> Result<Taken> {
         self.place(scene)?;
-        let (seed, memory_budget) = (self.seed, self.memory_budget);
+        let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
@@ -135,46 +103,23 @@ impl Stage {
         Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, full })
     }
 
-    /// Brings the scene's points to the device, unless they are there.
-    fn place(&mut self, scene: &Scene) -> Result<()> {
-        let arrangement = Arrangement::of(scene);
-        if self.placed.as_ref().is_some_and(|placed| placed.arrangement == arrangement) {
-            return Ok(());
-        }
-        let progress = ProgressBar::hidden();
-        self.remember_neighbors(scene, &arrangement, &progress);
-        let (texture, _) = scene::shadow_texture(scene, &self.clouds, self.seed);
-        let up = scene::up_axis(&self.clouds);
-        let arranged = scene::arrange(scene, self.clouds.clone(), self.seed, &progress)?;
-        let points = arranged.points();
-        let Some(bounds) = points.bounds() else { return Err(no_points()) };
-        let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
-        // Freed first, so that old and new never lie on the device together.
-        self.placed = None;
-        let cloud = self.renderer.upload_lit(&arranged, texture.as_ref())?;
-        let subject = Subject { bounds, radius, up };
-        self.placed = Some(Placed { arrangement, arranged, cloud, subject });
-        Ok(())
-    }
-
-    /// Finds radii and fields once and keeps them with the clouds, as a prepared file does.
-    fn remember_neighbors(&mut self, scene: &Scene, arrangement: &Arrangement, progress: &ProgressBar) {
-        for (settings, cloud) in scene.clouds.iter().zip(&mut self.clouds) {
-            let estimated = arrangement.radii && settings.radius.is_none() && cloud.own_radii().is_none();
-            if !(estimated || arrangement.fields) || arrangement.dealt {
-                continue;
-            }
-            let field = settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate));
-            let (radii, fields) = (true, arrangement.fields);
-            let request = Request { neighbors: settings.neighbors, field, radii, fields, normals: false };
-            if cloud.prepared.is_some() && request.notes(cloud).is_empty() {
-                continue;
-            }
-            // What can't be found is an error of arranging, if it is asked for.
-            if let Ok(prepared) = prepare::prepared(cloud.clone(), &request, progress) {
-                *cloud = prepared;
+    /// Brings the scene's points to the device: what of them isn't there, or is another than before.
+    fn place(&mut self, scene: &Scene) -> Result<Changes> {
+        let Self { renderer, sources, progress, placed, .. } = self;
+        if let Some(before) = placed {
+            match before.follow(renderer, sources, scene, progress) {
+                Ok(Some(changes)) => return Ok(changes),
+                // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
+                Ok(None) => *placed = None,
+                Err(error) => {
+                    // Where the device failed, nobody knows what it holds.
+                    placed.take_if(|_| !matches!(error, crate::Error::Scene(_)));
+                    return Err(error);
+                }
             }
         }
+        *placed = Some(Placed::new(renderer, sources, scene, progress)?);
+        Ok(Changes::ALL)
     }
 
     /// What a frame would do: its passes and why.
@@ -184,7 +129,7 @@ impl Stage {
     }
 }
 
-fn no_points() -> crate::Error {
+pub(super) fn no_points() -> crate::Error {
     scene::Error::NoPoints { clouds: "the scene".into() }.into()
 }
 
