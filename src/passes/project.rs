@@ -417,6 +417,13 @@ impl Column {
         range.into_par_iter().map(move |i| self.of_point(points, origin, i))
     }
 
+    /// Brings the column of all points to the front of a buffer.
+    fn upload(self, points: &Points, origin: DVec3, buffer: &Buffer<[f32; 4]>) -> Result<(), Error> {
+        buffer.upload_by(points.len() as u64, |range, to| {
+            self.of(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
+        })
+    }
+
     fn of_point(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
@@ -505,10 +512,10 @@ impl DeviceCloud {
 
     /// Uploads the columns, and the fields.
     fn upload_columns(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
-        // One after the other: of each, the host's copy is gone before the next is made.
         let upload = |name, column: Column| -> Result<_, Error> {
-            let packed: Vec<[f32; 4]> = column.of(points, self.origin, 0..points.len()).collect();
-            device.upload(name, &packed)
+            let buffer = device.buffer(name, (points.len() as u64).max(1), Memory::Device)?;
+            column.upload(points, self.origin, &buffer)?;
+            Ok(buffer)
         };
         let (points_hi, points_lo) = (upload("points, hi", Column::High)?, upload("points, lo", Column::Low)?);
         let point_colors = upload("point colors", Column::Color)?;
@@ -548,9 +555,11 @@ impl DeviceCloud {
         lit: impl Fn(usize) -> f32 + Sync,
     ) -> Result<(), Error> {
         self.reserve_shares(device)?;
-        let column = Column::Normal.of(points, self.origin, 0..points.len());
-        let packed: Vec<[f32; 4]> = column.enumerate().map(|(i, [x, y, z, _])| [x, y, z, lit(i)]).collect();
-        self.normals.upload(&packed)?;
+        self.normals.upload_by(self.len, |range, to| {
+            let first = range.start;
+            let column = Column::Normal.of(points, self.origin, range).zip(to).enumerate();
+            column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
+        })?;
         self.set_casting(casting);
         Ok(())
     }

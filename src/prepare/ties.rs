@@ -117,7 +117,10 @@ mod tests {
         assert!(Ties::of(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::of(&[]).is_empty());
         let mut both = ties.clone();
         both.extend(&ties, |place| 100 - place);
-        assert_eq!((&both.places[5..], both.ends.as_slice()), ([99, 98, 97, 96, 95].as_slice(), [3, 5, 8, 10].as_slice()));
+        assert_eq!(
+            (&both.places[5..], both.ends.as_slice()),
+            ([99, 98, 97, 96, 95].as_slice(), [3, 5, 8, 10].as_slice())
+        );
     }
 
     #[test]

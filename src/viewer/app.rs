@@ -102,7 +102,8 @@ impl App {
         // A loop that is gone needs no news.
         let wake = move || drop(proxy.send_event(Wake));
         let worker = Worker::start(&device, options.opened, setup, wake)?;
-        let model = Model::new(name, document, options.view, options.budget_ms)?;
+        let mut model = Model::new(name, document, options.view, options.budget_ms)?;
+        model.progress = worker.progress.clone();
         let ctx = egui::Context::default();
         ui::style(&ctx);
         let scale = Some(window.scale_factor() as f32);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
+use indicatif::ProgressBar;
 
 use super::navigate::{self, Navigator};
 use super::save::Saving;
@@ -87,6 +88,8 @@ pub struct Model {
     pub message: Option<(String, bool)>,
     /// Files that are being read or written.
     pub busy: bool,
+    /// What keeps the next picture waiting.
+    pub progress: ProgressBar,
     /// The last frames.
     pub times: VecDeque<Times>,
     /// What is shown.
@@ -120,6 +123,7 @@ impl Model {
             tasks: VecDeque::new(),
             message: None,
             busy: false,
+            progress: ProgressBar::hidden(),
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,
@@ -203,6 +207,18 @@ impl Model {
         self.navigator = None;
         self.pose = Pose::View(view);
         self.touch();
+    }
+
+    /// Whether the worker has something to do.
+    pub fn is_waiting(&self) -> bool {
+        self.busy || matches!(self.way, Way::Asked(_))
+    }
+
+    /// What keeps the next picture waiting, and how much of that is done.
+    pub fn progress_line(&self) -> Option<String> {
+        let message = Some(self.progress.message()).filter(|message| !message.is_empty() && self.is_waiting())?;
+        let share = self.progress.length().and_then(|length| (100 * self.progress.position()).checked_div(length));
+        Some(share.map_or_else(|| message.clone(), |share| format!("{message}, {share} %")))
     }
 
     /// The point of the scene that the picture shows at a position, in pixels of the picture.
@@ -337,8 +353,9 @@ impl Model {
 
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
-        let (shows, viewport, serial) = (self.shows, self.viewport, self.serial);
-        *self = Self { shows, viewport, serial, ..Self::new(name, document, View::default(), self.budget_ms)? };
+        let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
+        *self =
+            Self { shows, viewport, serial, progress, ..Self::new(name, document, View::default(), self.budget_ms)? };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }

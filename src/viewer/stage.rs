@@ -45,8 +45,8 @@ pub struct Taken {
 pub struct Stage {
     renderer: Renderer,
     sources: Sources,
-    /// Says what is done to points before they can be rendered.
-    progress: ProgressBar,
+    /// Says what is done to points before they can be rendered, and nothing once they can.
+    pub progress: ProgressBar,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
     /// What the last frame of a method took.
@@ -105,6 +105,12 @@ impl Stage {
 
     /// Brings the scene's points to the device: what of them isn't there, or is another than before.
     fn place(&mut self, scene: &Scene) -> Result<Changes> {
+        let placed = self.place_quietly(scene);
+        self.progress.set_message("");
+        placed
+    }
+
+    fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
         let Self { renderer, sources, progress, placed, .. } = self;
         if let Some(before) = placed {
             match before.follow(renderer, sources, scene, progress) {
@@ -147,3 +153,6 @@ fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
     let (camera, _warnings) = scene::camera(&framed, arranged.points(), *up)?;
     Ok(camera)
 }
+
+#[cfg(test)]
+mod tests;

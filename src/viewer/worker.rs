@@ -85,6 +85,8 @@ pub enum News {
 
 /// The thread and its two ends.
 pub struct Worker {
+    /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
+    pub progress: ProgressBar,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
     thread: Option<JoinHandle<()>>,
@@ -96,6 +98,7 @@ impl Worker {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
+        let progress = stage.progress.clone();
         let mut work = Work { stage, setup, generated: opened.generated, display: Display::new() };
         let thread = std::thread::spawn(move || {
             while let Ok(task) = waiting.recv() {
@@ -109,7 +112,7 @@ impl Worker {
                 }
             }
         });
-        Ok(Self { tasks: Some(tasks), news, thread: Some(thread) })
+        Ok(Self { progress, tasks: Some(tasks), news, thread: Some(thread) })
     }
 
     /// Asks for something.
@@ -204,9 +207,13 @@ impl Work {
     }
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
-        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &ProgressBar::hidden())?;
+        let progress = self.stage.progress.clone();
+        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &progress);
+        progress.set_message("");
+        let opened = opened?;
         let device = self.stage.renderer().device().clone();
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
+        self.stage.progress = progress;
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }

@@ -56,12 +56,7 @@ impl Renderer {
     ///
     /// # Errors
     /// No memory for them.
-    pub fn put_lit(
-        &self,
-        cloud: &mut DeviceCloud,
-        arranged: &Arranged,
-        texture: &ShadowTexture,
-    ) -> Result<(), Error> {
+    pub fn put_lit(&self, cloud: &mut DeviceCloud, arranged: &Arranged, texture: &ShadowTexture) -> Result<(), Error> {
         if let Arranged::Canonical(points) = arranged {
             let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
             let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);

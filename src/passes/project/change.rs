@@ -1,9 +1,7 @@
 //! Points on the device that change where they are: only columns that are others go there again, into the same buffers.
 
-use rayon::prelude::*;
-
 use super::{Column, DeviceCloud, fields_and_radii, most, most_of_colors};
-use crate::gpu::{Buffer, Device, Error};
+use crate::gpu::{Device, Error};
 use crate::points::{Arranged, Changes, Points};
 
 impl DeviceCloud {
@@ -13,7 +11,7 @@ impl DeviceCloud {
     }
 
     /// Brings the cloud up to what its points are by now: as many as were uploaded, in the same places. What depends on a column
-    /// that changed is found anew; shadows stay, unless points traded places. After an error it is of no use any more.
+    /// that changed is found anew; shadows stay, unless points with normals traded places. After an error it is of no use any more.
     ///
     /// # Errors
     /// No memory for a field that was not there before, or the device failed.
@@ -21,7 +19,9 @@ impl DeviceCloud {
         let points = arranged.points();
         if let Arranged::Dealt(dealt) = arranged {
             self.host = Some(dealt.points.clone());
-            for (placed, surface) in self.surfaces.iter_mut().flatten().zip(&dealt.surfaces).filter(|_| changes.opacities) {
+            for (placed, surface) in
+                self.surfaces.iter_mut().flatten().zip(&dealt.surfaces).filter(|_| changes.opacities)
+            {
                 placed.renew_opacities(points, surface);
             }
         }
@@ -64,10 +64,7 @@ impl DeviceCloud {
     }
 
     fn upload_changes(&mut self, device: &Device, points: &Points, changes: Changes) -> Result<(), Error> {
-        let upload = |column: Column, buffer: &Buffer<[f32; 4]>| -> Result<(), Error> {
-            let packed: Vec<[f32; 4]> = column.of(points, self.origin, 0..points.len()).collect();
-            buffer.upload(&packed)
-        };
+        let upload = |column: Column, buffer| column.upload(points, self.origin, buffer);
         if changes.radii || changes.order {
             upload(Column::High, &self.points_hi)?;
         }
@@ -77,10 +74,9 @@ impl DeviceCloud {
         if changes.colors || changes.order {
             upload(Column::Color, &self.point_colors)?;
         }
+        // Shares of light depend on position and normal: without normals those of traded places are the same.
         if changes.order && self.has_normals {
             upload(Column::Normal, &self.normals)?;
-        }
-        if changes.order {
             self.casting = None;
         }
         if changes.fields || (changes.order && self.has_fields) {

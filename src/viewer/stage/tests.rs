@@ -1,0 +1,306 @@
+//! After any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene; and what is said to
+//! stay on the device isn't uploaded again.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::*;
+use crate::gpu::DeviceOptions;
+use crate::prepare::shadows::{Casting, ShadowTexture};
+use crate::prepare::{self, Request};
+use crate::scene::{Document, METHODS, Overrides, Setting};
+
+const SEED: u64 = 5;
+
+fn with_device(test: impl FnOnce(&Device)) {
+    match Device::open(&DeviceOptions::validated()) {
+        Ok(device) => {
+            test(&device);
+            assert_eq!(device.validation_messages(), Vec::<String>::new());
+        }
+        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
+        Err(e) => eprintln!("skipped, no device: {e}"),
+    }
+}
+
+/// Points in a flat box, some of them in the same place, with all that settings pick from but radii.
+fn cloud(seed: u64, count: usize) -> Cloud {
+    let mut r = Pcg64::seed_from_u64(seed);
+    let mut cloud = Cloud::default();
+    for i in 0..count {
+        let place = DVec3::new(r.random_range(-1.0..1.0), r.random_range(-1.0..1.0), r.random_range(-0.3..0.3));
+        cloud.positions.push(if i % 5 == 4 { cloud.positions[i - 2] } else { place });
+    }
+    let mut column = || -> Vec<f32> { (0..count).map(|_| r.random_range(0.0..1.0)).collect() };
+    cloud.colors = Some(column().iter().zip(column()).map(|(a, b)| Vec3::new(*a, b, 1.0 - a)).collect());
+    cloud.normals = Some(column().iter().map(|a| Vec3::new(*a, 0.5, 1.0).normalize()).collect());
+    cloud.classification = Some(column().iter().map(|a| (4.0 * a) as u8).collect());
+    cloud.scalars = vec![("height".into(), column())];
+    cloud
+}
+
+/// One with alpha and one without, of which the second has radii.
+fn clouds() -> Vec<Cloud> {
+    let (mut one, mut two) = (cloud(1, 60), cloud(2, 50));
+    one.alphas = Some((0..60).map(|i| 0.3 + 0.01 * i as f32).collect());
+    two.radii = Some((0..50).map(|i| 0.05 + 0.002 * i as f32).collect());
+    (two.colors, two.normals) = (None, None);
+    vec![one, two]
+}
+
+fn document() -> Document {
+    let text = "
+        [image]
+        size = [28, 18]
+        [shading]
+        model = 'lambert'
+        light = [0.3, -1, -0.5]
+        [shadows]
+        resolution = 32
+        [[cloud]]
+        path = 'a.ply'
+        opacity = 0.8
+        neighbors = 6
+        [[cloud]]
+        path = 'b.ply'
+        opacity = 0.6
+        neighbors = 6
+    ";
+    Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap()
+}
+
+fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
+    Stage::new(device, clouds, SEED, None).unwrap()
+}
+
+/// The picture of a stage that knows nothing yet, with the renderer of one that is there.
+fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> Taken {
+    (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
+    stage.take(scene, Pose::Scene, None).unwrap()
+}
+
+/// Compares all of two pictures that a window shows or a file gets; two errors are equal if they say the same.
+#[track_caller]
+fn assert_same(live: &Taken, fresh: &Taken, what: &str) {
+    let frame = |taken: &Taken| format!("{:?}, {:?}, {:?}", taken.frame, taken.subject, taken.brightness);
+    assert_eq!(frame(live), frame(fresh), "{what}");
+    let bits = |taken: &Taken| {
+        let image = &taken.rendered.image;
+        let colors: Vec<_> = image.rgba.iter().map(|rgba| rgba.map(f32::to_bits)).collect();
+        (colors, image.depth.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>())
+    };
+    assert!(bits(live) == bits(fresh), "{what}: pixels differ");
+    let facts = |taken: &Taken| {
+        let facts = &taken.rendered.facts;
+        (facts.visible, facts.solid_points, facts.soft_visible, facts.slots, facts.max_list, facts.thin.clone())
+    };
+    assert_eq!(facts(live), facts(fresh), "{what}");
+}
+
+fn words(key: &str, word: &str) -> (String, Setting) {
+    (key.into(), Setting::Word(word.into()))
+}
+
+fn number(key: &str, value: f64) -> (String, Setting) {
+    (key.into(), Setting::Number(value))
+}
+
+fn numbers(key: &str, values: [f64; 3]) -> (String, Setting) {
+    (key.into(), Setting::Numbers(values.to_vec()))
+}
+
+/// A setting of each kind; each picture but the first few has all earlier ones in force.
+fn changes(threshold: f64) -> Vec<(String, Setting)> {
+    vec![
+        number("cloud.0.opacity", 0.35),
+        number("cloud.*.opacity", 1.0),
+        numbers("cloud.1.color", [0.9, 0.2, 0.1]),
+        number("cloud.0.radius_factor", 1.7),
+        words("cloud.*.field", "height"),
+        number("cloud.1.radius", 0.11),
+        number("method.threshold", threshold),
+        ("cloud.0.soft_classes".into(), Setting::Integers(vec![0, 2])),
+        words("cloud.0.field", "classification"),
+        ("cloud.0.soft_classes".into(), Setting::Integers(vec![1])),
+        ("cloud.0.neighbors".into(), Setting::Integer(3)),
+        numbers("cloud.0.color", [0.1, 0.2, 0.8]),
+        numbers("shading.light", [-0.4, -1.0, -0.2]),
+        number("cloud.1.opacity", 0.45),
+        numbers("cloud.1.translate", [0.2, 0.0, 0.1]),
+        number("cloud.0.scale", 1.25),
+        number("cloud.0.opacity", 0.7),
+    ]
+}
+
+/// Few samples, ensembles and layers: there are many pictures.
+fn quick(document: &mut Document) {
+    for (key, value) in [("samples", 4), ("ensembles", 6)] {
+        document.put(&format!("method.{key}"), Setting::Integer(value)).unwrap();
+    }
+}
+
+fn each_setting_of(methods: &[&str]) {
+    with_device(|device| {
+        let clouds = clouds();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let mut following = 0;
+        for (i, method) in methods.iter().enumerate() {
+            let mut document = document();
+            quick(&mut document);
+            let there = ["soft-express", "spbr", "points", "abuffer"][i % 4];
+            let mut all = vec![words("method.name", method)];
+            all.extend(changes(0.3 + 0.1 * (i % 4) as f64));
+            all.extend([words("method.name", there), words("method.name", method), number("cloud.0.opacity", 0.2)]);
+            for (key, value) in all {
+                let scene = document.set(&key, value.clone()).unwrap();
+                let before = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                let taken = live.take(&scene, Pose::Scene, None).unwrap();
+                let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                following += usize::from(before == after);
+                let what = format!("{method} (by way of {there}), {key} = {value:?}");
+                assert_same(&taken, &fresh(&mut other, &clouds, &scene), &what);
+                live.recycle(taken.rendered.image);
+            }
+        }
+        // Most of it in place, or nothing was tested.
+        assert!(following >= 14 * methods.len(), "{following} of {} methods", methods.len());
+    });
+}
+
+/// In halves, for two to run at a time.
+#[test]
+fn each_setting_of_each_method_gives_the_bytes_of_a_fresh_start() {
+    each_setting_of(&METHODS[..METHODS.len() / 2]);
+}
+
+#[test]
+fn each_setting_of_each_other_method_gives_the_bytes_of_a_fresh_start() {
+    each_setting_of(&METHODS[METHODS.len() / 2..]);
+}
+
+#[test]
+fn only_columns_that_changed_are_uploaded() {
+    with_device(|device| {
+        let text = "[image]\nsize = [28, 18]\n[[cloud]]\npath = 'a.ply'\nopacity = 0.8\n[method]\nname = 'soft-base'\n";
+        let mut document = Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap();
+        let mut stage = stage(device, vec![cloud(1, 60)]);
+        let n = 60;
+        let vector = 16 * n;
+        // All points but for normals' shares of light: four vectors and F.
+        let first = 4 * vector + 4 * n;
+        let height = words("cloud.0.field", "height");
+        let steps = [
+            (number("cloud.0.opacity", 0.5), first, Changes::ALL),
+            (number("cloud.0.opacity", 0.25), vector, Changes { opacities: true, ..Changes::default() }),
+            (number("cloud.0.radius_factor", 3.0), vector, Changes { radii: true, ..Changes::default() }),
+            (number("method.threshold", 0.75), 0, Changes::default()),
+            (number("method.softness", 0.75), 0, Changes::default()),
+            (words("shading.model", "lambert"), 0, Changes::default()),
+            (height.clone(), 4 * n, Changes { fields: true, ..Changes::default() }),
+            (height, 0, Changes::default()),
+            // Without colors of their own F decides which of two points in the same place comes first.
+            (
+                numbers("cloud.0.color", [1.0, 0.5, 0.0]),
+                first,
+                Changes { colors: true, order: true, ..Changes::default() },
+            ),
+            (number("cloud.0.opacity", 1.0), vector, Changes { opacities: true, ..Changes::default() }),
+        ];
+        for ((key, value), bytes, changes) in steps {
+            let scene = document.set(&key, value).unwrap();
+            let before = device.uploaded_bytes();
+            assert_eq!(stage.place(&scene).unwrap(), changes, "{key}");
+            assert_eq!(device.uploaded_bytes() - before, bytes, "{key}");
+        }
+    });
+}
+
+#[test]
+fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
+    with_device(|device| {
+        let clouds = vec![cloud(1, 60), cloud(2, 50)];
+        let mut document = document();
+        quick(&mut document);
+        document.put("method.name", Setting::Word("spbr".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let n = 110;
+        let settings = [number("cloud.0.opacity", 0.3), number("cloud.1.opacity", 0.9), number("cloud.0.opacity", 0.0)];
+        for (i, (key, value)) in settings.into_iter().enumerate() {
+            let scene = document.set(&key, value).unwrap();
+            let before = device.uploaded_bytes();
+            let changes = live.place(&scene).unwrap();
+            if i > 0 {
+                assert_eq!(changes, Changes { opacities: true, ..Changes::default() }, "{key}");
+                assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");
+            }
+            let taken = live.take(&scene, Pose::Scene, None).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+        }
+    });
+}
+
+/// A cloud with shadows that no light casts: they must be those of the file for the light that they are stored for, and cast for
+/// others.
+#[test]
+fn stored_shadows_are_there_for_their_light_only() {
+    with_device(|device| {
+        let mut document = Document::from_toml(
+            "[image]\nsize = [28, 18]\n[shading]\nmodel = 'lambert'\nlight = [0, -1, 0]\n[shadows]\n\
+             resolution = 32\n[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n",
+            Path::new("/scans/s.toml"),
+            &Overrides::default(),
+        )
+        .unwrap();
+        let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &ProgressBar::hidden()).unwrap();
+        let scene = document.scene().unwrap();
+        let diagonal = cloud.bounds().unwrap().diagonal();
+        let casting = Casting::new(scene.shading.light, &scene.shadows.unwrap(), SEED, diagonal).unwrap();
+        let lit = (0..60).map(|i| (i % 3) as f32 / 2.0).collect();
+        cloud.prepared.as_mut().unwrap().shadows = Some(ShadowTexture { casting, lit });
+        let clouds = vec![cloud];
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let (stored, elsewhere) = ([0.0, -1.0, 0.0], [0.0, -1.0, -0.5]);
+        let settings = [
+            numbers("shading.light", stored),
+            number("cloud.0.opacity", 0.5),
+            numbers("shading.light", elsewhere),
+            numbers("cloud.0.color", [0.5, 0.5, 1.0]),
+            numbers("shading.light", stored),
+            ("shadows.resolution".into(), Setting::Integer(16)),
+            ("shadows.resolution".into(), Setting::Integer(32)),
+            words("method.name", "circles"),
+            words("method.name", "soft-base"),
+            words("cloud.0.field", "height"),
+            words("method.name", "points"),
+        ];
+        let mut views = Vec::new();
+        for (key, value) in settings {
+            let scene = document.set(&key, value.clone()).unwrap();
+            let taken = live.take(&scene, Pose::Scene, None).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
+            views.push(taken.rendered.facts.light_views);
+        }
+        // Cast only for a light that the file has none for: once, and again where points without colors of their own traded
+        // places, and normals with them.
+        assert_eq!(views, [0, 0, 1, 1, 0, 1, 0, 0, 0, 0, 0]);
+    });
+}
+
+#[test]
+fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
+    with_device(|device| {
+        let clouds = clouds();
+        let mut document = document();
+        document.put("method.name", Setting::Word("soft-base".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        live.take(&document.scene().unwrap(), Pose::Scene, None).unwrap();
+        let scene = document.set("cloud.1.field", Setting::Word("weight".into())).unwrap();
+        assert!(live.take(&scene, Pose::Scene, None).is_err() && live.placed.is_some());
+        let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
+        let taken = live.take(&scene, Pose::Scene, None).unwrap();
+        assert_same(&taken, &fresh(&mut other, &clouds, &scene), "after an error");
+    });
+}
