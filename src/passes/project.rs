@@ -223,11 +223,11 @@ fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
 
 /// The largest value; 0 of none.
 fn most(values: &[f32]) -> f32 {
-    values.iter().copied().fold(0.0, f32::max)
+    values.par_iter().copied().reduce(|| 0.0, f32::max)
 }
 
 fn most_of_colors(colors: &[Vec3]) -> f32 {
-    colors.iter().map(|c| c.max_element()).fold(0.0, f32::max)
+    colors.par_iter().map(|c| c.max_element()).reduce(|| 0.0, f32::max)
 }
 
 /// The median, the mean of the middle two of an even number; 0 of none.

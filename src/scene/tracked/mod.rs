@@ -69,13 +69,16 @@ struct Look {
 struct Seen<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
+    /// Where the settings have none: memory is visited in another order than it lies in.
+    colors: Option<&'a [Vec3]>,
+    /// As colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
 }
 
 impl Seen<'_> {
     fn color(&self, i: usize) -> Vec3 {
-        color(self.settings, self.cloud.colors.as_ref().map(|colors| colors[i]))
+        color(self.settings, self.colors.map(|colors| colors[i]))
     }
 
     fn opacity(&self, i: usize) -> f32 {
@@ -131,10 +134,11 @@ fn learn(scene: &Scene, clouds: &[Cloud], known: &mut [Known], progress: &Progre
 fn seen<'a>(scene: &'a Scene, clouds: &'a [Cloud], known: &'a [Known], looks: &[Look]) -> Vec<Seen<'a>> {
     let each = scene.clouds.iter().zip(clouds).zip(known).zip(looks);
     each.map(|(((settings, cloud), known), look)| {
-        let own = cloud.radii.as_deref();
-        let radii = if look.radius.2.is_some() { known.radii() } else { own };
+        let own = if look.radius.2.is_some() { known.radii() } else { cloud.radii.as_deref() };
+        let radii = own.filter(|_| settings.radius.is_none());
+        let colors = cloud.colors.as_deref().filter(|_| settings.color.is_none());
         let fields = if look.field.is_some() { known.fields() } else { None };
-        Seen { settings, cloud, radii, fields }
+        Seen { settings, cloud, colors, radii, fields }
     })
     .collect()
 }
