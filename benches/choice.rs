@@ -74,6 +74,8 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
         seed: 0,

@@ -133,6 +133,8 @@ fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
     };
@@ -282,6 +284,8 @@ fn frame(method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
     }

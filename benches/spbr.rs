@@ -218,6 +218,8 @@ fn frame(method: Method, perspective: bool) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
     }

@@ -22,6 +22,8 @@ pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str,
         stop,
         seed,
         max_error: _,
+        spread: _,
+        ensembles: _,
         shadows,
         factors,
     } = frame;

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::metrics;
+
 /// What a method yields: premultiplied linear color without background, coverage and depth, row 0 at the top.
 ///
 /// With `color = "encoded"` the colors are encoded (sRGB) values; whoever writes the file decodes or encodes.
@@ -25,6 +27,11 @@ pub struct Image {
 }
 
 impl Image {
+    /// Standard error of the whole image, if that of its pixels was found: root mean square over pixels and R, G, B.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.stderr.as_deref().map(|errors| metrics::mean_square(errors).sqrt())
+    }
+
     /// The image over a background: C + (1 − A)·background.
     pub fn composed(&self, background: Vec3) -> Vec<[f32; 3]> {
         self.rgba.iter().map(|pixel| Self::over(*pixel, background)).collect()

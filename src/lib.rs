@@ -52,6 +52,8 @@
 //!     stop: Stop::Exact,
 //!     seed: 0,
 //!     max_error: None,
+//!     spread: false,
+//!     ensembles: None,
 //!     shadows: None,
 //!     factors: Factors::default(),
 //! };

@@ -125,6 +125,18 @@ impl Changes {
     /// All of them.
     pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true };
 
+    /// These and others.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            colors: self.colors || more.colors,
+            opacities: self.opacities || more.opacities,
+            radii: self.radii || more.radii,
+            fields: self.fields || more.fields,
+            order: self.order || more.order,
+        }
+    }
+
     /// Whether anything is another.
     pub fn any(self) -> bool {
         self != Self::default()

@@ -54,6 +54,8 @@ impl Subject {
             fragments: false,
             stop: Stop::Exact,
             max_error: None,
+            spread: false,
+            ensembles: None,
             shadows: None,
             factors: Factors::default(),
             seed: 0,

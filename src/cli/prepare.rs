@@ -151,6 +151,8 @@ impl PrepareArgs {
             stop: Stop::Exact,
             seed: self.seed.unwrap_or(0),
             max_error: None,
+            spread: false,
+            ensembles: None,
             factors: Factors::default(),
         };
         let mut renderer = Renderer::new(&device)?;

@@ -127,6 +127,8 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         fragments: false,
         stop: Stop::Exact,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
         factors: Factors::default(),
         seed: resolved.seed,

@@ -37,6 +37,8 @@ pub struct Context {
     peak: AtomicU64,
     /// Bytes of [`super::Buffer::upload`] so far.
     pub uploaded: AtomicU64,
+    /// Submissions that may still be made.
+    pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
     cache_key: String,
 }
@@ -101,6 +103,7 @@ impl Context {
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
+            allowed: AtomicU64::new(u64::MAX),
             uploaded: AtomicU64::new(0),
             pipelines: Mutex::default(),
             cache_key,

@@ -317,6 +317,13 @@ impl Device {
         self.0.reset_peak()
     }
 
+    /// Lets so many further submissions through, `None` all of them; what is submitted beyond fails with [`Error::Stopped`].
+    /// Any thread may call this: `Some(0)` ends a frame that nobody wants any more at its next submission. What shows pictures
+    /// in a window is not counted.
+    pub fn allow_submissions(&self, count: Option<u64>) {
+        self.0.allowed.store(count.unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
     /// Bytes that were uploaded so far, but for the view that every frame writes: what another threshold, softness or radius
     /// adds nothing to.
     pub fn uploaded_bytes(&self) -> u64 {

@@ -81,6 +81,12 @@ pub enum Error {
         /// The submission.
         during: String,
     },
+    /// No more submissions are wanted ([`super::Device::allow_submissions`]).
+    #[error("stopped before {before}")]
+    Stopped {
+        /// The submission.
+        before: String,
+    },
     /// Any other Vulkan failure.
     #[error("Vulkan: {call} failed with {result:?}{help}", help = help(*result))]
     Vulkan {

@@ -7,6 +7,7 @@
 use std::ffi::CString;
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ash::vk;
@@ -358,6 +359,10 @@ impl<'a> Recorder<'a> {
     /// Ends, submits, waits, and reads the times. `name` says in errors what was submitted.
     pub fn submit(self, name: &str) -> Result<Submitted, Error> {
         let context = self.context.clone();
+        let allowed = |left: u64| if left == u64::MAX { Some(left) } else { left.checked_sub(1) };
+        if context.allowed.fetch_update(Ordering::Relaxed, Ordering::Relaxed, allowed).is_err() {
+            return Err(Error::Stopped { before: name.to_owned() });
+        }
         let lost = |call: &'static str| {
             let during = name.to_owned();
             move |result| match result {

@@ -175,6 +175,8 @@ fn frame(side: u32, method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
     }

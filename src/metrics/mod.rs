@@ -71,6 +71,12 @@ pub fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
 }
 
+/// Mean of the squares of all values; 0 of none.
+pub fn mean_square(values: &[[f32; 3]]) -> f64 {
+    let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
+    squares / (values.len().max(1) * 3) as f64
+}
+
 /// Normalized mean square error, Σ(I − K)² / ΣI² with reference I and image K (Uchida et al. 2020, Eq. 10), here over R, G
 /// and B of linear light: no unit, 0 for equal images, 1 for a black K, unbounded.
 ///

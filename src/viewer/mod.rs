@@ -2,11 +2,13 @@
 //!
 //! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
-//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` leaves
-//!   samples out while things move; `save` writes scene and picture; `display` makes bytes of pixels.
+//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
+//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
+//!   picture; `display` makes bytes of pixels.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
+mod accuracy;
 mod app;
 mod controls;
 mod display;
@@ -19,6 +21,7 @@ mod placed;
 mod pointer;
 mod save;
 mod stage;
+mod thin;
 mod ui;
 mod worker;
 

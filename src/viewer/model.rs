@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use glam::DVec2;
 use indicatif::ProgressBar;
 
+use super::accuracy::Standing;
+use super::draft::Effort;
 use super::navigate::{self, Navigator};
 use super::save::Saving;
 use super::stage::Pose;
@@ -18,6 +20,18 @@ use crate::{Error, Result};
 
 /// How long nothing may move for a picture without omissions to be due.
 const REST: Duration = Duration::from_millis(150);
+
+/// How much longer each picture may take than the one before it, at rest: all drafts together take a third of the last one's time.
+const REFINING: f64 = 4.0;
+
+/// Milliseconds for the first picture at rest, if the budget while things move is less: what the eye hardly waits for.
+const FIRST_AT_REST_MS: f64 = 250.0;
+
+/// Pictures at rest after which nothing is left out any more.
+const MOST_REFINED: u32 = 6;
+
+/// How long nothing may move for the picture to be held against the exact one.
+const STILL: Duration = Duration::from_millis(500);
 
 /// Frames of which times are kept.
 pub const HISTORY: usize = 120;
@@ -61,10 +75,10 @@ enum Way {
     Rest,
     /// Something changed since the last request.
     Changed,
-    /// The one of this serial was asked for.
-    Asked(u64),
-    /// It came, but something was left out.
-    Draft,
+    /// The one of this serial was asked for; how often it will have been refined.
+    Asked(u64, u32),
+    /// It came, but something was left out: so many were refined since things came to rest.
+    Draft(u32),
 }
 
 /// The viewer's state.
@@ -82,6 +96,8 @@ pub struct Model {
     way: Way,
     serial: u64,
     changed_at: Instant,
+    /// The picture that was held against the exact one, or is about to be.
+    measured: Option<u64>,
     budget_ms: f64,
     tasks: VecDeque<Task>,
     /// What is to be told, and whether something went wrong.
@@ -119,6 +135,7 @@ impl Model {
             way: Way::Changed,
             serial: 0,
             changed_at: Instant::now(),
+            measured: None,
             budget_ms,
             tasks: VecDeque::new(),
             message: None,
@@ -211,7 +228,7 @@ impl Model {
 
     /// Whether the worker has something to do.
     pub fn is_waiting(&self) -> bool {
-        self.busy || matches!(self.way, Way::Asked(_))
+        self.busy || matches!(self.way, Way::Asked(..))
     }
 
     /// What keeps the next picture waiting, and how much of that is done.
@@ -303,27 +320,49 @@ impl Model {
         if let Some(task) = self.tasks.pop_front() {
             return Some(task);
         }
-        let moving = now < self.rest_at();
-        let due = match self.way {
-            Way::Changed => true,
-            Way::Draft => !moving,
-            Way::Rest | Way::Asked(_) => false,
-        };
-        if !due || self.busy || self.viewport.size.contains(&0) {
-            return None;
-        }
+        let effort = self.effort(now).filter(|_| !self.busy && !self.viewport.size.contains(&0));
+        let Some((effort, refined)) = effort else { return self.measure(now) };
         self.serial += 1;
-        let budget_ms = (self.way == Way::Changed && moving).then_some(self.budget_ms);
-        self.way = Way::Asked(self.serial);
+        self.way = Way::Asked(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
         let (scene, pose, serial) = (Arc::new(scene), self.pose, self.serial);
-        Some(Task::Show(Box::new(Request { scene, pose, budget_ms, serial })))
+        Some(Task::Show(Box::new(Request { scene, pose, effort, serial })))
+    }
+
+    /// How much work the next picture is worth, if one is due, and how often it was refined then.
+    fn effort(&self, now: Instant) -> Option<(Effort, u32)> {
+        let moving = now < self.rest_at();
+        match self.way {
+            // However late this is asked: a long frame may have kept the window waiting.
+            Way::Changed => Some((Effort::Moving(self.budget_ms), 0)),
+            Way::Draft(refined) if moving || refined > MOST_REFINED => None,
+            Way::Draft(MOST_REFINED) => Some((Effort::Whole, MOST_REFINED)),
+            Way::Draft(refined) => {
+                let first = (REFINING * self.budget_ms).max(FIRST_AT_REST_MS);
+                Some((Effort::Refining(first * REFINING.powi(refined as i32)), refined + 1))
+            }
+            Way::Rest | Way::Asked(..) => None,
+        }
+    }
+
+    /// A measurement of the picture at rest, if it is an approximation that was not measured yet.
+    fn measure(&mut self, now: Instant) -> Option<Task> {
+        let serial = self.unmeasured().filter(|_| !self.busy && now >= self.changed_at + STILL)?;
+        self.measured = Some(serial);
+        Some(Task::Measure(serial))
+    }
+
+    fn unmeasured(&self) -> Option<u64> {
+        let picture = self.picture.as_deref().filter(|_| self.way == Way::Rest)?;
+        let approximates = matches!(picture.accuracy.standing, Some(Standing::Approximation(_)));
+        (approximates && self.measured != Some(picture.serial)).then_some(picture.serial)
     }
 
     /// When to look again, if nothing happens before.
     pub fn due_at(&self, now: Instant) -> Option<Instant> {
-        Some(self.rest_at()).filter(|at| *at > now)
+        let still_at = self.unmeasured().map(|_| self.changed_at + STILL);
+        [Some(self.rest_at()), still_at].into_iter().flatten().find(|at| *at > now)
     }
 
     /// Takes in what the worker says.
@@ -342,8 +381,15 @@ impl Model {
             News::Failed(serial, message) => {
                 self.message = Some((message, true));
                 self.busy &= serial != 0;
-                if self.way == Way::Asked(serial) {
+                if self.is_asked(serial) {
                     self.way = Way::Rest;
+                }
+            }
+            News::Stopped(serial) if self.is_asked(serial) => self.way = Way::Changed,
+            News::Stopped(serial) => self.measured = self.measured.filter(|measured| *measured != serial),
+            News::Measured(serial, accuracy) => {
+                if let Some(picture) = self.picture.as_mut().filter(|picture| picture.serial == serial) {
+                    picture.accuracy = accuracy;
                 }
             }
             News::Lost(error) => return Err(error),
@@ -360,9 +406,15 @@ impl Model {
         Ok(())
     }
 
+    fn is_asked(&self, serial: u64) -> bool {
+        matches!(self.way, Way::Asked(asked, _) if asked == serial)
+    }
+
     fn show(&mut self, picture: Box<Picture>) {
-        if self.way == Way::Asked(picture.serial) {
-            self.way = if picture.full { Way::Rest } else { Way::Draft };
+        if let Way::Asked(serial, refined) = self.way
+            && serial == picture.serial
+        {
+            self.way = if picture.whole { Way::Rest } else { Way::Draft(refined) };
         }
         let profile = &picture.profile;
         let passes = profile.passes.iter().map(|pass| (pass.name, pass.gpu.as_secs_f64() * 1e3)).collect();

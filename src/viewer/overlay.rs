@@ -6,6 +6,7 @@ use bytesize::ByteSize;
 use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
+use super::accuracy::{Accuracy, Reference, Standing};
 use super::model::{HISTORY, Model};
 use super::worker::Picture;
 use crate::profile::median;
@@ -99,6 +100,7 @@ fn passes(ui: &mut Ui, model: &Model) {
     });
     if let Some(picture) = model.picture() {
         facts(ui, picture);
+        accuracy(ui, picture);
         plan(ui, picture);
     }
 }
@@ -150,11 +152,58 @@ fn facts(ui: &mut Ui, picture: &Picture) {
         lines.push(format!("{} layers", facts.layers));
     }
     lines.push(format!("device memory {}, {} band(s)", ByteSize(facts.peak_device_bytes), facts.bands));
-    if !picture.full {
-        lines.push("less accurate while it moves".to_owned());
-    }
     for line in lines {
         ui.label(RichText::new(line).size(11.5));
+    }
+}
+
+/// How accurate the picture is by now, and what the drafts before it were worth.
+fn accuracy(ui: &mut Ui, picture: &Picture) {
+    let accuracy = &picture.accuracy;
+    ui.separator();
+    ui.label(RichText::new(now(picture)).strong().size(11.5)).on_hover_text(
+        "errors are those of linear color, root mean square over all pixels: a standard error is estimated from the spread of \
+         samples or ensembles, an RMSE measured against the picture named",
+    );
+    if accuracy.rungs.iter().all(|rung| rung.rmse.is_none()) {
+        return;
+    }
+    let against = match accuracy.against {
+        Some(Reference::Exact(method)) => format!("RMSE to {method}"),
+        _ => "RMSE to whole".to_owned(),
+    };
+    let small = |text: &str| RichText::new(text).monospace().size(11.0);
+    Grid::new("accuracy").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
+        ["picture", "ms", &against].into_iter().for_each(|head| drop(ui.label(small(head).weak())));
+        ui.end_row();
+        for rung in &accuracy.rungs {
+            ui.label(small(&rung.name));
+            ui.label(small(&format!("{:.1}", rung.ms)));
+            ui.label(small(&rung.rmse.map_or_else(|| "–".to_owned(), |rmse| format!("{rmse:.5}"))));
+            ui.end_row();
+        }
+    });
+}
+
+/// One sentence on the picture that is shown.
+fn now(picture: &Picture) -> String {
+    let Accuracy { rungs, against, standing } = &picture.accuracy;
+    let last = rungs.last();
+    let standard_error = last.and_then(|rung| rung.standard_error);
+    let rmse = last.and_then(|rung| rung.rmse);
+    let of = |error: f64| format!("standard error {error:.5}");
+    match (standing, against, standard_error) {
+        _ if !picture.whole => {
+            let of = standard_error.map(|error| format!(", {}", of(error))).unwrap_or_default();
+            format!("draft: {}{of}", picture.draft)
+        }
+        (Some(Standing::Exact), ..) => format!("exact: {} rounds, and nothing else", picture.method),
+        (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
+            format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
+        }
+        (.., Some(error)) => of(error),
+        (Some(Standing::Approximation(exact)), ..) => format!("an approximation of {}, measured at rest", exact.name()),
+        _ => format!("whole, as {} draws it", picture.method),
     }
 }
 

@@ -4,6 +4,7 @@ use indicatif::ProgressBar;
 
 use super::navigate::Subject;
 use super::stage::no_points;
+use super::thin::Thin;
 use crate::Result;
 use crate::cloud::Cloud;
 use crate::methods::Renderer;
@@ -49,9 +50,14 @@ pub struct Placed {
     pub arranged: Tracked,
     /// The device's.
     pub cloud: DeviceCloud,
+    /// Fewer of them, for coarser pictures.
+    pub thin: Option<Thin>,
     /// Their box, largest radius and vertical.
     pub subject: Subject,
-    lighting: Lighting,
+    /// What the device lacks since it was stopped, or had no room.
+    pending: Changes,
+    /// For which stored shadows were last looked at, if those that the device has are not out of date.
+    lighting: Option<Lighting>,
 }
 
 impl Placed {
@@ -67,14 +73,15 @@ impl Placed {
         let subject = Subject { bounds, radius: most_radius(arranged.points()), up: scene::up_axis(clouds) };
         progress.set_message("uploading points");
         let cloud = renderer.upload_lit(arranged.arranged(), texture.as_ref())?;
-        Ok(Self { arranged, cloud, subject, lighting: lighting(scene) })
+        Ok(Self { arranged, cloud, thin: None, subject, pending: Changes::default(), lighting: Some(lighting(scene)) })
     }
 
-    /// Makes of them the points of another scene of the same clouds. `None`, and all stays as it was, if those are elsewhere and
-    /// must be arranged anew.
+    /// Makes of them the points of another scene of the same clouds; what became another since this last went well. `None`, and all
+    /// stays as it was, if those are elsewhere and must be arranged anew.
     ///
     /// # Errors
-    /// A cloud lacks what its field is made of: all stays as it was. The device failed: the points are of no use any more.
+    /// A cloud lacks what its field is made of: all stays as it was. The device failed or was stopped: what it lacks is brought there
+    /// next time.
     pub fn follow(
         &mut self,
         renderer: &Renderer,
@@ -85,22 +92,37 @@ impl Placed {
         let Sources { clouds, known, seed } = sources;
         self.cloud.let_go();
         let followed = self.arranged.follow(scene, clouds, known, progress);
-        let changes = followed.as_ref().ok().copied().flatten().unwrap_or_default();
-        self.cloud.follow(renderer.device(), self.arranged.arranged(), changes).map_err(crate::methods::Error::from)?;
+        if let Ok(Some(changes)) = followed {
+            self.note(changes);
+        }
+        let arranged = self.arranged.arranged();
+        self.cloud.follow(renderer.device(), arranged, self.pending).map_err(crate::methods::Error::from)?;
         if followed?.is_none() {
             return Ok(None);
+        }
+        let lighting = Some(lighting(scene));
+        if self.lighting != lighting {
+            // Others are cast when a frame asks for them.
+            if let (Some(texture), _) = scene::shadow_texture(scene, clouds, *seed) {
+                renderer.put_lit(&mut self.cloud, arranged, &texture)?;
+            }
+            self.lighting = lighting;
+        }
+        Ok(Some(std::mem::take(&mut self.pending)))
+    }
+
+    /// Takes in what is another on the host.
+    fn note(&mut self, changes: Changes) {
+        self.pending = self.pending.and(changes);
+        if changes.any() {
+            self.thin = None;
         }
         if changes.radii {
             self.subject.radius = most_radius(self.arranged.points());
         }
-        if changes.order || self.lighting != lighting(scene) {
-            // Others are cast when a frame asks for them.
-            if let (Some(texture), _) = scene::shadow_texture(scene, clouds, *seed) {
-                renderer.put_lit(&mut self.cloud, self.arranged.arranged(), &texture)?;
-            }
-            self.lighting = lighting(scene);
+        if changes.order {
+            self.lighting = None;
         }
-        Ok(Some(changes))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::draft::Effort;
 use super::stage::{Pose, Stage, Taken};
 use crate::output::{self, WriteOptions};
 use crate::scene::{Document, Overrides, Setting};
@@ -49,7 +50,7 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
 /// What `pellucid render SCENE -o PICTURE` does.
 fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
     let scene = Document::read(scene_path, &Overrides::default())?.scene()?;
-    let Taken { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, None)?;
+    let Taken { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
     let device = stage.renderer().device();
     device.check_validation()?;
     let name = scene_path.display().to_string();

@@ -1,18 +1,26 @@
 //! A scene on the device, and pictures of it: what `render` does, again and again.
 
+use std::time::Instant;
+
 use indicatif::ProgressBar;
 
-use super::draft::{self, Cost};
+use super::accuracy::Standing;
+use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::placed::{Placed, Sources};
+use super::thin::{self, Thin};
 use crate::camera::Camera;
 use crate::cloud::Cloud;
 use crate::gpu::Device;
 use crate::methods::brightness::{self, Applied};
-use crate::methods::{Frame, Rendered, Renderer, Stop};
+use crate::methods::{Frame, Rendered, Renderer, Stop, shadows};
+use crate::passes::project::DeviceCloud;
 use crate::points::Changes;
-use crate::scene::{self, CameraSettings, Scene, View};
+use crate::scene::{self, CameraSettings, Method, Scene, View};
 use crate::{Result, plan};
+
+/// Share of the whole picture's work from which a picture at rest is the whole one.
+const NEARLY_WHOLE: f64 = 0.5;
 
 /// From where a picture is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +45,28 @@ pub struct Taken {
     pub brightness: Option<Applied>,
     /// The points' box, radius and vertical.
     pub subject: Subject,
+    /// What it has of the whole picture.
+    pub draft: Draft,
+    /// Lights that stand for an area light, of how many.
+    pub lights: Option<[u32; 2]>,
+    /// What the picture is, if it is a whole one.
+    pub standing: Option<Standing>,
+}
+
+impl Taken {
+    /// What it has of the whole picture, beside others of its method.
+    pub fn name(&self) -> String {
+        let draft = self.draft.name(&self.frame.method);
+        match self.lights {
+            Some([taken, of]) if of > 1 => format!("{draft}, {taken} lights"),
+            _ => draft,
+        }
+    }
+
     /// Whether nothing was left out.
-    pub full: bool,
+    pub fn is_whole(&self) -> bool {
+        self.draft == Draft::whole(&self.frame.method) && self.lights.is_none_or(|[taken, of]| taken == of)
+    }
 }
 
 /// A renderer with the clouds of one scene.
@@ -49,15 +77,17 @@ pub struct Stage {
     pub progress: ProgressBar,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
-    /// What the last frame of a method took.
-    cost: Option<(&'static str, Cost)>,
+    /// What frames of the last method took.
+    costs: Option<(&'static str, Costs)>,
+    /// What `auto` stood for in the last whole picture, and why.
+    chosen: Option<(Method, Method, String)>,
 }
 
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
         let (sources, progress) = (Sources::new(clouds, seed), ProgressBar::hidden());
-        Ok(Self { renderer, sources, progress, memory_budget, placed: None, cost: None })
+        Ok(Self { renderer, sources, progress, memory_budget, placed: None, costs: None, chosen: None })
     }
 
     /// The renderer.
@@ -75,32 +105,85 @@ impl Stage {
         self.renderer.recycle(image);
     }
 
-    /// A picture of a scene, of the size that it says. With a budget in milliseconds samples, ensembles or layers may be left
-    /// out.
+    /// A picture of a scene, of the size that it says or, with less than all effort, of fewer pixels, samples or points. What
+    /// `auto` stood for is not asked again for drafts.
     ///
     /// # Errors
     /// Whatever keeps the scene from being rendered; the next one may do.
-    pub fn take(&mut self, scene: &Scene, pose: Pose, budget_ms: Option<f64>) -> Result<Taken> {
-        self.place(scene)?;
+    pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<Taken> {
+        if self.place(scene)?.any() {
+            self.reconsider(scene);
+        }
         let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
-        let mut frame = Frame { memory_budget, stop, ..Frame::of(scene, camera, seed) };
-        let why;
-        (frame.method, why) = plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), &frame)?;
-        let whole = frame.method;
-        if let Some(budget) = budget_ms {
-            let last = self.cost.filter(|(name, _)| *name == whole.name()).map(|(_, cost)| cost);
-            frame.method = draft::within(whole, last, budget);
+        let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of(scene, camera, seed) };
+        let chosen = self.chosen.take().filter(|(of, ..)| *of == scene.method && effort != Effort::Whole);
+        let (method, why) = match chosen {
+            Some((_, method, why)) => (method, why),
+            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), &frame)?,
+        };
+        self.chosen = Some((scene.method, method, why.clone()));
+        frame.method = method;
+        let lights = lights(&mut frame, &placed.cloud, effort);
+        let draft = match effort.budget_ms() {
+            Some(budget) => Draft::within(&method, self.costs_of(&method), budget),
+            None => Draft::whole(&method),
+        };
+        // At rest the whole picture is worth twice the wait for most of it.
+        let nearly = matches!(effort, Effort::Refining(_)) && draft.work(&method) >= NEARLY_WHOLE;
+        let draft = if nearly { Draft::whole(&method) } else { draft };
+        let started = Instant::now();
+        let (rendered, brightness) = self.draw(&frame, draft)?;
+        // Shadows that were cast are there for the next one.
+        if rendered.facts.light_views == 0 {
+            let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };
+            match &mut self.costs {
+                Some((name, costs)) if *name == method.name() => costs.add(cost),
+                costs => *costs = Some((method.name(), Costs::new(cost))),
+            }
         }
-        let mut rendered = self.renderer.render(&mut placed.cloud, &frame)?;
-        let brightness = brightness::apply(&mut self.renderer, &mut placed.cloud, &frame, &mut rendered.image)?;
-        let ms = rendered.profile.wall.as_secs_f64() * 1e3;
-        let steps = draft::steps(&frame.method).unwrap_or(1);
-        self.cost = Some((whole.name(), Cost { ms, steps }));
-        let full = frame.method == whole;
-        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, full })
+        let Some(placed) = &self.placed else { return Err(no_points()) };
+        // Medians of radii may be asked for, which drafts have no time for.
+        let whole = effort == Effort::Whole || draft == Draft::whole(&method);
+        let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
+        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing })
+    }
+
+    /// The picture of the method that shows exactly what this one approximates.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being rendered.
+    pub fn exact(&mut self, taken: &Frame, method: Method) -> Result<Rendered> {
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*taken };
+        Ok(self.renderer.render(&mut placed.cloud, &frame)?)
+    }
+
+    fn costs_of(&self, method: &Method) -> Option<Costs> {
+        self.costs.filter(|(name, _)| *name == method.name()).map(|(_, costs)| costs)
+    }
+
+    /// Renders what a draft has of a whole frame.
+    fn draw(&mut self, whole: &Frame, draft: Draft) -> Result<(Rendered, Option<Applied>)> {
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let (renderer, method) = (&mut self.renderer, draft.method(whole.method));
+        let mut frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
+        // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
+        let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.cloud).is_none();
+        if !thinned {
+            let mut rendered = renderer.render(&mut placed.cloud, &frame)?;
+            let brightness = brightness::apply(renderer, &mut placed.cloud, &frame, &mut rendered.image)?;
+            return Ok((rendered, brightness));
+        }
+        let one_of = (draft.coarse * draft.coarse) as usize;
+        if let Some(soft) = method.soft() {
+            frame.method = thin::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
+        }
+        frame.factors.radius *= draft.coarse as f32;
+        let cloud = Thin::of(&mut placed.thin, renderer, placed.arranged.points(), one_of)?;
+        Ok((renderer.render(cloud, &frame)?, None))
     }
 
     /// Brings the scene's points to the device: what of them isn't there, or is another than before.
@@ -113,19 +196,22 @@ impl Stage {
     fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
         let Self { renderer, sources, progress, placed, .. } = self;
         if let Some(before) = placed {
-            match before.follow(renderer, sources, scene, progress) {
-                Ok(Some(changes)) => return Ok(changes),
-                // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
-                Ok(None) => *placed = None,
-                Err(error) => {
-                    // Where the device failed, nobody knows what it holds.
-                    placed.take_if(|_| !matches!(error, crate::Error::Scene(_)));
-                    return Err(error);
-                }
+            if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
+                return Ok(changes);
             }
+            // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
+            *placed = None;
         }
         *placed = Some(Placed::new(renderer, sources, scene, progress)?);
         Ok(Changes::ALL)
+    }
+
+    /// Forgets what `auto` stood for if other points ask for something else: opaque ones for no order at all.
+    fn reconsider(&mut self, scene: &Scene) {
+        let Some(placed) = &self.placed else { return };
+        let needs_order = |method: &Method| !matches!(method, Method::Circles(_));
+        let (resolved, _why) = plan::resolve(scene.method, placed.arranged.points());
+        self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
     }
 
     /// What a frame would do: its passes and why.
@@ -133,6 +219,21 @@ impl Stage {
         let Taken { rendered, frame, why, .. } = taken;
         plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.wide_atomics, why)
     }
+}
+
+/// Lights that stand for the area light of a frame, and of how many: all if they were cast already or nothing is to be left out;
+/// else those that are there, one, or, at rest, four times as many as there are. `None` where there are no shadows.
+fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32; 2]> {
+    let wanted = shadows::casting(frame, cloud)?;
+    let there = cloud.casting().filter(|there| there.differences(&wanted).iter().all(|name| *name == "samples"));
+    let taken = match (there, effort) {
+        (Some(there), Effort::Moving(_)) => there.samples,
+        (Some(there), Effort::Refining(_)) if *there != wanted => there.samples.saturating_mul(4).min(wanted.samples),
+        (None, Effort::Moving(_) | Effort::Refining(_)) => 1,
+        _ => wanted.samples,
+    };
+    frame.shadows = frame.shadows.map(|shadows| scene::Shadows { samples: taken, ..shadows });
+    Some([taken, wanted.samples])
 }
 
 pub(super) fn no_points() -> crate::Error {

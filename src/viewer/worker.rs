@@ -2,18 +2,21 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::JoinHandle;
 
 use indicatif::ProgressBar;
 
-use super::display::Display;
+use super::accuracy::{Accuracy, History, Rung, Standing};
+use super::display::{self, Display};
+use super::draft::Effort;
 use super::navigate::Subject;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, Taken};
 use crate::camera::Camera;
 use crate::gpu::{self, Device};
-use crate::methods::{Facts, FrameProfile};
+use crate::methods::{Facts, Frame, FrameProfile};
 use crate::plan::Step;
 use crate::scene::{self, Document, Opened, Overrides, Scene};
 use crate::{Error, Result};
@@ -25,8 +28,8 @@ pub struct Request {
     pub scene: Arc<Scene>,
     /// From where.
     pub pose: Pose,
-    /// The time that it should keep to, in milliseconds, if something may be left out for it.
-    pub budget_ms: Option<f64>,
+    /// How much may be left out.
+    pub effort: Effort,
     /// Counts requests.
     pub serial: u64,
 }
@@ -35,6 +38,8 @@ pub struct Request {
 pub enum Task {
     /// A picture; only the latest one counts.
     Show(Box<Request>),
+    /// How far the pictures of the view with this serial are off the exact one, if its method is an approximation.
+    Measure(u64),
     /// Other files instead of the scene.
     Open(Vec<PathBuf>),
     /// The scene as a file, with or without a picture of it.
@@ -58,7 +63,11 @@ pub struct Picture {
     /// Depth of each pixel, infinite where there is none.
     pub depths: Vec<f32>,
     /// Whether nothing was left out.
-    pub full: bool,
+    pub whole: bool,
+    /// What it has of the whole picture.
+    pub draft: String,
+    /// How accurate the pictures of this view are.
+    pub accuracy: Accuracy,
     /// The method that was taken.
     pub method: &'static str,
     /// Its times.
@@ -75,12 +84,36 @@ pub enum News {
     Picture(Box<Picture>),
     /// Other files are there: their name and keys.
     Opened(String, Box<Document>),
+    /// How far the pictures of the view with this serial are off the exact one.
+    Measured(u64, Accuracy),
+    /// The task of this serial was stopped, since a later one was there.
+    Stopped(u64),
     /// Files were written.
     Saved(Vec<PathBuf>),
     /// The task of this serial failed (0: it had none); another one may do.
     Failed(u64, String),
     /// Nothing can be rendered any more.
     Lost(Error),
+}
+
+impl Task {
+    /// Whether it may be stopped for a later picture: everything that is for the eye alone and may take long.
+    fn may_stop(&self) -> bool {
+        match self {
+            Self::Show(request) => !matches!(request.effort, Effort::Moving(_)),
+            Self::Measure(_) => true,
+            Self::Open(_) | Self::Save(_) => false,
+        }
+    }
+}
+
+/// Who may stop what.
+#[derive(Default)]
+struct Stops {
+    /// Whether what runs may be stopped.
+    may: AtomicBool,
+    /// Whether the window is closed.
+    closing: AtomicBool,
 }
 
 /// The thread and its two ends.
@@ -90,6 +123,8 @@ pub struct Worker {
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
     thread: Option<JoinHandle<()>>,
+    device: Device,
+    stops: Arc<Stops>,
 }
 
 impl Worker {
@@ -99,11 +134,21 @@ impl Worker {
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
-        let mut work = Work { stage, setup, generated: opened.generated, display: Display::new() };
+        let (generated, stops) = (opened.generated, Arc::new(Stops::default()));
+        let mut work =
+            Work { stage, setup, generated, display: Display::new(), history: History::default(), whole: None };
+        let (renders, stoppable) = (device.clone(), stops.clone());
         let thread = std::thread::spawn(move || {
             while let Ok(task) = waiting.recv() {
                 for task in latest(task, &waiting) {
+                    renders.allow_submissions(None);
+                    stoppable.may.store(task.may_stop(), Ordering::SeqCst);
+                    // What was to be written is written, however soon the window is closed.
+                    if stoppable.closing.load(Ordering::SeqCst) && !matches!(task, Task::Save(_)) {
+                        continue;
+                    }
                     let news = work.run(task);
+                    stoppable.may.store(false, Ordering::SeqCst);
                     // Nobody listens any more: the window is closed.
                     if teller.send(news).is_err() {
                         return;
@@ -112,14 +157,26 @@ impl Worker {
                 }
             }
         });
-        Ok(Self { progress, tasks: Some(tasks), news, thread: Some(thread) })
+        Ok(Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops })
     }
 
-    /// Asks for something.
+    /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
     pub fn ask(&self, task: Task) {
+        let replaces = matches!(task, Task::Show(_) | Task::Open(_));
         if let Some(tasks) = &self.tasks {
             // A thread that is gone has said why.
             let _ = tasks.send(task);
+        }
+        if replaces {
+            self.stop();
+        }
+    }
+
+    /// Stops what may be stopped at its next submission. If the thread goes on to the next task in this moment that one may be
+    /// stopped instead, which it says.
+    fn stop(&self) {
+        if self.stops.may.load(Ordering::SeqCst) {
+            self.device.allow_submissions(Some(0));
         }
     }
 
@@ -131,6 +188,8 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
+        self.stops.closing.store(true, Ordering::SeqCst);
+        self.stop();
         self.tasks = None;
         if let Some(thread) = self.thread.take() {
             // A panic there was printed by the thread itself.
@@ -154,6 +213,19 @@ struct Work {
     /// Whether no file holds the clouds.
     generated: bool,
     display: Display,
+    /// Pictures of the view.
+    history: History,
+    /// The last whole picture: its serial and scene, from where, its frame, and what it is.
+    whole: Option<Whole>,
+}
+
+/// A whole picture that could be held against an exact one.
+struct Whole {
+    serial: u64,
+    scene: Arc<Scene>,
+    pose: Pose,
+    frame: Frame,
+    standing: Standing,
 }
 
 /// All that waits, without pictures that a later one replaces.
@@ -172,38 +244,76 @@ impl Work {
     fn run(&mut self, task: Task) -> News {
         let (serial, done) = match task {
             Task::Show(request) => (request.serial, self.show(&request)),
+            Task::Measure(serial) => (serial, self.measure(serial)),
             Task::Open(files) => (0, self.open(&files)),
             Task::Save(saving) => (0, self.save(&saving)),
         };
         done.unwrap_or_else(|error| match error {
             Error::Gpu(gpu::Error::Lost { .. }) => News::Lost(error),
             Error::Render(crate::methods::Error::Gpu(gpu::Error::Lost { .. })) => News::Lost(error),
+            Error::Gpu(gpu::Error::Stopped { .. }) => News::Stopped(serial),
+            Error::Render(crate::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
             error => News::Failed(serial, error.to_string()),
         })
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
-        let Request { scene, pose, budget_ms, serial } = request;
-        let mut taken = self.stage.take(scene, *pose, *budget_ms)?;
+        let Request { scene, pose, effort, serial } = request;
+        let mut taken = self.stage.take(scene, *pose, *effort)?;
         let plan = self.stage.plan(&taken);
-        let rgba = self.display.bytes(&taken.rendered.image, scene.image.background, scene.image.color);
-        let depths = std::mem::take(&mut taken.rendered.image.depth);
-        let Taken { rendered, frame, subject, full, .. } = taken;
+        let (whole, draft) = (taken.is_whole(), taken.name());
+        let image = &taken.rendered.image;
+        let (small, size) = ([image.width, image.height], scene.image.size);
+        let rung = Rung {
+            name: draft.clone(),
+            ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
+            // A single stratum of samples has no spread.
+            standard_error: image.standard_error().filter(|error| error.is_finite()),
+            rmse: None,
+        };
+        let mut pixels = display::compose(image, scene.image.background, scene.image.color);
+        let mut depths = std::mem::take(&mut taken.rendered.image.depth);
+        if small != size {
+            pixels = display::enlarge(&pixels, small, size);
+            depths = display::enlarge_depths(&depths, small, size);
+        }
+        let rgba = self.display.bytes(&pixels, scene.image.color);
+        self.history.add(scene, *pose, rung, pixels, whole);
+        let Taken { rendered, frame, subject, standing, .. } = taken;
+        if let (true, Some(standing)) = (whole, standing) {
+            self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
+        }
         let picture = Picture {
             serial: *serial,
             pose: *pose,
             camera: frame.camera,
             subject,
-            size: [rendered.image.width, rendered.image.height],
+            size,
             rgba,
             depths,
-            full,
+            whole,
+            draft,
+            accuracy: self.history.accuracy(standing),
             method: frame.method.name(),
             profile: rendered.profile,
             facts: rendered.facts,
             plan,
         };
         Ok(News::Picture(Box::new(picture)))
+    }
+
+    /// Holds the pictures of the last view against the exact one.
+    fn measure(&mut self, serial: u64) -> Result<News> {
+        let whole = self.whole.take().filter(|whole| whole.serial == serial);
+        let standing = whole.as_ref().map(|whole| whole.standing);
+        if let (Some(whole), Some(Standing::Approximation(method))) = (&whole, standing) {
+            let rendered = self.stage.exact(&whole.frame, method)?;
+            let image = &whole.scene.image;
+            let exact = display::compose(&rendered.image, image.background, image.color);
+            self.stage.recycle(rendered.image);
+            self.history.measure(&whole.scene, whole.pose, method.name(), &exact);
+        }
+        Ok(News::Measured(serial, self.history.accuracy(standing)))
     }
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
@@ -231,8 +341,10 @@ mod tests {
     fn a_picture_that_a_later_one_replaces_is_not_rendered() {
         let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
         let scene = Arc::new(scene);
-        let show =
-            |serial| Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, budget_ms: None, serial }));
+        let show = |serial| {
+            let effort = Effort::Whole;
+            Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, effort, serial }))
+        };
         let (sender, waiting) = mpsc::channel();
         for task in [show(2), show(3), Task::Open(Vec::new()), show(4), show(5)] {
             sender.send(task).unwrap();

@@ -135,6 +135,8 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
         stop: Stop::Exact,
         seed: 0,
         max_error: None,
+        spread: false,
+        ensembles: None,
         shadows: None,
         factors: Factors::default(),
     }

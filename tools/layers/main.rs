@@ -141,6 +141,8 @@ impl Stage {
                 stop: Stop::default(),
                 seed,
                 max_error: None,
+                spread: false,
+                ensembles: None,
                 shadows,
                 factors: Factors::default(),
             };

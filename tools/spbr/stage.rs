@@ -76,6 +76,8 @@ impl Stage {
             stop: Stop::Exact,
             seed: self.seed,
             max_error: None,
+            spread: false,
+            ensembles: None,
             shadows: None,
             factors: Factors::default(),
         }

@@ -22,6 +22,8 @@ impl Frame {
             stop: Stop::Exact,
             seed,
             max_error: None,
+            spread: false,
+            ensembles: None,
             factors: Factors::default(),
         }
     }

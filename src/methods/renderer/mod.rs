@@ -73,6 +73,10 @@ pub struct Frame {
     /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
     /// fewer samples than their settings say.
     pub max_error: Option<f32>,
+    /// Whether stochastic methods find their standard error even so.
+    pub spread: bool,
+    /// Draws only so many of L ensembles, which stay those that L makes of the points; `None`: all.
+    pub ensembles: Option<u32>,
     /// Factors on the uploaded radii and opacities.
     pub factors: Factors,
 }
@@ -95,7 +99,7 @@ impl Default for Factors {
 impl Frame {
     /// Whether stochastic methods find their standard error.
     fn spread(&self) -> bool {
-        self.samples().is_some() && (self.fragments || self.max_error.is_some())
+        self.samples().is_some() && (self.fragments || self.spread || self.max_error.is_some())
     }
 
     /// Samples or ensembles of stochastic methods.
@@ -457,11 +461,11 @@ impl Renderer {
                 }
             }
             _ => {
-                self.drawn = None;
+                self.drawn = frame.ensembles;
                 self.draw(cloud, frame, windows, budget, &mut image, &mut timeline)?
             }
         };
-        image.stderr = image.stderr.filter(|_| frame.fragments);
+        image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -582,7 +586,7 @@ impl Renderer {
         if !frame.method.is_dealt() {
             self.place(cloud, frame)?;
         }
-        self.drawn = None;
+        self.drawn = frame.ensembles;
         let budget = self.budget(cloud, frame);
         let mut windows = initial_windows(frame, budget)?;
         let light_views = self.light_views(cloud, frame);

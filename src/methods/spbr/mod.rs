@@ -192,8 +192,11 @@ const ROUND_SLOTS: u64 = 1 << 10;
 const DISPATCH_SLOTS: u64 = 1 << 24;
 /// See [`DISPATCH_SLOTS`].
 const LISTED_SLOTS: u64 = 1 << 17;
-/// Slots after which is submitted, so that no submission takes seconds.
+/// Most slots after which is submitted, so that no submission takes seconds.
 const SUBMITTED_SLOTS: u64 = 1 << 23;
+/// The same for each of the pieces that keep a device busy: on a CPU a frame can be stopped, and a window shows the next one, in
+/// a tenth of a second, too.
+const SUBMITTED_SLOTS_OF_A_RUN: u64 = 1 << 15;
 /// Passes after which is submitted.
 const SUBMITTED_PASSES: u32 = 100;
 /// Most ensembles of a round.
@@ -540,7 +543,8 @@ impl Ensembles {
         {
             self.stream.begin(&first.piece.bound);
         }
-        while slots < SUBMITTED_SLOTS
+        let most = SUBMITTED_SLOTS.min(SUBMITTED_SLOTS_OF_A_RUN * job.concurrent);
+        while slots < most
             && passes < SUBMITTED_PASSES
             && let Some(task) = tasks.next_if(|task| !streamed || self.stream.admit(&task.piece.bound))
         {

@@ -11,7 +11,8 @@ impl DeviceCloud {
     }
 
     /// Brings the cloud up to what its points are by now: as many as were uploaded, in the same places. What depends on a column
-    /// that changed is found anew; shadows stay, unless points with normals traded places. After an error it is of no use any more.
+    /// that changed is found anew; shadows stay, unless points with normals traded places. After an error nothing can be rendered until the
+    /// same changes were brought once more.
     ///
     /// # Errors
     /// No memory for a field that was not there before, or the device failed.

@@ -73,6 +73,8 @@ impl Place {
             stop: Stop::Exact,
             seed: 0,
             max_error: None,
+            spread: false,
+            ensembles: None,
             shadows: None,
             factors: Factors::default(),
             memory_budget: settings.memory_budget,

@@ -9,6 +9,7 @@ use crate::camera::Camera;
 use crate::cloud::{Bounds, UpAxis};
 use crate::methods::{Facts, FrameProfile};
 use crate::scene::{Overrides, ViewName};
+use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
 const SIZE: [u32; 2] = [64, 48];
@@ -30,7 +31,7 @@ fn asked(model: &mut Model, now: Instant) -> Option<Request> {
 }
 
 /// A picture for a request: a wall at depth 10.
-fn picture(request: &Request, full: bool) -> News {
+fn picture(request: &Request, whole: bool) -> News {
     let perspective = Projection::Perspective { fov_y: 45f64.to_radians() };
     let camera = Camera::look_at(-10.0 * DVec3::Y, DVec3::ZERO, DVec3::Z, perspective, 0.5, 100.0).unwrap();
     let half = DVec3::splat(3.0);
@@ -43,7 +44,9 @@ fn picture(request: &Request, full: bool) -> News {
         size: SIZE,
         rgba: vec![0; 4 * 64 * 48],
         depths: vec![10.0; 64 * 48],
-        full,
+        whole,
+        draft: String::new(),
+        accuracy: History::default().accuracy(None),
         method: "sorted",
         profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
         facts: Facts::default(),
@@ -67,7 +70,7 @@ fn only_the_latest_request_counts() {
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
     let now = Instant::now();
     let first = asked(&mut model, now).unwrap();
-    assert_eq!((first.serial, first.budget_ms, first.scene.image.size), (2, Some(33.0), SIZE));
+    assert_eq!((first.serial, first.effort, first.scene.image.size), (2, Effort::Moving(33.0), SIZE));
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
     // What changed meanwhile is asked for at once, and the picture that comes is of the past.
     let second = asked(&mut model, now).unwrap();
@@ -89,10 +92,71 @@ fn at_rest_nothing_is_left_out() {
     model.take_in(picture(&draft, false)).unwrap();
     assert!(asked(&mut model, now).is_none(), "still moving");
     assert!(model.due_at(now).is_some());
-    let full = asked(&mut model, now + REST).unwrap();
-    assert_eq!((full.budget_ms, full.pose), (None, draft.pose));
-    model.take_in(picture(&full, true)).unwrap();
+    // Each may take four times as long as the one before it, until one is the whole picture.
+    for budget in [250.0, 1000.0, 4000.0] {
+        let finer = asked(&mut model, now + REST).unwrap();
+        assert_eq!((finer.effort, finer.pose), (Effort::Refining(budget), draft.pose));
+        assert!(!model.is_at_rest(now + REST));
+        model.take_in(picture(&finer, budget == 4000.0)).unwrap();
+    }
     assert!(model.is_at_rest(now + REST) && model.due_at(now + REST).is_none());
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn whatever_a_draft_costs_the_whole_picture_comes() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let mut efforts = Vec::new();
+    for _ in 0..20 {
+        let Some(request) = asked(&mut model, now + efforts.len().min(1) as u32 * REST) else { break };
+        efforts.push(request.effort);
+        model.take_in(picture(&request, request.effort == Effort::Whole)).unwrap();
+    }
+    assert_eq!((efforts.len(), efforts.last()), (8, Some(&Effort::Whole)));
+    assert!(model.is_at_rest(now + REST));
+}
+
+#[test]
+fn what_was_stopped_is_asked_for_again() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let first = asked(&mut model, now).unwrap();
+    model.take_in(News::Stopped(first.serial)).unwrap();
+    let second = asked(&mut model, now + REST).unwrap();
+    assert_eq!((second.pose, second.effort), (first.pose, Effort::Moving(33.0)));
+    // What nobody waits for any more is nothing new.
+    model.take_in(News::Stopped(first.serial)).unwrap();
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn approximations_at_rest_are_held_against_the_exact_picture_once() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let request = asked(&mut model, now).unwrap();
+    let News::Picture(mut shown) = picture(&request, true) else { unreachable!() };
+    shown.accuracy.standing = Some(Standing::Approximation(crate::scene::Method::ABuffer(Default::default())));
+    model.take_in(News::Picture(shown)).unwrap();
+    assert!(model.next_task(now + REST).is_none());
+    let due = model.due_at(now + REST).unwrap();
+    assert!(model.is_at_rest(now + REST), "a measurement changes nothing in the picture");
+    let Some(Task::Measure(serial)) = model.next_task(due) else { panic!("no measurement") };
+    assert_eq!(serial, request.serial);
+    assert!(model.next_task(due).is_none());
+    let measured = Accuracy { rungs: Vec::new(), against: Some(Reference::Exact("abuffer")), standing: None };
+    model.take_in(News::Measured(serial, measured.clone())).unwrap();
+    assert_eq!(model.picture().unwrap().accuracy, measured);
+    // One that was stopped is tried again.
+    let (mut model, now) = settled();
+    model.picture.as_mut().unwrap().accuracy.standing =
+        Some(Standing::Approximation(crate::scene::Method::ABuffer(Default::default())));
+    let Some(Task::Measure(serial)) = model.next_task(now + STILL) else { panic!("no measurement") };
+    model.take_in(News::Stopped(serial)).unwrap();
+    assert!(matches!(model.next_task(now + STILL), Some(Task::Measure(_))));
 }
 
 #[test]

@@ -80,7 +80,7 @@ fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
 /// The picture of a stage that knows nothing yet, with the renderer of one that is there.
 fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> Taken {
     (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
-    stage.take(scene, Pose::Scene, None).unwrap()
+    stage.take(scene, Pose::Scene, Effort::Whole).unwrap()
 }
 
 /// Compares all of two pictures that a window shows or a file gets; two errors are equal if they say the same.
@@ -198,7 +198,7 @@ fn each_setting_of(methods: &[&str]) {
             for (key, value) in all {
                 let scene = document.set(&key, value.clone()).unwrap();
                 let before = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
-                let taken = live.take(&scene, Pose::Scene, None).unwrap();
+                let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
                 let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
                 following += usize::from(before == after);
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
@@ -278,7 +278,7 @@ fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
                 assert_eq!(changes, Changes { opacities: true, ..Changes::default() }, "{key}");
                 assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");
             }
-            let taken = live.take(&scene, Pose::Scene, None).unwrap();
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
             assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
         }
     });
@@ -323,7 +323,7 @@ fn stored_shadows_are_there_for_their_light_only() {
         let mut views = Vec::new();
         for (key, value) in settings {
             let scene = document.set(&key, value.clone()).unwrap();
-            let taken = live.take(&scene, Pose::Scene, None).unwrap();
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
             assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
             views.push(taken.rendered.facts.light_views);
         }
@@ -339,11 +339,62 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
         let mut document = document();
         document.put("method.name", Setting::Word("soft-base".into())).unwrap();
         let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
-        live.take(&document.scene().unwrap(), Pose::Scene, None).unwrap();
+        live.take(&document.scene().unwrap(), Pose::Scene, Effort::Whole).unwrap();
         let scene = document.set("cloud.1.field", Setting::Word("weight".into())).unwrap();
-        assert!(live.take(&scene, Pose::Scene, None).is_err() && live.placed.is_some());
+        assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.placed.is_some());
         let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
-        let taken = live.take(&scene, Pose::Scene, None).unwrap();
+        let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         assert_same(&taken, &fresh(&mut other, &clouds, &scene), "after an error");
+    });
+}
+
+#[test]
+fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
+    with_device(|device| {
+        let (clouds, mut document) = (clouds(), document());
+        document.put("method.name", Setting::Word("soft-base".into())).unwrap();
+        document.put("cloud.*.field", Setting::Word("height".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        live.take(&document.scene().unwrap(), Pose::Scene, Effort::Whole).unwrap();
+        let settings = [
+            (0, number("cloud.0.opacity", 0.5)),
+            (2, numbers("cloud.0.color", [1.0, 0.5, 0.0])),
+            (1, numbers("cloud.1.color", [0.0, 0.5, 0.0])),
+            (0, words("cloud.0.field", "uncertainty")),
+            (0, words("method.name", "abuffer")),
+            (0, words("method.name", "soft-express")),
+        ];
+        for (allowed, (key, value)) in settings {
+            let scene = document.set(&key, value).unwrap();
+            device.allow_submissions(Some(allowed));
+            let stopped = live.take(&scene, Pose::Scene, Effort::Whole);
+            device.allow_submissions(None);
+            assert!(stopped.is_err(), "{key}");
+            // Another one in between.
+            if allowed == 1 {
+                document.set("cloud.0.radius_factor", Setting::Number(1.5)).unwrap();
+            }
+            let scene = document.scene().unwrap();
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same_clouds(&mut live, &mut other, &key);
+        }
+    });
+}
+
+#[test]
+fn auto_is_asked_again_when_points_become_transparent() {
+    with_device(|device| {
+        let (mut document, opaque) = (document(), vec![cloud(1, 60), cloud(2, 50)]);
+        document.put("cloud.*.opacity", Setting::Number(1.0)).unwrap();
+        let mut stage = stage(device, opaque);
+        let mut method = |document: &Document| {
+            stage.take(&document.scene().unwrap(), Pose::Scene, Effort::Moving(1e9)).unwrap().frame.method.name()
+        };
+        assert_eq!(method(&document), "circles");
+        document.put("cloud.1.opacity", Setting::Number(0.5)).unwrap();
+        assert!(["sorted", "abuffer"].contains(&method(&document)));
+        document.put("cloud.1.opacity", Setting::Number(1.0)).unwrap();
+        assert_eq!(method(&document), "circles");
     });
 }
