@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bytesize::ByteSize;
-use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, RichText, Sense, Ui, Window, vec2};
+use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
@@ -69,7 +69,7 @@ fn waiting(ctx: &Context, model: &Model) {
     ctx.request_repaint_after(GLANCE);
     if let Some(line) = model.progress_line() {
         let at = Area::new(Id::new("progress")).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]).interactable(false);
-        at.show(ctx, |ui| frame().show(ui, |ui| ui.label(line)));
+        at.show(ctx, |ui| frame().show(ui, |ui| ui.add(Label::new(line).extend())));
     }
 }
 
