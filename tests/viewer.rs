@@ -4,6 +4,7 @@
 
 mod viewer {
     pub mod display;
+    mod panel;
     pub mod window;
 }
 

@@ -197,7 +197,7 @@ pub(crate) fn without_blanks(name: &str) -> String {
 }
 
 /// What `field` can name of a cloud.
-fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
+pub(crate) fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     let usual = [
         ("classification", cloud.classification.is_some()),
         ("intensity", cloud.intensity.is_some()),

@@ -6,7 +6,7 @@ use super::error::{Error, Place};
 use super::overrides::Overrides;
 use super::parse;
 use super::settings::Scene;
-use super::tree::{self, Node, Value};
+use super::tree::{self, Entries, Node, Value};
 
 /// The keys of a scene with their values, as a file and options gave them. What isn't given isn't there.
 #[derive(Debug, Clone)]
@@ -32,6 +32,9 @@ pub enum Setting {
     /// Some whole numbers.
     Integers(Vec<u32>),
 }
+
+/// A dotted key and its value; `None`: it is taken out.
+pub type Change = (String, Option<Setting>);
 
 impl Document {
     /// The document that `text` is, with options laid over it. `origin` is the file's path: named in errors, and clouds are
@@ -86,11 +89,7 @@ impl Document {
     /// # Errors
     /// Whatever is wrong with the value, or with the scene that it would make.
     pub fn set(&mut self, key: &str, value: Setting) -> Result<Scene, Error> {
-        let mut changed = self.clone();
-        changed.put(key, value)?;
-        let scene = changed.scene()?;
-        *self = changed;
-        Ok(scene)
+        self.change(&[(key.to_owned(), Some(value))])
     }
 
     /// Gives a dotted key a value, whether the scene allows it or not.
@@ -104,13 +103,49 @@ impl Document {
         overrides.apply(&mut self.root)
     }
 
-    /// Takes a key `TABLE.KEY` out, if it is there.
+    /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for all of
+    /// them), the root by an empty one.
     pub fn remove(&mut self, table: &str, key: &str) {
-        if let Value::Table(entries) = &mut self.root.value
-            && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(table)
-        {
+        visit(&mut self.root, &path(table), &mut |entries| {
             entries.remove(key);
+        });
+    }
+
+    /// Changes several dotted keys at once, one after the other: each gets a value, or is taken out. If what comes out is no
+    /// scene, all stays as it was; what lies between needn't be one.
+    ///
+    /// # Errors
+    /// Whatever is wrong with a value, or with the scene that they would make.
+    pub fn change(&mut self, changes: &[Change]) -> Result<Scene, Error> {
+        let mut changed = self.clone();
+        for (key, value) in changes {
+            match (value, key.rsplit_once('.')) {
+                (Some(value), _) => changed.put(key, value.clone())?,
+                (None, Some((table, key))) => changed.remove(table, key),
+                (None, None) => changed.remove("", key),
+            }
         }
+        let scene = changed.scene()?;
+        *self = changed;
+        Ok(scene)
+    }
+
+    /// Whether a dotted key was given; of `cloud.*` whether any cloud has it.
+    pub fn has(&self, key: &str) -> bool {
+        fn look(node: &Node, rest: &[&str]) -> bool {
+            match (rest, &node.value) {
+                ([], _) => true,
+                ([key, rest @ ..], Value::Table(entries)) => {
+                    entries.get(*key).is_some_and(|(_, node)| look(node, rest))
+                }
+                (["*", rest @ ..], Value::Array(items)) => items.iter().any(|item| look(item, rest)),
+                ([index, rest @ ..], Value::Array(items)) => {
+                    index.parse().ok().and_then(|i: usize| items.get(i)).is_some_and(|item| look(item, rest))
+                }
+                _ => false,
+            }
+        }
+        look(&self.root, &path(key))
     }
 
     /// The document as a TOML text for a file in `folder`. Files of clouds are found from there: by their names below it, else
@@ -133,6 +168,30 @@ impl Document {
         };
         let value = to_toml(&self.root, &[], &moved)?;
         Ok(toml::to_string(&value).unwrap_or_default())
+    }
+}
+
+/// The segments of a dotted path; none of an empty one.
+fn path(dotted: &str) -> Vec<&str> {
+    dotted.split('.').filter(|segment| !segment.is_empty()).collect()
+}
+
+/// Goes to all tables of a path that are there.
+fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Entries)) {
+    match (path, &mut node.value) {
+        ([], Value::Table(entries)) => at(entries),
+        ([key, rest @ ..], Value::Table(entries)) => {
+            if let Some((_, node)) = entries.get_mut(*key) {
+                visit(node, rest, at);
+            }
+        }
+        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().for_each(|item| visit(item, rest, at)),
+        ([index, rest @ ..], Value::Array(items)) => {
+            if let Some(item) = index.parse().ok().and_then(|i: usize| items.get_mut(i)) {
+                visit(item, rest, at);
+            }
+        }
+        _ => {}
     }
 }
 
@@ -219,6 +278,51 @@ mod tests {
         document.remove("camera", "eye");
         assert_eq!(document.scene().unwrap().camera.eye, None);
         assert_eq!(document.scene().unwrap().camera.height, Some(3.0));
+    }
+
+    #[test]
+    fn keys_of_clouds_and_tables_can_be_taken_out() {
+        let mut document = document();
+        assert!(document.has("cloud.*.opacity") && document.has("cloud.0.opacity") && !document.has("cloud.1.opacity"));
+        assert!(document.has("image") && !document.has("shadows") && !document.has("cloud.2.path"));
+        document.remove("cloud.0", "opacity");
+        assert!(!document.has("cloud.*.opacity"));
+        assert_eq!(document.scene().unwrap().clouds[0].opacity, 1.0);
+        document.set("cloud.*.radius", Setting::Number(0.5)).unwrap();
+        document.remove("cloud.*", "radius");
+        assert_eq!(document.scene().unwrap().clouds[1].radius, None);
+        document.remove("", "image");
+        assert_eq!(document.scene().unwrap().image, Default::default());
+        // What isn't there is not missed.
+        for (table, key) in [("cloud.7", "opacity"), ("cloud.x", "opacity"), ("method.name", "x"), ("a.b", "c")] {
+            document.remove(table, key);
+        }
+        assert!(document.scene().is_ok());
+    }
+
+    #[test]
+    fn several_keys_are_one_change() {
+        let mut document = document();
+        let given = |key: &str, value| (key.to_owned(), Some(value));
+        let out = |key: &str| (key.to_owned(), None);
+        document.change(&[given("method.softness", Setting::Number(0.25))]).unwrap();
+        // Both would be an error, and a class field needs its classes.
+        let both = [given("method.lambda", Setting::Number(2.0)), out("method.softness")];
+        document.change(&both).unwrap();
+        assert!(document.has("method.lambda") && !document.has("method.softness"));
+        let field = given("cloud.0.field", Setting::Word("classification".into()));
+        let before = document.to_toml(Path::new("/scans")).unwrap();
+        assert!(document.change(&[out("method.lambda"), field.clone()]).is_err());
+        assert_eq!(document.to_toml(Path::new("/scans")).unwrap(), before, "all or nothing");
+        let scene = document.change(&[field, given("cloud.0.soft_classes", Setting::Integers(vec![5]))]).unwrap();
+        assert!(scene.clouds[0].field.is_some());
+        // A word makes room for a table.
+        document.change(&[given("shading.light", Setting::Word("headlight".into()))]).unwrap();
+        let position = given("shading.light.position", Setting::Numbers(vec![1.0, 2.0, 3.0]));
+        assert!(document.change(std::slice::from_ref(&position)).is_err());
+        document.change(&[out("shading.light"), position]).unwrap();
+        document.change(&[out("shading")]).unwrap();
+        assert!(!document.has("shading"));
     }
 
     #[test]

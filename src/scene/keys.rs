@@ -30,6 +30,12 @@ pub const METHODS: &[&str] = &[
     "spbr-simplified",
 ];
 
+/// The keys of `[shading]`.
+pub(crate) const SHADING_KEYS: &[&str] = &["model", "ambient", "diffuse", "specular", "shininess", "light"];
+
+/// The keys of `[shadows]`.
+pub(crate) const SHADOW_KEYS: &[&str] = &["method", "samples", "light_radius", "resolution", "min_layer_distance"];
+
 const SPLATS: &[&str] = &["size", "max_pixel_radius"];
 const NEAREST: &[&str] = &["raster"];
 const BLENDED: &[&str] = &["blend_depth"];

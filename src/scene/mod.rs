@@ -24,11 +24,13 @@ mod view;
 
 pub use along::Course;
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
-pub use document::{Document, Setting};
+pub use document::{Change, Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
 pub use framing::{camera, camera_at};
 pub use keys::{METHODS, method_keys};
+#[cfg(all(test, feature = "viewer"))]
+pub(crate) use keys::{SHADING_KEYS, SHADOW_KEYS};
 pub use layers::note_of_layers;
 pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::document::Document;
 use super::error::{Error, Place};
+use super::keys::{SHADING_KEYS, SHADOW_KEYS};
 use super::method;
 use super::overrides::Overrides;
 use super::photo;
@@ -154,7 +155,7 @@ fn camera(table: &Table<'_>) -> Result<CameraSettings, Error> {
 }
 
 fn shading(table: &Table<'_>) -> Result<Shading, Error> {
-    table.refuse_unknown(&["model", "ambient", "diffuse", "specular", "shininess", "light"])?;
+    table.refuse_unknown(SHADING_KEYS)?;
     let default = Shading::default();
     let models = [("none", ShadingModel::None), ("lambert", ShadingModel::Lambert), ("phong", ShadingModel::Phong)];
     let factor = |key, default| Ok::<_, Error>(table.number32(key, Range::NOT_NEGATIVE)?.unwrap_or(default));
@@ -283,7 +284,7 @@ fn shadows(
     warnings: &mut Vec<String>,
 ) -> Result<Option<Shadows>, Error> {
     let table = root.table("shadows")?;
-    table.refuse_unknown(&["method", "samples", "light_radius", "resolution", "min_layer_distance"])?;
+    table.refuse_unknown(SHADOW_KEYS)?;
     table.choice("method", &[("texture", ())])?;
     let default = Shadows::default();
     let shadows = Shadows {

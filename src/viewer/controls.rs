@@ -1,8 +1,18 @@
-//! Which control a key of the scene file gets, and the value that it has now.
+//! Which control a key of the scene file gets, the value that it has now, and what a change of it brings along.
 
+mod beside;
+mod optional;
+#[cfg(test)]
+mod tests;
+
+pub use beside::{changes, light_changes, method_changes};
+pub use optional::{cloud, shading, shadows};
+
+use crate::methods::soft::SoftModel;
 use crate::scene::{
-    BlendedSplats, Density, DiscShape, Falloff, Hybrid, ImageSpace, Interpolated, LongLists, MAX_K, Method, OneLayer,
-    Peel, PeelLayers, Raster, ScreenSplats, Setting, SoftLayout, Spbr, SplatShape, Stochastic,
+    BlendedSplats, Brightness, Density, DiscShape, Falloff, Hybrid, ImageSpace, Interpolated, LongLists, MAX_K, Method,
+    OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Setting, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
+    SplatShape, Stochastic,
 };
 
 /// What changes a value.
@@ -10,17 +20,134 @@ use crate::scene::{
 pub enum Control {
     /// A slider from one number to another.
     Slider(f64, f64),
-    /// A slider over whole numbers, by powers.
+    /// A slider by powers of ten, from one number, which may be 0, to another.
+    Powers(f64, f64),
+    /// A slider over whole numbers, by powers if there are many.
     Count(u32, u32),
     /// A check box.
     Flag,
     /// One of some words.
     Choice(&'static [&'static str]),
+    /// A color, linear.
+    Color,
 }
 
-/// The control of a method's key, and its value; `None` for keys of the file alone and of other methods.
-pub fn control(method: &Method, key: &str) -> Option<(Control, Setting)> {
-    of_numbers(method, key).or_else(|| of_words(method, key))
+/// Whether a key has a value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Presence {
+    /// Always.
+    Always,
+    /// If it is switched on; what goes without it, in a few words.
+    Optional { on: bool, without: String },
+    /// If it was chosen, and not the other key in whose place it stands.
+    Rival { on: bool },
+}
+
+/// A key's control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// What changes it.
+    pub control: Control,
+    /// The value in force; of a key without one, what it begins with.
+    pub value: Setting,
+    /// Whether it has one.
+    pub presence: Presence,
+}
+
+/// What ranges of controls depend on, of the points that are shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Of the points' box, in world units; above 0.
+    pub diagonal: f64,
+    /// Of the soft points, in world units; 0 if there are none.
+    pub median_radius: f32,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { diagonal: 1.0, median_radius: 0.0 }
+    }
+}
+
+impl Entry {
+    fn always((control, value): (Control, Setting)) -> Self {
+        Self { control, value, presence: Presence::Always }
+    }
+
+    fn optional<T>(
+        control: Control,
+        value: Option<T>,
+        start: T,
+        setting: impl Fn(T) -> Setting,
+        without: &str,
+    ) -> Self {
+        let presence = Presence::Optional { on: value.is_some(), without: without.to_owned() };
+        Self { control, value: setting(value.unwrap_or(start)), presence }
+    }
+}
+
+/// The control of a method's key; `None` for keys of other methods.
+pub fn control(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
+    let always = of_numbers(method, key).or_else(|| of_words(method, key)).map(Entry::always);
+    always.or_else(|| of_alternatives(method, key, extent))
+}
+
+/// Keys that are left out as often as not, or stand for one another.
+fn of_alternatives(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
+    let number = |x: f32| Setting::Number(rounded(x));
+    let factor = |p| Entry::optional(Control::Powers(0.1, 100.0), p, 1.0, number, "auto");
+    match (key, method) {
+        ("softness" | "lambda", _) => Some(density(method, method.soft()?, key, extent)),
+        ("modulation", _) => {
+            let Soft { threshold, modulation, .. } = method.soft()?;
+            // Half-way, so that both have room to move.
+            let start = 0.5 + 0.5 * *threshold;
+            Some(Entry::optional(Control::Slider(0.0, 1.0), *modulation, start, number, "off"))
+        }
+        ("shells", _) => {
+            let fixed = match method.soft()?.shells {
+                Shells::Fixed(shells) => Some(shells),
+                Shells::Adaptive => None,
+            };
+            let control = Control::Count(1, crate::scene::MAX_SHELLS);
+            Some(Entry::optional(control, fixed, 8, Setting::Integer, "adaptive"))
+        }
+        ("min_layer_distance", _) => Some(optional::layer_distance(method.filters()?.min_layer_distance, extent)),
+        ("brightness", Method::SpbrSimplified(SpbrSimplified { brightness, .. })) => Some(factor(match brightness {
+            Brightness::Factor(p) => Some(*p),
+            Brightness::Auto => None,
+        })),
+        _ => None,
+    }
+}
+
+/// `softness` or `lambda`: the one that was not chosen begins where the picture stays the same.
+fn density(method: &Method, soft: &Soft, key: &str, extent: Extent) -> Entry {
+    let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
+    let model = SoftModel::new(method, soft, radius);
+    if key == "softness" {
+        let on = matches!(soft.density, Density::Softness(_));
+        let value = if on { rounded(model.peak) } else { thousandths(model.peak.into()) };
+        return Entry {
+            control: Control::Slider(0.0, 1.0),
+            value: Setting::Number(value),
+            presence: Presence::Rival { on },
+        };
+    }
+    let on = matches!(soft.density, Density::Lambda(_));
+    let most = match method {
+        Method::SoftExpress(_) => 1.0,
+        // A sphere of median radius that lets 10⁻⁴ of the light through.
+        _ => {
+            let dense = Soft { density: Density::Softness(0.9999), ..*soft };
+            significant(SoftModel::new(method, &dense, radius).lambda.into())
+        }
+    };
+    let value = match soft.density {
+        Density::Lambda(lambda) => rounded(lambda),
+        Density::Softness(_) => significant(model.lambda.into()),
+    };
+    Entry { control: Control::Powers(0.0, most), value: Setting::Number(value), presence: Presence::Rival { on } }
 }
 
 fn of_numbers(method: &Method, key: &str) -> Option<(Control, Setting)> {
@@ -30,10 +157,6 @@ fn of_numbers(method: &Method, key: &str) -> Option<(Control, Setting)> {
     Some(match (key, method) {
         ("threshold", _) => (Slider(0.0, 1.0), number(method.threshold()?)),
         ("softness", Method::OneLayer(OneLayer { softness, .. })) => (Slider(0.0, 1.0), number(*softness)),
-        ("softness", _) => match soft?.density {
-            Density::Softness(softness) => (Slider(0.0, 1.0), number(softness)),
-            Density::Lambda(_) => return None,
-        },
         ("pixels_per_shell", _) => (Slider(1.0, 16.0), number(soft?.pixels_per_shell)),
         ("size", _) => (Slider(0.0, 4.0), number(splats(method)?.size)),
         ("max_pixel_radius", _) => (Slider(0.0, 100.0), number(splats(method)?.max_pixel_radius)),
@@ -110,61 +233,24 @@ pub fn rounded(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }
 
-/// What a key is called beside its control.
-pub fn label(key: &str) -> String {
-    key.replace('_', " ")
+/// A number to three decimals.
+pub fn thousandths(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Document, METHODS, Overrides, method_keys};
+/// A number to four significant digits.
+pub fn significant(x: f64) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x)
+}
 
-    /// Keys that only the scene file has: each stands for another key, or is a number or a word, or absent.
-    const FILE_ONLY: &[&str] = &["lambda", "modulation", "shells", "min_layer_distance", "brightness"];
-
-    fn document(method: &str) -> Document {
-        let text = format!("[[cloud]]\npath = 'a.ply'\n[method]\nname = '{method}'\n");
-        Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap()
-    }
-
-    /// A key that a method gets can't be forgotten here, and a control shows the value that is in force.
-    #[test]
-    fn every_key_of_every_method_has_a_control_with_its_value() {
-        for name in METHODS {
-            let document = document(name);
-            let method = document.scene().unwrap().method;
-            for key in method_keys(name) {
-                match control(&method, key) {
-                    None => assert!(FILE_ONLY.contains(&key), "{name}: {key} has no control"),
-                    Some((control, value)) => {
-                        assert!(!FILE_ONLY.contains(&key), "{name}: {key}");
-                        let scene = document.clone().set(&format!("method.{key}"), value.clone());
-                        assert_eq!(scene.unwrap().method, method, "{name}: {key} = {value:?}");
-                        moves(&document, key, control);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Both ends of a control are values that a scene takes, and the other end shows.
-    fn moves(document: &Document, key: &str, shape: Control) {
-        let ends = match shape {
-            Control::Slider(from, to) => vec![Setting::Number(from), Setting::Number(to)],
-            Control::Count(from, to) => vec![Setting::Integer(from), Setting::Integer(to)],
-            Control::Flag => vec![Setting::Flag(false), Setting::Flag(true)],
-            Control::Choice(words) => words.iter().map(|word| Setting::Word((*word).to_owned())).collect(),
-        };
-        for end in ends {
-            let scene = document.clone().set(&format!("method.{key}"), end.clone()).unwrap();
-            assert_eq!(control(&scene.method, key), Some((shape, end)), "{key}");
-        }
-    }
-
-    #[test]
-    fn numbers_are_as_short_as_in_the_file() {
-        assert_eq!(rounded(0.17), 0.17);
-        assert_eq!(rounded(f32::MAX) as f32, f32::MAX);
+/// What a key is called beside its control.
+pub fn label(key: &str) -> String {
+    match key {
+        "threshold" => "threshold t".to_owned(),
+        "lambda" => "lambda λ".to_owned(),
+        "ensembles" => "ensembles L".to_owned(),
+        "min_layer_distance" => "layer distance".to_owned(),
+        "antialias_threshold" => "edge share".to_owned(),
+        key => key.replace('_', " "),
     }
 }

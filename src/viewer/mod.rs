@@ -10,9 +10,11 @@
 
 mod accuracy;
 mod app;
+mod census;
 mod controls;
 mod display;
 mod draft;
+mod hints;
 mod model;
 mod navigate;
 mod overlay;

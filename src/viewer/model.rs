@@ -9,6 +9,7 @@ use glam::DVec2;
 use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
+use super::census::Census;
 use super::draft::Effort;
 use super::navigate::{self, Navigator};
 use super::save::Saving;
@@ -17,6 +18,8 @@ use super::worker::{News, Picture, Request, Task};
 use crate::camera::Projection;
 use crate::scene::{Document, Scene, Setting, View};
 use crate::{Error, Result};
+
+mod edit;
 
 /// How long nothing may move for a picture without omissions to be due.
 const REST: Duration = Duration::from_millis(150);
@@ -93,6 +96,7 @@ pub struct Model {
     flatten: bool,
     viewport: Viewport,
     picture: Option<Box<Picture>>,
+    census: Arc<[Census]>,
     way: Way,
     serial: u64,
     changed_at: Instant,
@@ -132,6 +136,7 @@ impl Model {
             flatten: false,
             viewport: Viewport::default(),
             picture: None,
+            census: Arc::default(),
             way: Way::Changed,
             serial: 0,
             changed_at: Instant::now(),
@@ -190,18 +195,6 @@ impl Model {
                 self.touch();
             }
             self.viewport = viewport;
-        }
-    }
-
-    /// Gives a key of the scene file a value; what the scene doesn't allow is said.
-    pub fn set(&mut self, key: &str, value: Setting) {
-        match self.document.set(key, value) {
-            Ok(scene) => {
-                self.message = None;
-                self.scene = Arc::new(scene);
-                self.touch();
-            }
-            Err(error) => self.message = Some((error.to_string(), true)),
         }
     }
 
@@ -373,6 +366,7 @@ impl Model {
         match news {
             News::Picture(picture) => self.show(picture),
             News::Opened(name, document) => return self.replace(name, *document),
+            News::Clouds(census) => self.census = census,
             News::Saved(files) => {
                 let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
                 self.message = Some((format!("saved {}", names.join(" and ")), false));

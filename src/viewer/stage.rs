@@ -5,6 +5,7 @@ use std::time::Instant;
 use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
+use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::placed::{Placed, Sources};
@@ -51,6 +52,8 @@ pub struct Taken {
     pub lights: Option<[u32; 2]>,
     /// What the picture is, if it is a whole one.
     pub standing: Option<Standing>,
+    /// How F of the points is spread, if the method asks for it.
+    pub field: Option<FieldFacts>,
 }
 
 impl Taken {
@@ -79,6 +82,7 @@ pub struct Stage {
     placed: Option<Placed>,
     /// What frames of the last method took.
     costs: Option<(&'static str, Costs)>,
+    histograms: Histograms,
     /// What `auto` stood for in the last whole picture, and why.
     chosen: Option<(Method, Method, String)>,
 }
@@ -86,8 +90,10 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        let (sources, progress) = (Sources::new(clouds, seed), ProgressBar::hidden());
-        Ok(Self { renderer, sources, progress, memory_budget, placed: None, costs: None, chosen: None })
+        let (sources, progress, histograms) =
+            (Sources::new(clouds, seed), ProgressBar::hidden(), Histograms::default());
+        let (placed, costs, chosen) = (None, None, None);
+        Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
     }
 
     /// The renderer.
@@ -144,11 +150,15 @@ impl Stage {
                 costs => *costs = Some((method.name(), Costs::new(cost))),
             }
         }
-        let Some(placed) = &self.placed else { return Err(no_points()) };
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
         let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
-        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing })
+        let field = method.threshold().map(|threshold| FieldFacts {
+            histogram: self.histograms.of(scene, &placed.arranged.points().fields),
+            parts: placed.cloud.parts(threshold),
+        });
+        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
     }
 
     /// The picture of the method that shows exactly what this one approximates.

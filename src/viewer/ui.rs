@@ -8,8 +8,12 @@ use super::{overlay, panel, pointer};
 /// The looks: dark, so that the picture stands out.
 pub fn style(ctx: &Context) {
     ctx.set_theme(egui::Theme::Dark);
-    // What the pointer did would be done twice in a second pass.
-    ctx.options_mut(|options| options.max_passes = std::num::NonZeroUsize::MIN);
+    ctx.options_mut(|options| {
+        // What the pointer did would be done twice in a second pass.
+        options.max_passes = std::num::NonZeroUsize::MIN;
+        // A click is one however long the frame takes between pressing and letting go.
+        options.input_options.max_click_duration = f64::INFINITY;
+    });
 }
 
 /// Draws everything; whether the window is to be closed.

@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 use indicatif::ProgressBar;
 
 use super::accuracy::{Accuracy, History, Rung, Standing};
+use super::census::{Census, FieldFacts};
 use super::display::{self, Display};
 use super::draft::Effort;
 use super::navigate::Subject;
@@ -76,6 +77,8 @@ pub struct Picture {
     pub facts: Facts,
     /// The passes and why.
     pub plan: Vec<Step>,
+    /// How F of the points is spread, if the method asks for it.
+    pub field: Option<FieldFacts>,
 }
 
 /// What the thread has to say.
@@ -84,6 +87,8 @@ pub enum News {
     Picture(Box<Picture>),
     /// Other files are there: their name and keys.
     Opened(String, Box<Document>),
+    /// What is known of the clouds, in the scene's order.
+    Clouds(Arc<[Census]>),
     /// How far the pictures of the view with this serial are off the exact one.
     Measured(u64, Accuracy),
     /// The task of this serial was stopped, since a later one was there.
@@ -139,6 +144,11 @@ impl Worker {
             Work { stage, setup, generated, display: Display::new(), history: History::default(), whole: None };
         let (renders, stoppable) = (device.clone(), stops.clone());
         let thread = std::thread::spawn(move || {
+            // Nobody listens any more if the window is closed.
+            let tell = |news| teller.send(news).map(|()| wake()).is_ok();
+            if !tell(work.census()) {
+                return;
+            }
             while let Ok(task) = waiting.recv() {
                 for task in latest(task, &waiting) {
                     renders.allow_submissions(None);
@@ -149,11 +159,10 @@ impl Worker {
                     }
                     let news = work.run(task);
                     stoppable.may.store(false, Ordering::SeqCst);
-                    // Nobody listens any more: the window is closed.
-                    if teller.send(news).is_err() {
+                    let others = matches!(news, News::Opened(..));
+                    if !tell(news) || (others && !tell(work.census())) {
                         return;
                     }
-                    wake();
                 }
             }
         });
@@ -257,6 +266,10 @@ impl Work {
         })
     }
 
+    fn census(&self) -> News {
+        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
+    }
+
     fn show(&mut self, request: &Request) -> Result<News> {
         let Request { scene, pose, effort, serial } = request;
         let mut taken = self.stage.take(scene, *pose, *effort)?;
@@ -279,7 +292,7 @@ impl Work {
         }
         let rgba = self.display.bytes(&pixels, scene.image.color);
         self.history.add(scene, *pose, rung, pixels, whole);
-        let Taken { rendered, frame, subject, standing, .. } = taken;
+        let Taken { rendered, frame, subject, standing, field, .. } = taken;
         if let (true, Some(standing)) = (whole, standing) {
             self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
         }
@@ -298,6 +311,7 @@ impl Work {
             profile: rendered.profile,
             facts: rendered.facts,
             plan,
+            field,
         };
         Ok(News::Picture(Box::new(picture)))
     }

@@ -12,6 +12,8 @@ use crate::scene::{Overrides, ViewName};
 use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
+mod edited;
+
 const SIZE: [u32; 2] = [64, 48];
 
 fn model() -> Model {
@@ -51,6 +53,7 @@ fn picture(request: &Request, whole: bool) -> News {
         profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
         facts: Facts::default(),
         plan: Vec::new(),
+        field: None,
     }))
 }
 

@@ -2,8 +2,8 @@
 
 use egui::{ComboBox, Ui};
 
-use super::row::row;
-use crate::scene::{METHODS, Setting, method_keys};
+use super::row::{edit_row, note};
+use crate::scene::{METHODS, method_keys};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
 
@@ -13,21 +13,26 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     let mut name = method.name();
     let taken = model.picture().map(|picture| picture.method).filter(|taken| *taken != name);
     ui.horizontal(|ui| {
-        ComboBox::from_id_salt("method").selected_text(name).width(150.0).height(420.0).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("method").selected_text(name).width(150.0).height(420.0);
+        let shown = combo.show_ui(ui, |ui| {
             for other in METHODS {
                 ui.selectable_value(&mut name, other, *other);
             }
         });
+        note(ui, model, "method.name", &shown.response);
         if let Some(taken) = taken {
             ui.weak(format!("→ {taken}"));
         }
     });
     if name != method.name() {
-        model.set("method.name", Setting::Word(name.to_owned()));
+        model.set_method(name);
     }
     for key in method_keys(method.name()) {
-        if let Some((control, value)) = controls::control(&method, key) {
-            row(ui, model, &format!("method.{key}"), &controls::label(key), control, value);
+        let dotted = format!("method.{key}");
+        if let Some(entry) = controls::control(&method, key, model.extent())
+            && let (Some(edit), _) = edit_row(ui, model, &dotted, &controls::label(key), entry)
+        {
+            model.change(&controls::method_changes(&method, key, edit.value()));
         }
     }
     let warnings = model.scene().warnings.clone();

@@ -1,20 +1,24 @@
-//! The picture: what is behind it, and what is over it.
+//! The picture: what is behind it, how it is blended, and what is over it.
 
 use egui::Ui;
 
-use crate::scene::Setting;
+use super::row::row;
+use crate::scene::{ColorSpace, Setting};
+use crate::viewer::controls::{Control, Entry, Presence, rounded};
 use crate::viewer::model::Model;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    ui.horizontal(|ui| {
-        let mut color = model.scene().image.background.to_array();
-        if ui.color_edit_button_rgb(&mut color).changed() {
-            let color = color.map(|x| (f64::from(x) * 1e4).round() / 1e4).to_vec();
-            model.set("image.background", Setting::Numbers(color));
-        }
-        ui.label("background");
-    });
+    let image = model.scene().image;
+    let background = Setting::Numbers(image.background.to_array().map(rounded).to_vec());
+    let always = |control, value| Entry { control, value, presence: Presence::Always };
+    row(ui, model, "image.background", "background", always(Control::Color, background));
+    let word = match image.color {
+        ColorSpace::Linear => "linear",
+        ColorSpace::Encoded => "encoded",
+    };
+    let choice = always(Control::Choice(&["linear", "encoded"]), Setting::Word(word.to_owned()));
+    row(ui, model, "image.color", "blended in", choice);
     ui.checkbox(&mut model.shows.passes, "times of the passes (T)");
     if let Some(picture) = model.picture() {
         let [width, height] = picture.size;
