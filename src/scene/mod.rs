@@ -18,6 +18,7 @@ mod photo;
 pub mod procedural;
 mod settings;
 mod table;
+pub mod tracked;
 mod tree;
 mod view;
 

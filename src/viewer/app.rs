@@ -106,6 +106,7 @@ impl App {
         if let Some((file, source)) = options.path {
             model.take_path(file, source);
         }
+        model.progress = worker.progress.clone();
         let ctx = egui::Context::default();
         ui::style(&ctx);
         let scale = Some(window.scale_factor() as f32);

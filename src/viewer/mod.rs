@@ -3,8 +3,8 @@
 //! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
 //! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
-//! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` says what is
-//!   left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
+//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
+//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
 //!   picture; `display` makes bytes of pixels.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
@@ -21,6 +21,7 @@ mod model;
 mod navigate;
 mod overlay;
 mod panel;
+mod placed;
 mod pointer;
 mod route;
 mod save;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
+use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
 use super::census::Census;
@@ -115,6 +116,8 @@ pub struct Model {
     pub dialog: Dialog,
     /// Files that are being read or written.
     pub busy: bool,
+    /// What keeps the next picture waiting.
+    pub progress: ProgressBar,
     /// The last frames.
     pub times: VecDeque<Times>,
     /// What is shown.
@@ -153,6 +156,7 @@ impl Model {
             arriving: None,
             dialog: Dialog::default(),
             busy: false,
+            progress: ProgressBar::hidden(),
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,
@@ -226,6 +230,18 @@ impl Model {
         self.navigator = None;
         self.pose = Pose::View(view);
         self.touch();
+    }
+
+    /// Whether the worker has something to do.
+    pub fn is_waiting(&self) -> bool {
+        self.busy || matches!(self.way, Way::Asked(..))
+    }
+
+    /// What keeps the next picture waiting, and how much of that is done.
+    pub fn progress_line(&self) -> Option<String> {
+        let message = Some(self.progress.message()).filter(|message| !message.is_empty() && self.is_waiting())?;
+        let share = self.progress.length().and_then(|length| (100 * self.progress.position()).checked_div(length));
+        Some(share.map_or_else(|| message.clone(), |share| format!("{message}, {share} %")))
     }
 
     /// The point of the scene that the picture shows at a position, in pixels of the picture.
@@ -344,12 +360,12 @@ impl Model {
 
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
-        let (shows, viewport, serial) = (self.shows, self.viewport, self.serial);
+        let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
         // Keys are places in the world, which another scene may show as well.
         let mut route = std::mem::take(&mut self.route);
         route.invalidate();
         let new = Self::new(name, document, View::default(), self.budget_ms)?;
-        *self = Self { shows, viewport, serial, route, ..new };
+        *self = Self { shows, viewport, serial, route, progress, ..new };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }

@@ -1,7 +1,9 @@
 //! Over the picture: what the passes cost, what the frame met, why its passes run; and the keys.
 
+use std::time::Duration;
+
 use bytesize::ByteSize;
-use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, RichText, Sense, Ui, Window, vec2};
+use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
@@ -13,6 +15,9 @@ const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 
 /// Frames of which the median is shown.
 const RECENT: usize = 15;
+
+/// How often a window that waits looks how far the points are.
+const GLANCE: Duration = Duration::from_millis(250);
 
 /// What the keys and the pointer do.
 const KEYS: &[(&str, &str)] = &[
@@ -46,6 +51,7 @@ pub fn show(ctx: &Context, model: &mut Model) {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
         at.show(ctx, |ui| ui.label(RichText::new("the first picture is on its way").size(16.0)));
     }
+    waiting(ctx, model);
     let mut help = model.shows.help;
     Window::new("Keys").open(&mut help).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false).show(ctx, |ui| {
         Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
@@ -57,6 +63,18 @@ pub fn show(ctx: &Context, model: &mut Model) {
         });
     });
     model.shows.help = help;
+}
+
+/// What is done to points before there is another picture, while that takes long enough to be read.
+fn waiting(ctx: &Context, model: &Model) {
+    if !model.is_waiting() {
+        return;
+    }
+    ctx.request_repaint_after(GLANCE);
+    if let Some(line) = model.progress_line() {
+        let at = Area::new(Id::new("progress")).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]).interactable(false);
+        at.show(ctx, |ui| frame().show(ui, |ui| ui.add(Label::new(line).extend())));
+    }
 }
 
 fn frame() -> Frame {

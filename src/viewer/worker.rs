@@ -128,6 +128,8 @@ struct Stops {
 
 /// The thread and its two ends.
 pub struct Worker {
+    /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
+    pub progress: ProgressBar,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
     thread: Option<JoinHandle<()>>,
@@ -141,6 +143,7 @@ impl Worker {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
+        let progress = stage.progress.clone();
         let (generated, stops) = (opened.generated, Arc::new(Stops::default()));
         let mut work =
             Work { stage, setup, generated, display: Display::new(), history: History::default(), whole: None };
@@ -168,7 +171,7 @@ impl Worker {
                 }
             }
         });
-        Ok(Self { tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops })
+        Ok(Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops })
     }
 
     /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
@@ -334,9 +337,13 @@ impl Work {
     }
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
-        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &ProgressBar::hidden())?;
+        let progress = self.stage.progress.clone();
+        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &progress);
+        progress.set_message("");
+        let opened = opened?;
         let device = self.stage.renderer().device().clone();
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
+        self.stage.progress = progress;
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }

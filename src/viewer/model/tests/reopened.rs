@@ -49,7 +49,7 @@ fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let folder = tempfile::tempdir().unwrap();
     write_clouds(folder.path());
     let files = ["inner.xyz", "outer.xyz"].map(|name| folder.path().join(name));
-    let opened = scene::open(&files, &Overrides::default(), 7, &indicatif::ProgressBar::hidden()).unwrap();
+    let opened = scene::open(&files, &Overrides::default(), 7, &ProgressBar::hidden()).unwrap();
     let mut model = Model::new(opened.name.clone(), opened.document.clone(), View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
     let worker = Worker::start(&device, opened, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
