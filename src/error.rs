@@ -26,6 +26,10 @@ pub enum Error {
     #[cfg(feature = "viewer")]
     #[error(transparent)]
     NoDisplay(#[from] crate::viewer::NoDisplay),
+    /// The window had to be closed.
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    Lost(#[from] crate::viewer::Lost),
 }
 
 /// A result with the crate's [`Error`].
@@ -40,7 +44,7 @@ impl Error {
             Self::Output(e) => e.exit_status(),
             Self::Load(_) | Self::Gpu(_) | Self::Render(_) => 1,
             #[cfg(feature = "viewer")]
-            Self::NoDisplay(_) => 1,
+            Self::NoDisplay(_) | Self::Lost(_) => 1,
         }
     }
 }

@@ -2,12 +2,13 @@
 //! `PELLUCID_FAULT`. A release build has neither the variable nor the checks.
 //!
 //! Its value is `ACTION@POINT` or `ACTION@POINT:N`, as in `device-lost@wait:3`: when the point is passed for the N-th time
-//! (by default the first), the action happens, once. Points:
+//! (by default the first), the action happens, once. With `N,M,…` it happens again at the M-th time and so on. Points:
 //!
 //! | point | what is counted |
 //! |---|---|
 //! | `allocate` | allocations of device memory |
-//! | `submit`, `wait` | submissions to the device, before they are made and after they are done |
+//! | `submit`, `wait` | submissions to the device, before they are made and after they are done; not those of a window |
+//! | `show` | frames of a window, before they are submitted |
 //! | `output/create`, `output/rename`, `output/renamed` | output files: before the temporary file is made, before and after it gets its name |
 //! | `output/byte` | bytes of output files: the N-th and what follows is not written |
 //! | `cache/rename` | files of the caches, before they get their name |
@@ -62,10 +63,11 @@ mod armed {
     /// How long somebody who hangs waits for a signal.
     const PATIENCE: Duration = Duration::from_secs(120);
 
-    const POINTS: [&str; 8] = [
+    const POINTS: [&str; 9] = [
         "allocate",
         "submit",
         "wait",
+        "show",
         "output/create",
         "output/byte",
         "output/rename",
@@ -86,8 +88,8 @@ mod armed {
     struct Plan {
         action: Action,
         point: String,
-        /// From 1.
-        at: u64,
+        /// From 1, ascending.
+        at: Vec<u64>,
         passed: AtomicU64,
     }
 
@@ -103,7 +105,11 @@ mod armed {
                 "hang" => Action::Hang,
                 _ => return None,
             };
-            let at = at.parse().ok().filter(|at| *at > 0)?;
+            let at: Vec<u64> = at.split(',').map(|at| at.parse().ok()).collect::<Option<_>>()?;
+            let ascending = at.first().is_some_and(|at| *at > 0) && at.is_sorted_by(|a, b| a < b);
+            if !ascending {
+                return None;
+            }
             POINTS.contains(&point).then(|| Self { action, point: point.to_owned(), at, passed: AtomicU64::new(0) })
         }
 
@@ -113,7 +119,8 @@ mod armed {
                 return None;
             }
             let passed = self.passed.fetch_add(units, Ordering::Relaxed);
-            (passed < self.at && self.at <= passed + units).then(|| self.at - 1 - passed)
+            let due = self.at.iter().find(|at| passed < **at && **at <= passed + units);
+            due.map(|at| at - 1 - passed)
         }
     }
 
@@ -181,7 +188,11 @@ mod armed {
             assert_eq!([9, 5, 100].map(|units| plan.due("output/byte", units)), [None, Some(0), None]);
             let first = Plan::parse("kill@submit").unwrap();
             assert_eq!([1, 1].map(|units| first.due("submit", units)), [Some(0), None]);
-            for wrong in ["", "kill", "kill@nowhere", "kill@submit:0", "kill@submit:x", "burn@submit"] {
+            let again = Plan::parse("device-lost@wait:2,4").unwrap();
+            assert_eq!([1, 1, 1, 1, 1].map(|units| again.due("wait", units)), [None, Some(0), None, Some(0), None]);
+            let wrong =
+                ["", "kill", "kill@nowhere", "kill@submit:0", "kill@submit:x", "burn@submit", "kill@submit:3,3"];
+            for wrong in wrong {
                 assert!(Plan::parse(wrong).is_none(), "{wrong}");
             }
         }

@@ -4,69 +4,17 @@
 
 mod viewer {
     pub mod display;
+    pub mod garden;
     mod panel;
     pub mod window;
 }
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
-use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::output::read_image;
 use pellucid::scene::{Overrides, Scene};
-use viewer::display::{Display, SIZE};
+use viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
 use viewer::window::{Window, command};
-
-/// The window in these tests.
-const WINDOW: &str = "720x420";
-
-fn with_display(test: impl FnOnce(&Display)) {
-    match Display::start() {
-        Some(display) => test(&display),
-        None if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
-            panic!("Xvfb and xdotool are required: tools/setup.sh --tests installs them")
-        }
-        None => eprintln!("skipped, no Xvfb or no xdotool"),
-    }
-}
-
-/// A small garden as files, and the folder that they are in.
-fn garden() -> tempfile::TempDir {
-    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
-    let output = command(folder.path()).args(["scene", "garden", "--set", "points=12000", "-o", "."]).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    folder
-}
-
-/// Presses F12 and waits for the files: their common name. The pointer goes to the panel, lest it be seen in the picture.
-fn shoot(display: &Display, window: &mut Window) -> String {
-    display.do_it("mousemove 715 415");
-    display.do_it("key F12");
-    let line = window.wait_for("saved ");
-    line.split_once("saved ").unwrap().1.split(".toml").next().unwrap().to_owned()
-}
-
-/// Waits until the screen shows a picture.
-#[track_caller]
-fn wait_for_screen(display: &Display, picture: &Path) {
-    let until = Instant::now() + Duration::from_secs(60);
-    loop {
-        let differing = not_on_screen(display, picture);
-        if differing == 0 {
-            return;
-        }
-        assert!(Instant::now() < until, "{differing} pixels of {} are shown otherwise", picture.display());
-        std::thread::sleep(Duration::from_millis(100));
-    }
-}
-
-/// Renders a saved scene with further options; the bytes of the picture.
-fn rendered(folder: &Path, name: &str, options: &[&str]) -> Vec<u8> {
-    let scene = format!("{name}.toml");
-    let output = command(folder).args(["render", &scene, "-o", "again.png"]).args(options).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    std::fs::read(folder.join("again.png")).unwrap()
-}
 
 fn scene(folder: &Path, name: &str) -> Scene {
     Scene::read(&folder.join(format!("{name}.toml")), &Overrides::default()).unwrap()
@@ -77,15 +25,6 @@ fn differing(a: &Path, b: &Path) -> usize {
     let (a, b) = (read_image(a).unwrap(), read_image(b).unwrap());
     assert_eq!((a.width, a.height), (b.width, b.height));
     a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count()
-}
-
-/// Pixels of the picture that the screen shows otherwise, the picture being at its left upper corner.
-fn not_on_screen(display: &Display, picture: &Path) -> usize {
-    let image = read_image(picture).unwrap();
-    let byte = |x: f32| (255.0 * pellucid::color::encode_srgb(x) + 0.5).floor() as u8;
-    let (screen, width) = (display.pixels(), image.width as usize);
-    let shown = |i: usize| screen[i / width * SIZE[0] + i % width];
-    image.pixels.iter().enumerate().filter(|(i, pixel)| pixel.map(byte) != shown(*i)).count()
 }
 
 #[test]
@@ -106,36 +45,10 @@ fn without_a_display_the_error_names_render() {
     }
 }
 
-/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing to test.
-fn shows_windows(display: &Display) -> bool {
-    let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
-        Ok(device) if device.info().name.contains("SwiftShader") => {
-            let folder = garden();
-            let view =
-                command(folder.path()).env("DISPLAY", &display.name).args(["view", "scene.toml"]).output().unwrap();
-            let said = String::from_utf8(view.stderr).unwrap();
-            assert_eq!(view.status.code(), Some(1), "{said}");
-            assert!(said.starts_with("error: no picture can be shown in a window: "), "{said}");
-            assert!(said.contains("`pellucid render`"), "{said}");
-            false
-        }
-        Ok(_) => true,
-        Err(error) if required => panic!("a device is required: {error}"),
-        Err(error) => {
-            eprintln!("skipped, no device: {error}");
-            false
-        }
-    }
-}
-
 /// A slider of a tree's leaves, then the pointer on the picture, then the window: what is seen, saved and rendered is the same.
 #[test]
 fn what_is_seen_is_what_render_makes() {
     with_display(|display| {
-        if !shows_windows(display) {
-            return;
-        }
         let folder = garden();
         let folder = folder.path();
         let mut window = Window::open(folder, &display.name, &["view", "scene.toml", "--size", WINDOW]);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, jq and a display without a screen as well. On Debian and Ubuntu missing packages are installed with
-# apt, elsewhere they are named. Does nothing, at once, where nothing is missing.
+# layers, a browser, jq and a display without a screen with a window manager as well. On Debian and Ubuntu missing packages
+# are installed with apt, elsewhere they are named. Does nothing, at once, where nothing is missing.
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests]"
@@ -110,6 +110,9 @@ find_missing() {
     fi
     if $for_tests && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
         names+=("Xvfb and xdotool, a display and a user for the tests of the window") packages+=(xvfb xdotool)
+    fi
+    if $for_tests && ! command -v ctwm >/dev/null; then
+        names+=("ctwm, a window manager for the tests of the window") packages+=(ctwm)
     fi
     if $for_tests && ! has_x11; then
         names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)

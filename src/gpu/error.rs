@@ -157,6 +157,16 @@ fn help(result: vk::Result) -> &'static str {
 }
 
 impl Error {
+    /// Whether the device or the host had no memory left, so that the same may do at another time.
+    pub fn is_out_of_memory(&self) -> bool {
+        let none_left = [vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, vk::Result::ERROR_OUT_OF_HOST_MEMORY];
+        match self {
+            Self::OutOfMemory { .. } => true,
+            Self::Vulkan { result, .. } => none_left.contains(result),
+            _ => false,
+        }
+    }
+
     /// For `map_err`: a failed call by name.
     pub(crate) fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
         move |result| match result {

@@ -6,6 +6,8 @@
 //! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
 //!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
 //!   picture; `display` makes bytes of pixels.
+//! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
+//! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
 //! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
 //!   [`Screen`](crate::gpu::window::Screen).
 
@@ -16,7 +18,9 @@ mod controls;
 mod dialog;
 mod display;
 mod draft;
+mod graphics;
 mod hints;
+mod loss;
 mod model;
 mod navigate;
 mod overlay;
@@ -24,12 +28,15 @@ mod panel;
 mod placed;
 mod pointer;
 mod route;
+mod said;
 mod save;
 mod stage;
 mod thin;
 mod ui;
+mod visibility;
 mod worker;
 
+pub use loss::Lost;
 use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
@@ -103,13 +110,14 @@ impl Display {
     /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
     ///
     /// # Errors
-    /// No device that can show pictures in the window, a device that is lost, validation messages. What is wrong with a scene or a
+    /// No device that can show pictures in the window, one that is [`Lost`] again and again, a display that ends, validation messages.
+    /// What is wrong with a scene or a
     /// setting later on is shown in the window.
     pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
         let mut app = app::App::new(options, self.0.create_proxy(), say);
         let ran = self.0.run_app(&mut app);
         app.finish()?;
-        ran.map_err(no_display)
+        ran.map_err(|error| Lost::Display(plain(&error.to_string())).into())
     }
 }
 

@@ -358,6 +358,14 @@ impl Model {
         Ok(())
     }
 
+    /// Asks anew for a picture, and tells why: whoever was asked for one is gone, and so are files that were on their way unless
+    /// `busy`.
+    pub fn start_anew(&mut self, why: String, busy: bool) {
+        self.way = Way::Changed;
+        self.busy = busy || !self.tasks.is_empty();
+        self.message = Some((why, true));
+    }
+
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
         let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());

@@ -33,6 +33,7 @@ const KEYS: &[(&str, &str)] = &[
     ("P", "perspective or orthographic"),
     ("T", "times of the passes"),
     ("H", "panel"),
+    ("F11", "the whole screen"),
     ("F12", "save the picture and its scene"),
     ("Ctrl + O", "open a scene, clouds or a camera path"),
     ("Ctrl + S, Ctrl + Shift + S", "save the scene, under any name"),

@@ -31,6 +31,11 @@ impl Sources {
         &self.clouds
     }
 
+    /// The clouds, when everything else goes.
+    pub fn into_clouds(self) -> Vec<Cloud> {
+        self.clouds
+    }
+
     /// The seed of stochastic methods.
     pub fn seed(&self) -> u64 {
         self.seed

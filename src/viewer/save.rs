@@ -45,7 +45,11 @@ pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> 
     }
     if saving.picture {
         let picture = scene_path.with_extension("png");
-        render(stage, &scene_path, &picture, seed)?;
+        if let Err(error) = render(stage, &scene_path, &picture, seed) {
+            // Files that belong together are there together.
+            let _ = std::fs::remove_file(&scene_path);
+            return Err(error);
+        }
         written.push(picture);
     }
     Ok(written)

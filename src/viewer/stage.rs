@@ -106,6 +106,11 @@ impl Stage {
         self.sources.clouds()
     }
 
+    /// The clouds, when everything else goes.
+    pub fn into_clouds(self) -> Vec<Cloud> {
+        self.sources.into_clouds()
+    }
+
     /// Takes an image back whose memory the next one may have.
     pub fn recycle(&mut self, image: crate::image::Image) {
         self.renderer.recycle(image);

@@ -1,6 +1,6 @@
 //! The thread that renders, so that the window answers however long a frame takes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -12,15 +12,17 @@ use super::accuracy::{Accuracy, History, Rung, Standing};
 use super::census::{Census, FieldFacts};
 use super::display::{self, Display};
 use super::draft::Effort;
+use super::loss;
 use super::navigate::Subject;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, Taken};
 use crate::camera::import::Source;
 use crate::camera::{Camera, path};
+use crate::cloud::Cloud;
 use crate::gpu::{self, Device};
 use crate::methods::{Facts, Frame, FrameProfile};
 use crate::plan::Step;
-use crate::scene::{self, Document, Opened, Overrides, Scene};
+use crate::scene::{self, Document, Overrides, Scene};
 use crate::{Error, Result};
 
 /// A picture that is wanted.
@@ -122,8 +124,27 @@ impl Task {
 struct Stops {
     /// Whether what runs may be stopped.
     may: AtomicBool,
-    /// Whether the window is closed.
+    /// Whether the window is closed: nothing is done any more but what is to be saved.
     closing: AtomicBool,
+    /// Whether the thread is to end with nothing done any more.
+    ending: AtomicBool,
+}
+
+impl Stops {
+    fn allow(&self, task: &Task) -> bool {
+        let is_save = matches!(task, Task::Save(_));
+        !self.ending.load(Ordering::SeqCst) && (is_save || !self.closing.load(Ordering::SeqCst))
+    }
+}
+
+/// What a thread works on, at its beginning and at its end.
+pub struct Held {
+    /// The clouds as they were read.
+    pub clouds: Vec<Cloud>,
+    /// Whether no file holds them.
+    pub generated: bool,
+    /// What was asked for and not done, but for pictures.
+    pub tasks: Vec<Task>,
 }
 
 /// The thread and its two ends.
@@ -132,46 +153,32 @@ pub struct Worker {
     pub progress: ProgressBar,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
-    thread: Option<JoinHandle<()>>,
+    /// Gives back what it held, and the tasks that it has not looked at.
+    thread: Option<JoinHandle<(Held, Receiver<Task>)>>,
     device: Device,
     stops: Arc<Stops>,
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called after each piece of news.
-    pub fn start(device: &Device, opened: Opened, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
+    /// Starts the thread, with tasks that it has already. `wake` is called after each piece of news.
+    pub fn start(device: &Device, held: Held, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
-        let stage = Stage::new(device, opened.clouds, setup.seed, setup.memory_budget)?;
+        let stage = Stage::new(device, held.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
-        let (generated, stops) = (opened.generated, Arc::new(Stops::default()));
-        let mut work =
-            Work { stage, setup, generated, display: Display::new(), history: History::default(), whole: None };
-        let (renders, stoppable) = (device.clone(), stops.clone());
-        let thread = std::thread::spawn(move || {
+        let (display, history) = (Display::new(), History::default());
+        let work = Work { stage, setup, generated: held.generated, display, history, whole: None };
+        let tell = move |news| {
             // Nobody listens any more if the window is closed.
-            let tell = |news| teller.send(news).map(|()| wake()).is_ok();
-            if !tell(work.census()) {
-                return;
-            }
-            while let Ok(task) = waiting.recv() {
-                for task in latest(task, &waiting) {
-                    renders.allow_submissions(None);
-                    stoppable.may.store(task.may_stop(), Ordering::SeqCst);
-                    // What was to be written is written, however soon the window is closed.
-                    if stoppable.closing.load(Ordering::SeqCst) && !matches!(task, Task::Save(_)) {
-                        continue;
-                    }
-                    let news = work.run(task);
-                    stoppable.may.store(false, Ordering::SeqCst);
-                    let others = matches!(news, News::Opened(..));
-                    if !tell(news) || (others && !tell(work.census())) {
-                        return;
-                    }
-                }
-            }
-        });
-        Ok(Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops })
+            let _ = teller.send(news);
+            wake();
+        };
+        let stops = Arc::new(Stops::default());
+        let stoppable = stops.clone();
+        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, tell));
+        let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
+        held.tasks.into_iter().for_each(|task| worker.ask(task));
+        Ok(worker)
     }
 
     /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
@@ -192,6 +199,18 @@ impl Worker {
         if self.stops.may.load(Ordering::SeqCst) {
             self.device.allow_submissions(Some(0));
         }
+    }
+
+    /// Ends the thread as soon as it can be; what it held, and the news that nobody has seen. `None` after a panic, which the
+    /// thread itself has printed.
+    pub fn end(mut self) -> Option<(Held, Vec<News>)> {
+        self.stops.ending.store(true, Ordering::SeqCst);
+        self.device.allow_submissions(Some(0));
+        self.tasks = None;
+        let (mut held, waiting) = self.thread.take()?.join().ok()?;
+        held.tasks.extend(waiting.try_iter());
+        held.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Cameras(_) | Task::Save(_)));
+        Some((held, self.news.try_iter().collect()))
     }
 
     /// The next piece of news, if there is one.
@@ -255,17 +274,46 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
 }
 
 impl Work {
-    fn run(&mut self, task: Task) -> News {
+    /// Does what is asked for until nobody can ask any more, the device is lost or the thread is to end.
+    fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, tell: impl Fn(News)) -> (Held, Receiver<Task>) {
+        let device = self.stage.renderer().device().clone();
+        let (mut left, mut lost) = (Vec::new(), false);
+        tell(self.census());
+        while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
+            for task in latest(task, &waiting) {
+                device.allow_submissions(None);
+                stops.may.store(task.may_stop(), Ordering::SeqCst);
+                // What was to be written is written, however soon the window is closed.
+                if lost || !stops.allow(&task) {
+                    left.push(task);
+                    continue;
+                }
+                let news = self.run(&task);
+                stops.may.store(false, Ordering::SeqCst);
+                lost = matches!(news, News::Lost(_));
+                if lost || stops.ending.load(Ordering::SeqCst) && matches!(news, News::Stopped(_)) {
+                    left.push(task);
+                }
+                let others = matches!(news, News::Opened(..));
+                tell(news);
+                if others {
+                    tell(self.census());
+                }
+            }
+        }
+        (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+    }
+
+    fn run(&mut self, task: &Task) -> News {
         let (serial, done) = match task {
-            Task::Show(request) => (request.serial, self.show(&request)),
-            Task::Measure(serial) => (serial, self.measure(serial)),
-            Task::Open(files) => (0, self.open(&files)),
+            Task::Show(request) => (request.serial, self.show(request)),
+            Task::Measure(serial) => (*serial, self.measure(*serial)),
+            Task::Open(files) => (0, self.open(files)),
             Task::Cameras(file) => return cameras(file),
-            Task::Save(saving) => (0, self.save(&saving)),
+            Task::Save(saving) => (0, self.save(saving)),
         };
         done.unwrap_or_else(|error| match error {
-            Error::Gpu(gpu::Error::Lost { .. }) => News::Lost(error),
-            Error::Render(crate::methods::Error::Gpu(gpu::Error::Lost { .. })) => News::Lost(error),
+            error if loss::during(&error).is_some() => News::Lost(error),
             Error::Gpu(gpu::Error::Stopped { .. }) => News::Stopped(serial),
             Error::Render(crate::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
             error => News::Failed(serial, error.to_string()),
@@ -354,9 +402,9 @@ impl Work {
 }
 
 /// Reads cameras; where a file holds something else, what it could hold.
-fn cameras(file: PathBuf) -> News {
-    match Source::read(&file) {
-        Ok(source) => News::Cameras(file, Box::new(source)),
+fn cameras(file: &Path) -> News {
+    match Source::read(file) {
+        Ok(source) => News::Cameras(file.to_owned(), Box::new(source)),
         Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
         Err(error) => News::Failed(
             0,
@@ -378,7 +426,7 @@ mod tests {
         let failed = |name: &str, text: &str| {
             let file = folder.path().join(name);
             std::fs::write(&file, text).unwrap();
-            match cameras(file) {
+            match cameras(&file) {
                 News::Failed(0, message) => message,
                 _ => panic!("{name} holds no cameras"),
             }
@@ -392,7 +440,7 @@ mod tests {
             assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
             assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
         }
-        assert!(matches!(cameras(folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
+        assert!(matches!(cameras(&folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
     }
 
     #[test]

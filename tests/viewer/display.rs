@@ -21,7 +21,7 @@ impl Display {
         let memory = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
         let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0", &screen, "-fbdir"])
+            .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen, "-fbdir"])
             .arg(memory.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())

@@ -6,8 +6,9 @@ use pellucid::prepare::field::Field;
 use pellucid::scene::{Density, Scene, Shadows, Shells, Soft};
 
 use super::display::Display;
+use super::garden::{garden, rendered, shoot, with_display};
 use super::window::Window;
-use crate::{garden, rendered, scene, shoot, shows_windows, with_display};
+use crate::scene;
 
 /// High enough for every control that is used here.
 const WINDOW: &str = "900x690";
@@ -59,9 +60,6 @@ impl<'a> Desk<'a> {
 #[test]
 fn soft_points_are_chosen_in_the_panel() {
     with_display(|display| {
-        if !shows_windows(display) {
-            return;
-        }
         let folder = garden();
         let text = "[method]\nname = 'soft-concentric'\nthreshold = 0.25\n[[cloud]]\npath = 'leaves.ply'\n\
             field = 'classification'\nsoft_classes = [3]\n";
@@ -100,9 +98,6 @@ fn soft_points_are_chosen_in_the_panel() {
 #[test]
 fn a_field_that_is_taken_back_is_the_default_again() {
     with_display(|display| {
-        if !shows_windows(display) {
-            return;
-        }
         let folder = garden();
         let text = "[method]\nname = 'soft-express'\nthreshold = 0.1\n[[cloud]]\npath = 'wood.ply'\n\
             field = 'z'\nneighbors = 5\n";
@@ -126,9 +121,6 @@ fn a_field_that_is_taken_back_is_the_default_again() {
 #[test]
 fn light_and_shadows_are_set_in_the_panel() {
     with_display(|display| {
-        if !shows_windows(display) {
-            return;
-        }
         let folder = garden();
         let text = "[method]\nname = 'circles'\n[shading]\nmodel = 'phong'\nlight = [0.5, 0.5, -1.0]\n[shadows]\n\
             [[cloud]]\npath = 'structure.ply'\n";

@@ -12,8 +12,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 type Lines = Arc<(Mutex<Vec<String>>, Condvar)>;
 
 pub struct Window {
-    process: Child,
-    lines: Lines,
+    pub process: Child,
+    pub lines: Lines,
     /// Lines that were looked at.
     seen: usize,
 }
@@ -21,7 +21,13 @@ pub struct Window {
 impl Window {
     /// Opens the viewer in `folder`.
     pub fn open(folder: &Path, display: &str, arguments: &[&str]) -> Self {
-        let mut process = command(folder).env("DISPLAY", display).arg("-v").args(arguments).spawn().unwrap();
+        Self::open_with(folder, &[("DISPLAY", display)], arguments)
+    }
+
+    /// The same, with further variables of the environment; `DISPLAY` is one of them.
+    pub fn open_with(folder: &Path, variables: &[(&str, &str)], arguments: &[&str]) -> Self {
+        let variables = variables.iter().copied();
+        let mut process = command(folder).envs(variables).arg("-v").args(arguments).spawn().unwrap();
         let lines = Lines::default();
         let (read, to) = (process.stderr.take().unwrap(), lines.clone());
         std::thread::spawn(move || {

@@ -8,7 +8,7 @@ mod screen;
 mod surface;
 mod swapchain;
 
-pub use panel::Drawing;
+pub use panel::{Drawing, Textures};
 pub use screen::{Picture, Screen, Shown};
 pub(super) use surface::extensions;
 pub use surface::{Handle, Handles, Surface};

@@ -1,10 +1,10 @@
 //! What egui draws over a picture.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use ash::vk;
 use egui::epaint::ImageDelta;
-use egui::{ClippedPrimitive, ColorImage, ImageData, TextureId, TexturesDelta};
+use egui::{ClippedPrimitive, ColorImage, ImageData, TextureId, TextureOptions, TexturesDelta};
 use egui_ash_renderer::{DynamicRendering, Options, Renderer, RendererError};
 
 use crate::gpu::{Context, Error};
@@ -19,55 +19,74 @@ pub struct Drawing {
     pub pixels_per_point: f32,
 }
 
+/// What egui has brought to a screen, as a whole: egui itself tells each change once.
+#[derive(Default)]
+pub struct Textures(HashMap<TextureId, (ColorImage, TextureOptions)>);
+
 /// Draws with egui's own textures.
 pub struct Painter {
     renderer: Renderer,
     /// The textures as they are. The renderer would let go of what surrounds a part that changes; it gets all of it instead.
-    textures: HashMap<TextureId, ColorImage>,
+    pub textures: Textures,
+    /// Those that the device doesn't have as they are.
+    stale: BTreeSet<TextureId>,
 }
 
 fn failed(error: RendererError) -> Error {
     match error {
         RendererError::Vulkan(vk::Result::ERROR_DEVICE_LOST) => Error::Lost { during: "drawing the panel".into() },
+        RendererError::Vulkan(result) => Error::Vulkan { call: "drawing the panel", result },
         error => Error::NoSurface(format!("the panel can't be drawn ({error})")),
     }
 }
 
 impl Painter {
-    pub fn new(context: &Context, format: vk::Format) -> Result<Self, Error> {
+    /// With the textures of an earlier screen, if there was one.
+    pub fn new(context: &Context, format: vk::Format, textures: Textures) -> Result<Self, Error> {
         let target = DynamicRendering { color_attachment_format: format, depth_attachment_format: None };
         let (raw, device) = (&context.instance.raw, context.device.clone());
         let renderer = Renderer::with_default_allocator(raw, context.physical, device, target, Options::default());
-        Ok(Self { renderer: renderer.map_err(failed)?, textures: HashMap::new() })
+        let stale = textures.0.keys().copied().collect();
+        Ok(Self { renderer: renderer.map_err(failed)?, textures, stale })
     }
 
-    /// Brings textures to the device; nothing that was drawn with them is still under way. The caller holds the queue.
-    pub fn set_textures(
-        &mut self,
-        context: &Context,
-        pool: vk::CommandPool,
-        set: &[(TextureId, ImageDelta)],
-    ) -> Result<(), Error> {
-        let mut whole: Vec<(TextureId, ImageDelta)> = Vec::new();
+    /// Takes in textures that are new or have changed.
+    pub fn take_in(&mut self, set: &[(TextureId, ImageDelta)]) {
         for (id, delta) in set {
             let ImageData::Color(part) = &delta.image;
-            match (delta.pos, self.textures.get_mut(id)) {
-                (Some(at), Some(texture)) => insert(texture, part, at),
+            match (delta.pos, self.textures.0.get_mut(id)) {
+                (Some(at), Some((texture, _))) => insert(texture, part, at),
                 _ => {
-                    self.textures.insert(*id, ColorImage::clone(part));
+                    self.textures.0.insert(*id, (ColorImage::clone(part), delta.options));
                 }
             }
-            whole.retain(|(other, _)| other != id);
-            if let Some(texture) = self.textures.get(id) {
-                whole.push((*id, ImageDelta::full(texture.clone(), delta.options)));
-            }
+            self.stale.insert(*id);
         }
-        self.renderer.set_textures(context.queue, pool, &whole).map_err(failed)
+    }
+
+    /// Whether [`Self::bring_textures`] has something to do.
+    pub fn is_stale(&self) -> bool {
+        !self.stale.is_empty()
+    }
+
+    /// Brings textures to the device; nothing that was drawn with them is still under way. The caller holds the queue. What could not
+    /// be brought is tried again the next time.
+    pub fn bring_textures(&mut self, context: &Context, pool: vk::CommandPool) -> Result<(), Error> {
+        let whole = |id: &TextureId| {
+            self.textures.0.get(id).map(|(texture, options)| (*id, ImageDelta::full(texture.clone(), *options)))
+        };
+        let whole: Vec<_> = self.stale.iter().filter_map(whole).collect();
+        self.renderer.set_textures(context.queue, pool, &whole).map_err(failed)?;
+        self.stale.clear();
+        Ok(())
     }
 
     /// Frees textures; nothing that was drawn with them is still under way.
     pub fn free_textures(&mut self, ids: &[TextureId]) -> Result<(), Error> {
-        ids.iter().for_each(|id| drop(self.textures.remove(id)));
+        for id in ids {
+            self.textures.0.remove(id);
+            self.stale.remove(id);
+        }
         self.renderer.free_textures(ids).map_err(failed)
     }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use ash::{khr, vk};
 
-use super::panel::{Drawing, Painter};
-use super::swapchain::{self, RANGE, Swapchain};
+use super::panel::{Drawing, Painter, Textures};
+use super::swapchain::{self, RANGE, Swapchain, failed};
 use crate::gpu::context::lock;
 use crate::gpu::{Context, Device, Error, Kept, Memory};
 
@@ -37,7 +37,6 @@ pub struct Screen {
     swapchain: Option<Swapchain>,
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
-    acquired: vk::Semaphore,
     fence: vk::Fence,
     painter: Option<Painter>,
     staging: Kept<u32>,
@@ -46,11 +45,11 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// The screen of a device that was opened with [`Device::open_for`].
+    /// The screen of a device that was opened with [`Device::open_for`], with the textures of the one before it, if there was one.
     ///
     /// # Errors
     /// [`Error::NoSurface`] if the window takes no 8-bit pictures, and whatever Vulkan says.
-    pub fn new(device: &Device) -> Result<Self, Error> {
+    pub fn new(device: &Device, textures: Textures) -> Result<Self, Error> {
         let context = device.0.clone();
         let format = swapchain::format(&context)?;
         let loader = khr::swapchain::Device::new(&context.instance.raw, &context.device);
@@ -61,9 +60,8 @@ impl Screen {
             swapchain: None,
             pool: vk::CommandPool::null(),
             commands: vk::CommandBuffer::null(),
-            acquired: vk::Semaphore::null(),
             fence: vk::Fence::null(),
-            painter: Some(Painter::new(&context, format.format)?),
+            painter: Some(Painter::new(&context, format.format, textures)?),
             staging: Kept::new("picture", Memory::Upload),
             stale: true,
             context,
@@ -82,8 +80,6 @@ impl Screen {
             self.pool = device.create_command_pool(&pool, None).map_err(Error::call("vkCreateCommandPool"))?;
             let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
             self.commands = device.allocate_command_buffers(&info).map_err(Error::call("vkAllocateCommandBuffers"))?[0];
-            let semaphore = device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None);
-            self.acquired = semaphore.map_err(Error::call("vkCreateSemaphore"))?;
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None);
             self.fence = fence.map_err(Error::call("vkCreateFence"))?;
         }
@@ -95,46 +91,78 @@ impl Screen {
         self.stale = true;
     }
 
+    /// What egui has brought so far, for a screen that takes this one's place.
+    pub fn take_textures(&mut self) -> Textures {
+        self.painter.as_mut().map(|painter| std::mem::take(&mut painter.textures)).unwrap_or_default()
+    }
+
     /// Shows a picture with a drawing over it in a window of this size (physical pixels); returns when the device is done.
+    /// `about_to_present` is called just before the window gets the picture, if it does.
     ///
     /// # Errors
     /// [`Error::Lost`] if the device or the surface is lost; a picture of another length than its size says is
-    /// [`Error::NoSurface`].
-    pub fn show(&mut self, size: [u32; 2], picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<Shown, Error> {
-        self.painter_set(drawing)?;
-        let shown = self.show_with_textures(size, picture, drawing);
+    /// [`Error::NoSurface`]. After an error for want of memory the next frame may do.
+    pub fn show(
+        &mut self,
+        size: [u32; 2],
+        picture: Option<&Picture<'_>>,
+        drawing: &Drawing,
+        about_to_present: &dyn Fn(),
+    ) -> Result<Shown, Error> {
+        let Some(painter) = &mut self.painter else { return Ok(Shown::NotNow) };
+        painter.take_in(&drawing.textures.set);
+        let shown = self
+            .bring_textures()
+            .and_then(|()| self.draw(size, picture, drawing))
+            .and_then(|index| index.map_or(Ok(Shown::NotNow), |index| self.present(index, about_to_present)));
+        if shown.is_err() {
+            self.give_up();
+        }
         if let Some(painter) = &mut self.painter {
             painter.free_textures(&drawing.textures.free)?;
         }
         shown
     }
 
-    fn painter_set(&mut self, drawing: &Drawing) -> Result<(), Error> {
+    fn bring_textures(&mut self) -> Result<(), Error> {
+        let Some(painter) = self.painter.as_mut().filter(|painter| painter.is_stale()) else { return Ok(()) };
         let guard = lock(&self.context.submission);
-        let set = match &mut self.painter {
-            Some(painter) if !drawing.textures.set.is_empty() => {
-                painter.set_textures(&self.context, self.pool, &drawing.textures.set)
-            }
-            _ => Ok(()),
-        };
+        let brought = painter.bring_textures(&self.context, self.pool);
         drop(guard);
-        set
+        brought
     }
 
-    fn show_with_textures(
-        &mut self,
-        size: [u32; 2],
-        picture: Option<&Picture<'_>>,
-        drawing: &Drawing,
-    ) -> Result<Shown, Error> {
+    /// Draws to an image of the window, if it has one to give.
+    fn draw(&mut self, size: [u32; 2], picture: Option<&Picture<'_>>, drawing: &Drawing) -> Result<Option<u32>, Error> {
+        self.stage(picture)?;
         if self.stale {
             self.renew(size)?;
         }
-        let Some(index) = self.acquire()? else { return Ok(Shown::NotNow) };
-        self.stage(picture)?;
+        let Some(index) = self.acquire()? else { return Ok(None) };
         self.record(index, picture, drawing)?;
         self.submit(index)?;
-        self.present(index)
+        Ok(Some(index))
+    }
+
+    /// After a frame that was not shown: it may have an image for ever, and the semaphore of it.
+    fn give_up(&mut self) {
+        if let Some(old) = self.swapchain.take() {
+            self.destroy(&old);
+        }
+        // SAFETY: whatever was submitted is over; what can't be reset is an error when it is begun.
+        let _ =
+            unsafe { self.context.device.reset_command_buffer(self.commands, vk::CommandBufferResetFlags::empty()) };
+        self.stale = true;
+    }
+
+    fn destroy(&self, old: &Swapchain) {
+        let guard = lock(&self.context.submission);
+        // SAFETY: the wait ends all that uses the images, presenting included; a lost device uses nothing.
+        unsafe {
+            let _ = self.context.device.queue_wait_idle(self.context.queue);
+            old.destroy(&self.context, &self.loader);
+        }
+        drop(guard);
     }
 
     /// A swapchain that fits the window, or none while it has no area.
@@ -143,13 +171,7 @@ impl Screen {
         let raw = old.as_ref().map(|old| old.raw);
         let made = Swapchain::new(&self.context, &self.loader, self.format, size, raw);
         if let Some(old) = old {
-            let guard = lock(&self.context.submission);
-            // SAFETY: the wait ends all that uses the images, presenting included; a lost device uses nothing.
-            unsafe {
-                let _ = self.context.device.queue_wait_idle(self.context.queue);
-                old.destroy(&self.context, &self.loader);
-            }
-            drop(guard);
+            self.destroy(&old);
         }
         self.swapchain = made?;
         self.stale = self.swapchain.is_none();
@@ -160,8 +182,9 @@ impl Screen {
     fn acquire(&mut self) -> Result<Option<u32>, Error> {
         let Some(swapchain) = &self.swapchain else { return Ok(None) };
         // SAFETY: the semaphore was waited for by the last submission, which is over.
-        let acquired =
-            unsafe { self.loader.acquire_next_image(swapchain.raw, PATIENCE_NS, self.acquired, vk::Fence::null()) };
+        let acquired = unsafe {
+            self.loader.acquire_next_image(swapchain.raw, PATIENCE_NS, swapchain.acquired, vk::Fence::null())
+        };
         match acquired {
             Ok((index, suboptimal)) => {
                 self.stale = suboptimal;
@@ -173,7 +196,7 @@ impl Screen {
             }
             // A window that nobody sees may give none.
             Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
-            Err(result) => Err(lost("vkAcquireNextImageKHR", result)),
+            Err(result) => Err(failed("vkAcquireNextImageKHR")(result)),
         }
     }
 
@@ -229,7 +252,7 @@ impl Screen {
     fn submit(&self, index: u32) -> Result<(), Error> {
         let Some(swapchain) = &self.swapchain else { return Ok(()) };
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let wait = [vk::SemaphoreSubmitInfo::default().semaphore(self.acquired).stage_mask(all)];
+        let wait = [vk::SemaphoreSubmitInfo::default().semaphore(swapchain.acquired).stage_mask(all)];
         let finished = swapchain.finished[index as usize];
         let signal = [vk::SemaphoreSubmitInfo::default().semaphore(finished).stage_mask(all)];
         let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
@@ -241,22 +264,25 @@ impl Screen {
         let guard = lock(&self.context.submission);
         // SAFETY: the command buffer is complete, the fence unsignalled; a semaphore of an image is waited for by its
         // presentation before the image is acquired again.
-        let submitted = unsafe { device.queue_submit2(self.context.queue, &[submit], self.fence) };
+        let submitted = unsafe {
+            crate::fault::vulkan("show").and_then(|()| device.queue_submit2(self.context.queue, &[submit], self.fence))
+        };
         drop(guard);
-        submitted.map_err(|result| lost("vkQueueSubmit2", result))?;
+        submitted.map_err(failed("vkQueueSubmit2"))?;
         // SAFETY: the fence is that of the submission.
         unsafe {
-            device.wait_for_fences(&fences, true, u64::MAX).map_err(|result| lost("vkWaitForFences", result))?;
-            device.reset_fences(&fences).map_err(|result| lost("vkResetFences", result))
+            device.wait_for_fences(&fences, true, u64::MAX).map_err(failed("vkWaitForFences"))?;
+            device.reset_fences(&fences).map_err(failed("vkResetFences"))
         }
     }
 
-    fn present(&mut self, index: u32) -> Result<Shown, Error> {
+    fn present(&mut self, index: u32, about_to_present: &dyn Fn()) -> Result<Shown, Error> {
         let Some(swapchain) = &self.swapchain else { return Ok(Shown::NotNow) };
         let (swapchains, indices) = ([swapchain.raw], [index]);
         let finished = [swapchain.finished[index as usize]];
         let info =
             vk::PresentInfoKHR::default().wait_semaphores(&finished).swapchains(&swapchains).image_indices(&indices);
+        about_to_present();
         let guard = lock(&self.context.submission);
         // SAFETY: the image was acquired and is in the layout for presenting.
         let presented = unsafe { self.loader.queue_present(self.context.queue, &info) };
@@ -270,7 +296,7 @@ impl Screen {
                 self.stale = true;
                 Ok(Shown::NotNow)
             }
-            Err(result) => Err(lost("vkQueuePresentKHR", result)),
+            Err(result) => Err(failed("vkQueuePresentKHR")(result)),
         }
     }
 }
@@ -288,7 +314,6 @@ impl Drop for Screen {
                 swapchain.destroy(&self.context, &self.loader);
             }
             device.destroy_fence(self.fence, None);
-            device.destroy_semaphore(self.acquired, None);
             device.destroy_command_pool(self.pool, None);
         }
         drop(guard);
@@ -301,13 +326,6 @@ const PATIENCE_NS: u64 = 200_000_000;
 const GRAY: f32 = 0.1;
 const COPIED: vk::ImageLayout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
 const DRAWN: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-
-fn lost(call: &'static str, result: vk::Result) -> Error {
-    match result {
-        vk::Result::ERROR_DEVICE_LOST | vk::Result::ERROR_SURFACE_LOST_KHR => Error::Lost { during: call.to_owned() },
-        result => Error::Vulkan { call, result },
-    }
-}
 
 /// The part of a picture that the window has room for; `None` if there is none.
 fn region(picture: &Picture<'_>, extent: vk::Extent2D) -> Option<vk::BufferImageCopy> {

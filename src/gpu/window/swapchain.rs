@@ -9,7 +9,7 @@ pub fn format(context: &Context) -> Result<vk::SurfaceFormatKHR, Error> {
     let Some(surface) = &context.instance.surface else { return Err(no_surface()) };
     // SAFETY: a plain query on a live surface.
     let formats = unsafe { surface.loader.get_physical_device_surface_formats(context.physical, surface.raw) }
-        .map_err(Error::call("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
+        .map_err(failed("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
     let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let srgb = |f: &&vk::SurfaceFormatKHR| f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR;
     let found = formats.iter().filter(srgb).find(|f| wanted.contains(&f.format)).copied();
@@ -20,12 +20,24 @@ pub fn no_surface() -> Error {
     Error::NoSurface("the device was opened without a window".into())
 }
 
-/// A swapchain with what belongs to each of its images.
+/// A failed call by name. Without its surface nothing can be shown any more, as without the device.
+pub fn failed(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST | vk::Result::ERROR_SURFACE_LOST_KHR => {
+            Error::Lost { during: format!("showing a picture in the window ({call})") }
+        }
+        result => Error::Vulkan { call, result },
+    }
+}
+
+/// A swapchain with what belongs to it and to each of its images.
 pub struct Swapchain {
     pub raw: vk::SwapchainKHR,
     pub extent: vk::Extent2D,
     pub images: Vec<vk::Image>,
     pub views: Vec<vk::ImageView>,
+    /// Signalled when an image may be drawn to.
+    pub acquired: vk::Semaphore,
     /// Signalled when an image may be presented.
     pub finished: Vec<vk::Semaphore>,
 }
@@ -42,7 +54,7 @@ impl Swapchain {
         let Some(surface) = &context.instance.surface else { return Err(no_surface()) };
         // SAFETY: a plain query on a live surface.
         let able = unsafe { surface.loader.get_physical_device_surface_capabilities(context.physical, surface.raw) }
-            .map_err(Error::call("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?;
+            .map_err(failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?;
         if !able.supported_usage_flags.contains(USAGE) {
             return Err(Error::NoSurface("the window takes no copies of pictures".into()));
         }
@@ -65,8 +77,9 @@ impl Swapchain {
             .clipped(true)
             .old_swapchain(old.unwrap_or_default());
         // SAFETY: the surface is alive and supported by this device; nobody uses the old swapchain any more.
-        let raw = unsafe { loader.create_swapchain(&info, None) }.map_err(Error::call("vkCreateSwapchainKHR"))?;
-        let mut made = Self { raw, extent, images: Vec::new(), views: Vec::new(), finished: Vec::new() };
+        let raw = unsafe { loader.create_swapchain(&info, None) }.map_err(failed("vkCreateSwapchainKHR"))?;
+        let acquired = vk::Semaphore::null();
+        let mut made = Self { raw, extent, images: Vec::new(), views: Vec::new(), acquired, finished: Vec::new() };
         match made.fill(context, loader, format.format) {
             Ok(()) => Ok(Some(made)),
             Err(error) => {
@@ -80,23 +93,25 @@ impl Swapchain {
     fn fill(&mut self, context: &Context, loader: &khr::swapchain::Device, format: vk::Format) -> Result<(), Error> {
         // SAFETY: the swapchain was just made; what is made here is destroyed with it.
         unsafe {
-            self.images = loader.get_swapchain_images(self.raw).map_err(Error::call("vkGetSwapchainImagesKHR"))?;
+            self.images = loader.get_swapchain_images(self.raw).map_err(failed("vkGetSwapchainImagesKHR"))?;
+            let acquired = context.device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None);
+            self.acquired = acquired.map_err(failed("vkCreateSemaphore"))?;
             for image in &self.images {
                 let info = vk::ImageViewCreateInfo::default()
                     .image(*image)
                     .view_type(vk::ImageViewType::TYPE_2D)
                     .format(format)
                     .subresource_range(RANGE);
-                let view = context.device.create_image_view(&info, None).map_err(Error::call("vkCreateImageView"))?;
+                let view = context.device.create_image_view(&info, None).map_err(failed("vkCreateImageView"))?;
                 self.views.push(view);
                 let semaphore = context.device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None);
-                self.finished.push(semaphore.map_err(Error::call("vkCreateSemaphore"))?);
+                self.finished.push(semaphore.map_err(failed("vkCreateSemaphore"))?);
             }
         }
         Ok(())
     }
 
-    /// Destroys the handles.
+    /// Destroys the handles; null handles are ignored.
     ///
     /// # Safety
     /// The device has finished with the images, or is lost.
@@ -106,6 +121,8 @@ impl Swapchain {
             self.views.iter().for_each(|view| context.device.destroy_image_view(*view, None));
             self.finished.iter().for_each(|semaphore| context.device.destroy_semaphore(*semaphore, None));
             loader.destroy_swapchain(self.raw, None);
+            // After the swapchain, which may have an image of which nobody took note.
+            context.device.destroy_semaphore(self.acquired, None);
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::gpu::{Device, DeviceOptions};
-use crate::scene;
-use crate::viewer::worker::{Setup, Worker};
+use crate::scene::{self, Opened};
+use crate::viewer::worker::{Held, Setup, Worker};
 
 /// Runs the tasks of a model until a picture is there that nothing was left out of; the bytes of that picture.
 fn settle(model: &mut Model, worker: &Worker) -> Vec<u8> {
@@ -50,9 +50,11 @@ fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     write_clouds(folder.path());
     let files = ["inner.xyz", "outer.xyz"].map(|name| folder.path().join(name));
     let opened = scene::open(&files, &Overrides::default(), 7, &ProgressBar::hidden()).unwrap();
-    let mut model = Model::new(opened.name.clone(), opened.document.clone(), View::default(), 33.0).unwrap();
+    let Opened { name, document, clouds, generated } = opened;
+    let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let worker = Worker::start(&device, opened, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
+    let held = Held { clouds, generated, tasks: Vec::new() };
+    let worker = Worker::start(&device, held, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),

@@ -1,0 +1,101 @@
+//! A small scene in a window, and whether its pictures are right.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use pellucid::gpu::{Device, DeviceOptions};
+use pellucid::output::read_image;
+
+use super::display::{Display, SIZE};
+use super::window::{Window, command};
+
+/// The window in most tests.
+pub const WINDOW: &str = "720x420";
+
+/// Runs a test on a display, if there is one and a device that shows pictures there.
+pub fn with_display(test: impl FnOnce(&Display)) {
+    match Display::start() {
+        Some(display) if shows_windows(&display) => test(&display),
+        Some(_) => {}
+        None if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
+            panic!("Xvfb and xdotool are required: tools/setup.sh --tests installs them")
+        }
+        None => eprintln!("skipped, no Xvfb or no xdotool"),
+    }
+}
+
+/// A small garden as files, and the folder that they are in.
+pub fn garden() -> tempfile::TempDir {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let output = command(folder.path()).args(["scene", "garden", "--set", "points=12000", "-o", "."]).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    folder
+}
+
+/// Presses F12 and waits for the files: their common name. The pointer goes to the panel, lest it be seen in the picture.
+pub fn shoot(display: &Display, window: &mut Window) -> String {
+    display.do_it("mousemove 715 415");
+    display.do_it("key F12");
+    let line = window.wait_for("saved ");
+    line.split_once("saved ").unwrap().1.split(".toml").next().unwrap().to_owned()
+}
+
+/// Waits until the screen shows a picture at its left upper corner.
+#[track_caller]
+pub fn wait_for_screen(display: &Display, picture: &Path) {
+    wait_for_screen_at(display, picture, [0, 0]);
+}
+
+/// Waits until the screen shows a picture at a place.
+#[track_caller]
+pub fn wait_for_screen_at(display: &Display, picture: &Path, at: [usize; 2]) {
+    let until = Instant::now() + Duration::from_secs(60);
+    loop {
+        let differing = not_on_screen(display, picture, at);
+        if differing == 0 {
+            return;
+        }
+        assert!(Instant::now() < until, "{differing} pixels of {} are shown otherwise", picture.display());
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+/// Renders a saved scene with further options; the bytes of the picture.
+pub fn rendered(folder: &Path, name: &str, options: &[&str]) -> Vec<u8> {
+    let scene = format!("{name}.toml");
+    let output = command(folder).args(["render", &scene, "-o", "again.png"]).args(options).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    std::fs::read(folder.join("again.png")).unwrap()
+}
+
+/// Pixels of the picture that the screen shows otherwise, the picture being at a place of the screen.
+fn not_on_screen(display: &Display, picture: &Path, [left, top]: [usize; 2]) -> usize {
+    let image = read_image(picture).unwrap();
+    let byte = |x: f32| (255.0 * pellucid::color::encode_srgb(x) + 0.5).floor() as u8;
+    let (screen, width) = (display.pixels(), image.width as usize);
+    let shown = |i: usize| screen[(top + i / width) * SIZE[0] + left + i % width];
+    image.pixels.iter().enumerate().filter(|(i, pixel)| pixel.map(byte) != shown(*i)).count()
+}
+
+/// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing to test.
+fn shows_windows(display: &Display) -> bool {
+    let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
+        Ok(device) if device.info().name.contains("SwiftShader") => {
+            let folder = garden();
+            let view =
+                command(folder.path()).env("DISPLAY", &display.name).args(["view", "scene.toml"]).output().unwrap();
+            let said = String::from_utf8(view.stderr).unwrap();
+            assert_eq!(view.status.code(), Some(1), "{said}");
+            assert!(said.starts_with("error: no picture can be shown in a window: "), "{said}");
+            assert!(said.contains("`pellucid render`"), "{said}");
+            false
+        }
+        Ok(_) => true,
+        Err(error) if required => panic!("a device is required: {error}"),
+        Err(error) => {
+            eprintln!("skipped, no device: {error}");
+            false
+        }
+    }
+}
