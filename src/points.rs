@@ -106,6 +106,43 @@ impl Points {
     }
 }
 
+/// Which columns of a list of points are not what they were; positions are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Changes {
+    /// Colors.
+    pub colors: bool,
+    /// Opacities.
+    pub opacities: bool,
+    /// Radii.
+    pub radii: bool,
+    /// The scalar field, or whether there is one.
+    pub fields: bool,
+    /// Points of equal position traded places: normals and `file_order` may be others, too.
+    pub order: bool,
+}
+
+impl Changes {
+    /// All of them.
+    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true };
+
+    /// These and others.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            colors: self.colors || more.colors,
+            opacities: self.opacities || more.opacities,
+            radii: self.radii || more.radii,
+            fields: self.fields || more.fields,
+            order: self.order || more.order,
+        }
+    }
+
+    /// Whether anything is another.
+    pub fn any(self) -> bool {
+        self != Self::default()
+    }
+}
+
 /// The points of a scene in the order that its method wants.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arranged {

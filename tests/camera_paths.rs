@@ -2,6 +2,7 @@
 
 mod camera_paths {
     mod curve;
+    mod exact;
     mod file;
     mod import;
     mod turntable;

@@ -82,6 +82,12 @@ impl Along {
             Ok((cameras[0], warnings))
         };
         let resolved = read(input, size, talk, progress)?.resolve_by(find, talk, progress)?;
+        let given = resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view().is_given());
+        if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
+            && eye != first
+        {
+            talk.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
+        }
         Ok((resolved, cameras))
     }
 

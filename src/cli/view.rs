@@ -1,8 +1,10 @@
 //! `pellucid view`.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use pellucid::camera::import::Source;
 use pellucid::gpu::DeviceOptions;
 use pellucid::viewer::{Display, Options};
 use pellucid::{Result, scene};
@@ -16,15 +18,19 @@ const SIZE: [u32; 2] = [1280, 720];
 
 /// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
 /// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file of which `render` makes the same picture, byte for
-/// byte. Files dropped onto the window are opened. --size is that of the window.
+/// byte. K makes the camera a key of a path, which Space plays and --path of `render` takes. Files dropped onto the window are opened. --size is that of the window.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
     #[command(flatten)]
     input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Milliseconds that a frame should take while something moves: methods that get better with the number of samples,
-    /// ensembles or layers take as many as fit. At rest nothing is left out.
+    /// Key frames to begin with: a JSON file of this program (docs/camera-paths.md), a transforms.json of nerfstudio, or a model
+    /// of COLMAP.
+    #[arg(long, value_name = "PATH")]
+    path: Option<PathBuf>,
+    /// Milliseconds that a frame should take while something moves: samples, pixels and points that don't fit are left out. At
+    /// rest the picture gets finer until nothing is.
     #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
     budget: f64,
 }
@@ -36,7 +42,8 @@ fn positive(text: &str) -> Result<f64, String> {
 pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode> {
     // Before anything is read: without a display that would be in vain.
     let display = Display::connect()?;
-    let ViewArgs { input, device, budget } = args;
+    let ViewArgs { input, device, path, budget } = args;
+    let cameras = path.as_deref().map(Source::read).transpose()?;
     let progress = talk.progress();
     let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
     progress.finish_and_clear();
@@ -52,6 +59,7 @@ pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode> {
         memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
         size: if input.size.is_some() { scene.image.size } else { SIZE },
         budget_ms: budget,
+        path: path.zip(cameras),
     };
     display.show(options, Box::new(move |line| talk.detail(format_args!("view: {line}"))))?;
     Ok(ExitCode::SUCCESS)

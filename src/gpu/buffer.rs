@@ -1,6 +1,7 @@
 //! Typed buffers: allocated by name, filled and read back through small staging buffers.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -137,6 +138,27 @@ impl<T: GpuType> Buffer<T> {
             recorder.copy_raw("upload", staging.raw_slice(0, bytes), self.raw_slice(offset, bytes));
             recorder.submit("upload")?;
             offset += chunk.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Fills the first `len` elements of the buffer, some after others, and waits for it: `fill` puts those of a range there. No
+    /// copy of all of them is made on the host.
+    pub fn upload_by(&self, len: u64, fill: impl Fn(Range<usize>, &mut [T])) -> Result<(), Error> {
+        assert!(len <= self.len.max(1), "{}: upload larger than the buffer", self.name);
+        let size = size_of::<T>() as u64;
+        self.context.uploaded.fetch_add(len * size, Ordering::Relaxed);
+        let most = (STAGING_BYTES / size).clamp(1, len.max(1));
+        let mut staging = Buffer::<T>::new(&self.context, "staging", most, Memory::Upload)?;
+        let mut first = 0;
+        while first < len {
+            let count = most.min(len - first);
+            let elements: &mut [T] = bytemuck::cast_slice_mut(staging.mapped_mut());
+            fill(first as usize..(first + count) as usize, &mut elements[..count as usize]);
+            let mut recorder = Recorder::new(&self.context)?;
+            recorder.copy_raw("upload", staging.raw_slice(0, count * size), self.raw_slice(first * size, count * size));
+            recorder.submit("upload")?;
+            first += count;
         }
         Ok(())
     }

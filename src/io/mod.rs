@@ -217,6 +217,13 @@ impl Format {
     }
 }
 
+/// Whether a file's extension is one that point clouds have.
+pub fn is_cloud(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
+        || text::Kind::of_extension(&extension).is_some()
+}
+
 /// An open file with what error messages and size checks need.
 struct Source {
     reader: BufReader<File>,

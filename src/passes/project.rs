@@ -1,5 +1,7 @@
 //! Points on the device, and their projection to splats.
 
+mod change;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -219,6 +221,15 @@ fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
     points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
 }
 
+/// The largest value; 0 of none.
+fn most(values: &[f32]) -> f32 {
+    values.par_iter().copied().reduce(|| 0.0, f32::max)
+}
+
+fn most_of_colors(colors: &[Vec3]) -> f32 {
+    colors.par_iter().map(|c| c.max_element()).reduce(|| 0.0, f32::max)
+}
+
 /// The median, the mean of the middle two of an even number; 0 of none.
 fn median(values: &mut [f32]) -> f32 {
     let middle = values.len() / 2;
@@ -406,6 +417,13 @@ impl Column {
         range.into_par_iter().map(move |i| self.of_point(points, origin, i))
     }
 
+    /// Brings the column of all points to the front of a buffer.
+    fn upload(self, points: &Points, origin: DVec3, buffer: &Buffer<[f32; 4]>) -> Result<(), Error> {
+        buffer.upload_by(points.len() as u64, |range, to| {
+            self.of(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
+        })
+    }
+
     fn of_point(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
@@ -494,10 +512,10 @@ impl DeviceCloud {
 
     /// Uploads the columns, and the fields.
     fn upload_columns(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
-        // One after the other: of each, the host's copy is gone before the next is made.
         let upload = |name, column: Column| -> Result<_, Error> {
-            let packed: Vec<[f32; 4]> = column.of(points, self.origin, 0..points.len()).collect();
-            device.upload(name, &packed)
+            let buffer = device.buffer(name, (points.len() as u64).max(1), Memory::Device)?;
+            column.upload(points, self.origin, &buffer)?;
+            Ok(buffer)
         };
         let (points_hi, points_lo) = (upload("points, hi", Column::High)?, upload("points, lo", Column::Low)?);
         let point_colors = upload("point colors", Column::Color)?;
@@ -537,9 +555,11 @@ impl DeviceCloud {
         lit: impl Fn(usize) -> f32 + Sync,
     ) -> Result<(), Error> {
         self.reserve_shares(device)?;
-        let column = Column::Normal.of(points, self.origin, 0..points.len());
-        let packed: Vec<[f32; 4]> = column.enumerate().map(|(i, [x, y, z, _])| [x, y, z, lit(i)]).collect();
-        self.normals.upload(&packed)?;
+        self.normals.upload_by(self.len, |range, to| {
+            let first = range.start;
+            let column = Column::Normal.of(points, self.origin, range).zip(to).enumerate();
+            column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
+        })?;
         self.set_casting(casting);
         Ok(())
     }
@@ -568,9 +588,9 @@ impl DeviceCloud {
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
             depth_origin: 0.0,
-            most_opacity: points.opacities.iter().copied().fold(0.0, f32::max),
-            most_color: points.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max),
-            most_radius: points.radii.iter().copied().fold(0.0, f32::max),
+            most_opacity: most(&points.opacities),
+            most_color: most_of_colors(&points.colors),
+            most_radius: most(&points.radii),
             fields_and_radii: fields_and_radii(points),
             parts: None,
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },

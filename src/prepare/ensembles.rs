@@ -15,6 +15,7 @@ use glam::DVec3;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
+use super::ties::Ties;
 use super::{density, order};
 use crate::points::Points;
 use crate::random::{key, threefry2x32};
@@ -187,29 +188,70 @@ fn scrambled(mut x: u32) -> u32 {
 /// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
 /// every machine. `progress` counts points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &ProgressBar) -> Dealt {
+    deal_traced(clouds, seed, progress, None)
+}
+
+/// Where the points of a dealt list came from.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Trace {
+    /// Of each place its point's number among those that were dealt: cloud after cloud, as they came.
+    pub origins: Vec<u32>,
+    /// Places of points in the same place, cloud by cloud.
+    pub ties: Ties,
+}
+
+impl Trace {
+    /// Adds a cloud in canonical order, whose place i gets the point that `order[i]` is there.
+    fn note(&mut self, canonical: &Points, order: &[u32]) {
+        let first = self.origins.len() as u32;
+        self.origins.extend(order.iter().map(|from| first + canonical.file_order[*from as usize]));
+        let ties = Ties::of(&canonical.positions);
+        if !ties.is_empty() {
+            let mut places = vec![0; order.len()];
+            (first..).zip(order).for_each(|(place, from)| places[*from as usize] = place);
+            self.ties.extend(&ties, |from| places[from as usize]);
+        }
+    }
+}
+
+/// As [`deal`], and says where points came from, if somebody asks.
+pub(crate) fn deal_traced(
+    clouds: Vec<Points>,
+    seed: u64,
+    progress: &ProgressBar,
+    mut trace: Option<&mut Trace>,
+) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
     for cloud in clouds {
         let Some(bounds) = cloud.bounds() else { continue };
-        let place = surfaces.len() as u32;
-        let cloud = shuffled(order::canonical(cloud), place, seed);
+        let (count, place) = (cloud.len(), surfaces.len() as u32);
+        let (cloud, order) = (order::canonical(cloud), shuffle(count, place, seed));
+        if let Some(trace) = &mut trace {
+            trace.note(&cloud, &order);
+        }
+        let cloud = shuffled(cloud, &order);
+        drop(order);
         progress.inc(cloud.len() as u64);
         let first = points.len() as u64;
         surfaces.push(Surface {
             points: first..first + cloud.len() as u64,
             center: bounds.center(),
             density: density::estimate(&cloud.positions, progress),
-            opacity: cloud.opacities.iter().copied().fold(0.0, f32::max),
+            opacity: most(&cloud.opacities),
         });
         points.append(cloud);
     }
     Dealt { points: Arc::new(points), surfaces }
 }
 
-fn shuffled(mut cloud: Points, place: u32, seed: u64) -> Points {
+fn most(opacities: &[f32]) -> f32 {
+    opacities.iter().copied().fold(0.0, f32::max)
+}
+
+fn shuffled(mut cloud: Points, order: &[u32]) -> Points {
     // Random order knows no files.
     cloud.file_order = Vec::new();
-    let order = shuffle(cloud.len(), place, seed);
     cloud.in_order(|i| order[i] as usize)
 }
 
@@ -224,6 +266,13 @@ fn shuffle(count: usize, place: u32, seed: u64) -> Vec<u32> {
 }
 
 impl Dealt {
+    /// Takes the opacities of the points for those of their clouds.
+    pub(crate) fn renew_opacities(&mut self) {
+        for surface in &mut self.surfaces {
+            surface.opacity = most(&self.points.opacities[surface.points.start as usize..surface.points.end as usize]);
+        }
+    }
+
     /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
     pub fn again(&self, seed: u64) -> Self {
         let of = |(surface, place): (&Surface, u32)| {

@@ -12,6 +12,7 @@ mod normal;
 pub mod order;
 pub mod radius;
 pub mod shadows;
+pub(crate) mod ties;
 pub mod uncertainty;
 
 use glam::Vec3;

@@ -9,12 +9,13 @@ use super::morton;
 use crate::points::Points;
 
 /// Sorts the points along the Morton curve of their bounds, equal cells by the bits of position, color, opacity,
-/// radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list.
+/// radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
+/// in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
     let mut order: Vec<(u64, usize)> = codes.into_par_iter().zip(0..points.len()).collect();
-    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)));
+    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)).then(a.1.cmp(&b.1)));
     let before = std::mem::take(&mut points.file_order);
     let mut points = points.in_order(|place| order[place].1);
     // Points are counted in 32 bits from here on: more of them don't fit any device.
@@ -25,10 +26,14 @@ pub fn canonical(mut points: Points) -> Points {
 /// Any fixed total order of the bits; only identical points are equal.
 fn by_content(points: &Points, a: usize, b: usize) -> Ordering {
     let double = |v: DVec3| v.to_array().map(f64::to_bits);
+    double(points.positions[a]).cmp(&double(points.positions[b])).then_with(|| by_look(points, a, b))
+}
+
+/// The part of it that decides between points of equal position.
+pub(super) fn by_look(points: &Points, a: usize, b: usize) -> Ordering {
     let single = |v: Vec3| v.to_array().map(f32::to_bits);
-    double(points.positions[a])
-        .cmp(&double(points.positions[b]))
-        .then_with(|| single(points.colors[a]).cmp(&single(points.colors[b])))
+    single(points.colors[a])
+        .cmp(&single(points.colors[b]))
         .then_with(|| points.opacities[a].to_bits().cmp(&points.opacities[b].to_bits()))
         .then_with(|| points.radii[a].to_bits().cmp(&points.radii[b].to_bits()))
         .then_with(|| points.fields.get(a).map(|f| f.to_bits()).cmp(&points.fields.get(b).map(|f| f.to_bits())))

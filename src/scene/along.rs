@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 
 use super::error::{Error, Place};
 use super::framing::{self, Extent, Spheres, Subject};
-use super::settings::Scene;
+use super::settings::{CameraSettings, Scene};
 use crate::camera::path::{Defaults, Pose, Turntable};
 use crate::camera::{Camera, Projection};
 use crate::cloud::UpAxis;
@@ -31,8 +31,7 @@ impl<'a> Course<'a> {
 
     /// What keys that don't say take: `[camera] up`, or else the vertical, and the scene's lens.
     pub fn defaults(&self) -> Defaults {
-        let up = self.scene.camera.up.unwrap_or_else(|| framing::axis(self.vertical));
-        Defaults { up, projection: framing::projection(&self.scene.camera) }
+        path_defaults(&self.scene.camera, self.vertical)
     }
 
     /// The camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds as
@@ -60,7 +59,9 @@ impl<'a> Course<'a> {
 
     /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
     /// vertical. It starts where [`super::camera`] stands; without an `eye` far enough away that all points, as spheres of
-    /// their own radius, are in the image during the whole turn. With it comes what is to be said about the camera.
+    /// their own radius, are in the image during the whole turn. An `eye` from which a perspective would lose some of them moves
+    /// back as far, along its line of sight; one within the scene's bounds looks around from there, and stays. With it comes
+    /// what is to be said about the camera.
     ///
     /// # Errors
     /// Those of [`super::camera`].
@@ -72,10 +73,24 @@ impl<'a> Course<'a> {
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
         let axis = settings.up.filter(|_| own).unwrap_or_else(|| framing::axis(self.vertical)).normalize();
         if settings.eye.is_some() && own {
-            return Ok((Turntable::new(&start, center, axis), warnings));
+            let eye =
+                if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
+            return Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings));
         }
         let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
+    }
+
+    /// Whether nothing outside of the image would come into it by going back: all is in it during the whole turn, or it has no
+    /// perspective, or the eye is among the points.
+    fn keeps_all(&self, start: &Camera, center: DVec3, axis: DVec3) -> bool {
+        let Projection::Perspective { .. } = start.projection else { return true };
+        let tangents = framing::tangents(start.projection, self.scene.image.size) / framing::FILL;
+        let axes = [start.right, start.up, start.forward];
+        let extent = turned_extent(&Spheres { points: self.subject.points, center, axes }, tangents, axis);
+        let distance = (center - start.eye).dot(start.forward);
+        let inside = self.subject.bounds.min.cmple(start.eye).all() && start.eye.cmple(self.subject.bounds.max).all();
+        inside || distance >= extent.centered_distance(tangents)
     }
 
     /// The nearest eye from which all fits into the image whatever the turn. It looks at the centre if that is asked for, else
@@ -95,6 +110,12 @@ impl<'a> Course<'a> {
         let shift = if centered { 0.0 } else { 0.5 * (first.y + last.y) };
         center + start.up * shift - start.forward * distance
     }
+}
+
+/// What keys that don't say take in a scene with this `[camera]` whose clouds have this vertical.
+pub fn path_defaults(camera: &CameraSettings, vertical: UpAxis) -> Defaults {
+    let up = camera.up.unwrap_or_else(|| framing::axis(vertical));
+    Defaults { up, projection: framing::projection(camera) }
 }
 
 /// As [`Spheres::extent`], of all that the points sweep in a turn around an axis through the centre.

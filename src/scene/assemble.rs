@@ -78,7 +78,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 }
 
 /// What a scene wants to know of a cloud's points.
-fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
+pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
         field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
@@ -129,7 +129,7 @@ pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress
     if dealt.points.is_empty() { Err(no_points(scene)) } else { Ok(Arranged::Dealt(dealt)) }
 }
 
-fn no_points(scene: &Scene) -> Error {
+pub(super) fn no_points(scene: &Scene) -> Error {
     let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
     Error::NoPoints { clouds: clouds.join(", ") }
 }
@@ -148,23 +148,20 @@ fn transformed(
     let found = prepare::find(&cloud, request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
-    let factor = f64::from(settings.radius_factor);
-    let radii = match (settings.radius, found.radii.or(cloud.radii)) {
-        (Some(radius), _) => vec![scaled(radius, factor); count],
-        (None, Some(radii)) => radii.iter().map(|radius| scaled(*radius, settings.scale * factor)).collect(),
-        (None, None) => vec![0.0; count],
+    let radii = match found.radii.or(cloud.radii) {
+        Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
+        None => vec![radius(settings, None); count],
     };
     let colors = match (settings.color, cloud.colors) {
-        (Some(color), _) => vec![color; count],
         (None, Some(colors)) => colors,
-        (None, None) => vec![Vec3::ONE; count],
+        _ => vec![color(settings, None); count],
     };
     let opacities = match cloud.alphas {
-        Some(alphas) => alphas.iter().map(|alpha| alpha * settings.opacity).collect(),
-        None => vec![settings.opacity; count],
+        Some(alphas) => alphas.iter().map(|alpha| opacity(settings, Some(*alpha))).collect(),
+        None => vec![opacity(settings, None); count],
     };
     for position in &mut cloud.positions {
-        *position = settings.scale * *position + settings.translate;
+        *position = placed(settings, *position);
     }
     let mut points = Points {
         positions: cloud.positions,
@@ -179,16 +176,41 @@ fn transformed(
     Ok(points)
 }
 
+/// Where a point of a cloud is in the scene.
+pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
+    settings.scale * position + settings.translate
+}
+
+/// The color of a point that has this one, or none, of its own.
+pub(super) fn color(settings: &CloudSettings, own: Option<Vec3>) -> Vec3 {
+    settings.color.or(own).unwrap_or(Vec3::ONE)
+}
+
+/// The opacity of a point with this alpha, or none.
+pub(super) fn opacity(settings: &CloudSettings, alpha: Option<f32>) -> f32 {
+    alpha.map_or(settings.opacity, |alpha| alpha * settings.opacity)
+}
+
+/// The radius of a point that has this one, or none, in the cloud's units.
+pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
+    let factor = f64::from(settings.radius_factor);
+    match (settings.radius, own) {
+        (Some(radius), _) => scaled(radius, factor),
+        (None, Some(own)) => scaled(own, settings.scale * factor),
+        (None, None) => 0.0,
+    }
+}
+
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
 fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
 }
 
-/// Drops points that a huge `scale` or `translate` moved out of float64.
-fn drop_non_finite(points: &mut Points) {
+/// Drops points that a huge `scale` or `translate` moved out of float64. Which are left; `None`: all.
+pub(super) fn drop_non_finite(points: &mut Points) -> Option<Vec<bool>> {
     let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
     if keep.iter().all(|keep| *keep) {
-        return;
+        return None;
     }
     retain(&mut points.positions, &keep);
     retain(&mut points.colors, &keep);
@@ -198,6 +220,7 @@ fn drop_non_finite(points: &mut Points) {
     if let Some(normals) = &mut points.normals {
         retain(normals, &keep);
     }
+    Some(keep)
 }
 
 fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {

@@ -10,10 +10,10 @@ use crate::cloud::{Bounds, UpAxis};
 use crate::points::Points;
 
 /// Vertical field of view if the scene doesn't say, in degrees.
-const DEFAULT_FOV_Y: f64 = 45.0;
+pub const DEFAULT_FOV_Y: f64 = 45.0;
 
 /// The share of the half angle's tangent that an automatic camera fills; the rest is a margin.
-const FILL: f64 = 0.95;
+pub(super) const FILL: f64 = 0.95;
 
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;
@@ -90,10 +90,11 @@ pub(super) fn projection(settings: &CameraSettings) -> Projection {
 
 /// The camera of a pose; `None` if its `up` points along the view.
 fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) -> Option<Camera> {
-    let (near, far) = depths([settings.near, settings.far], pose.eye, pose.forward, bounds, radius);
     // Axes are computed around the origin: far from it, eye + direction would be rounded.
-    let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), near, far)?;
-    Some(Camera { eye: pose.eye, ..axes })
+    let axes = Camera::look_at(DVec3::ZERO, pose.forward, pose.up, projection(settings), 1.0, 2.0)?;
+    // Along the camera's own direction, whose last bit may be another one: a key frame knows no other.
+    let (near, far) = depths([settings.near, settings.far], pose.eye, axes.forward, bounds, radius);
+    Some(Camera { eye: pose.eye, near, far, ..axes })
 }
 
 /// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.

@@ -18,15 +18,16 @@ mod photo;
 pub mod procedural;
 mod settings;
 mod table;
+pub mod tracked;
 mod tree;
 mod view;
 
-pub use along::Course;
+pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use document::{Change, Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
-pub use framing::{camera, camera_at};
+pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{METHODS, method_keys};
 #[cfg(all(test, feature = "viewer"))]
 pub(crate) use keys::{SHADING_KEYS, SHADOW_KEYS};

@@ -105,9 +105,13 @@ impl App {
         let window = event_loop.create_window(attributes).map_err(super::no_display)?;
         let window = Arc::new(window);
         let Opened { name, document, clouds, generated } = options.opened;
-        let model = Model::new(name, document, options.view, options.budget_ms)?;
+        let mut model = Model::new(name, document, options.view, options.budget_ms)?;
+        if let Some((file, source)) = options.path {
+            model.take_path(file, source);
+        }
         let held = Held { clouds, generated, tasks: Vec::new() };
         let graphics = Graphics::open(&self.opening, &window, held, Textures::default(), &mut self.logs)?;
+        model.progress = graphics.worker.progress.clone();
         let visibility = Visibility::of(&window);
         let ctx = egui::Context::default();
         ui::style(&ctx);
@@ -236,6 +240,7 @@ impl Running {
         let name = &graphics.device.info().name;
         let what = if *name == device { "opened again".to_owned() } else { format!("{name} was opened instead") };
         self.model.start_anew(format!("{before}the device was lost (during {during}) and {what}"), busy);
+        self.model.progress = graphics.worker.progress.clone();
         self.graphics = Some(graphics);
         self.held_back = None;
         self.losses.opened(Instant::now(), self.shown);
@@ -322,7 +327,7 @@ impl Running {
         let Some(graphics) = &self.graphics else { return };
         while let Some(task) = self.model.next_task(now) {
             match task {
-                Task::Open(_) | Task::Save(_) => graphics.worker.ask(task),
+                Task::Open(_) | Task::Cameras(_) | Task::Save(_) => graphics.worker.ask(task),
                 task => self.held_back = Some(task),
             }
         }

@@ -2,8 +2,9 @@
 //!
 //! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
-//! - `worker`, a thread, keeps a `stage`: the points on the device and the same renderer that `render` has; `draft` says what is
-//!   left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
+//! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
+//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
+//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
 //!   picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
 //! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
@@ -14,6 +15,7 @@ mod accuracy;
 mod app;
 mod census;
 mod controls;
+mod dialog;
 mod display;
 mod draft;
 mod graphics;
@@ -23,7 +25,9 @@ mod model;
 mod navigate;
 mod overlay;
 mod panel;
+mod placed;
 mod pointer;
+mod route;
 mod said;
 mod save;
 mod stage;
@@ -33,10 +37,12 @@ mod visibility;
 mod worker;
 
 pub use loss::Lost;
+use std::path::PathBuf;
 
 use winit::event_loop::EventLoop;
 
 use crate::Result;
+use crate::camera::import::Source;
 use crate::gpu::DeviceOptions;
 use crate::scene::{Opened, View};
 
@@ -56,6 +62,8 @@ pub struct Options {
     pub size: [u32; 2],
     /// Milliseconds that a frame should take while things move.
     pub budget_ms: f64,
+    /// Cameras whose keys the window begins with, and the file that they are from.
+    pub path: Option<(PathBuf, Source)>,
 }
 
 /// Why there is no window.

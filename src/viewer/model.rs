@@ -6,15 +6,18 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
+use indicatif::ProgressBar;
 
 use super::accuracy::Standing;
 use super::census::Census;
+use super::dialog::Dialog;
 use super::draft::Effort;
 use super::navigate::{self, Navigator};
-use super::save::Saving;
+use super::route::Route;
 use super::stage::Pose;
 use super::worker::{News, Picture, Request, Task};
 use crate::camera::Projection;
+use crate::camera::import::Source;
 use crate::scene::{Document, Scene, Setting, View};
 use crate::{Error, Result};
 
@@ -105,8 +108,16 @@ pub struct Model {
     tasks: VecDeque<Task>,
     /// What is to be told, and whether something went wrong.
     pub message: Option<(String, bool)>,
+    /// The path of key frames.
+    pub route: Route,
+    /// A file of cameras that waits for the first picture.
+    arriving: Option<(PathBuf, Source)>,
+    /// The dialog for files.
+    pub dialog: Dialog,
     /// Files that are being read or written.
     pub busy: bool,
+    /// What keeps the next picture waiting.
+    pub progress: ProgressBar,
     /// The last frames.
     pub times: VecDeque<Times>,
     /// What is shown.
@@ -141,7 +152,11 @@ impl Model {
             budget_ms,
             tasks: VecDeque::new(),
             message: None,
+            route: Route::default(),
+            arriving: None,
+            dialog: Dialog::default(),
             busy: false,
+            progress: ProgressBar::hidden(),
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,
@@ -202,6 +217,7 @@ impl Model {
         if *navigator != before {
             let near_far = (self.scene.camera.near, self.scene.camera.far);
             self.pose = Pose::At(navigator.settings(near_far.0, near_far.1));
+            self.route.stop();
             self.touch();
         }
     }
@@ -210,9 +226,22 @@ impl Model {
     /// since nobody knows yet where it is.
     pub fn look_from(&mut self, view: View) {
         self.flatten = self.is_orthographic();
+        self.route.stop();
         self.navigator = None;
         self.pose = Pose::View(view);
         self.touch();
+    }
+
+    /// Whether the worker has something to do.
+    pub fn is_waiting(&self) -> bool {
+        self.busy || matches!(self.way, Way::Asked(..))
+    }
+
+    /// What keeps the next picture waiting, and how much of that is done.
+    pub fn progress_line(&self) -> Option<String> {
+        let message = Some(self.progress.message()).filter(|message| !message.is_empty() && self.is_waiting())?;
+        let share = self.progress.length().and_then(|length| (100 * self.progress.position()).checked_div(length));
+        Some(share.map_or_else(|| message.clone(), |share| format!("{message}, {share} %")))
     }
 
     /// The point of the scene that the picture shows at a position, in pixels of the picture.
@@ -241,55 +270,6 @@ impl Model {
             }
             None => self.message = Some(("there is nothing to turn about".to_owned(), false)),
         }
-    }
-
-    /// Opens other files.
-    pub fn open(&mut self, files: Vec<PathBuf>) {
-        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-        self.message = Some((format!("reading {}", names.join(", ")), false));
-        self.busy = true;
-        self.tasks.push_back(Task::Open(files));
-    }
-
-    /// Writes the scene as it is shown, with or without its picture, once there is a camera.
-    pub fn save(&mut self, picture: bool) {
-        if self.navigator.is_none() {
-            self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
-            return;
-        }
-        match self.document_as_shown() {
-            Ok(document) => {
-                let stem = PathBuf::from(self.name.split(' ').next().unwrap_or_default());
-                let stem = stem.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-                self.busy = true;
-                self.tasks.push_back(Task::Save(Box::new(Saving { document, stem, picture })));
-            }
-            Err(error) => self.message = Some((error.to_string(), true)),
-        }
-    }
-
-    /// The scene with the camera and the size of the picture.
-    fn document_as_shown(&self) -> Result<Document> {
-        let mut document = self.document.clone();
-        document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
-        let shown = match (self.pose, &self.navigator) {
-            (Pose::Scene, _) | (Pose::View(_), None) => None,
-            (Pose::View(_), Some(navigator)) => Some(navigator.settings(self.scene.camera.near, self.scene.camera.far)),
-            (Pose::At(camera), _) => Some(camera),
-        };
-        if let Some(camera) = shown {
-            document.remove("camera", "fov_y");
-            document.remove("camera", "height");
-            let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
-            for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
-                document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
-            }
-            let lens = [("fov_y", camera.fov_y), ("height", camera.height)];
-            for (key, number) in lens.into_iter().filter_map(|(key, number)| Some((key, number?))) {
-                document.put(&format!("camera.{key}"), Setting::Number(number))?;
-            }
-        }
-        Ok(document)
     }
 
     /// What the worker is to do next, if anything.
@@ -352,9 +332,12 @@ impl Model {
             News::Opened(name, document) => return self.replace(name, *document),
             News::Clouds(census) => self.census = census,
             News::Saved(files) => {
-                let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-                self.message = Some((format!("saved {}", names.join(" and ")), false));
+                self.message = Some((self.saved(&files), false));
                 self.busy = false;
+            }
+            News::Cameras(file, source) => {
+                self.busy = false;
+                self.take_path(file, *source);
             }
             News::Failed(serial, message) => {
                 self.message = Some((message, true));
@@ -385,8 +368,12 @@ impl Model {
 
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
-        let (shows, viewport, serial) = (self.shows, self.viewport, self.serial);
-        *self = Self { shows, viewport, serial, ..Self::new(name, document, View::default(), self.budget_ms)? };
+        let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
+        // Keys are places in the world, which another scene may show as well.
+        let mut route = std::mem::take(&mut self.route);
+        route.invalidate();
+        let new = Self::new(name, document, View::default(), self.budget_ms)?;
+        *self = Self { shows, viewport, serial, route, progress, ..new };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }
@@ -419,8 +406,12 @@ impl Model {
             }
         }
         self.picture = Some(picture);
+        self.receive_path();
     }
 }
+
+mod files;
+mod path;
 
 #[cfg(test)]
 mod tests;

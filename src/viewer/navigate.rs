@@ -7,15 +7,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
+use crate::camera::path::Pose;
 use crate::camera::{Camera, Projection};
 use crate::cloud::{Bounds, UpAxis};
-use crate::scene::CameraSettings;
-
-/// Field of view of an orthographic camera that becomes a perspective one, in degrees, if the scene says none.
-const FOV_Y: f64 = 45.0;
+use crate::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at};
 
 /// Distances in this range, in reaches of the scene, are as far as one gets.
 const DISTANCES: [f64; 2] = [1e-6, 1e3];
+
+/// Cosine of the elevation above which the vertical says what is up: nearer to straight views that would magnify rounding.
+const LEVEL: f64 = 0.05;
 
 /// What the camera turns around.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,7 +101,25 @@ impl Navigator {
         let to_center = (subject.bounds.center() - eye).dot(forward);
         let depth = if to_center > 0.0 { to_center } else { subject.reach() };
         let pivot = eye + forward * depth;
-        Self { table, subject, eye, azimuth, elevation, pivot, fov_y: fov_y.unwrap_or(FOV_Y), height }
+        Self { table, subject, eye, azimuth, elevation, pivot, fov_y: fov_y.unwrap_or(DEFAULT_FOV_Y), height }
+    }
+
+    /// The navigator of a camera with eye, target and up; it turns about the target. `None` if these make no camera.
+    pub fn at(settings: &CameraSettings, subject: Subject) -> Option<Self> {
+        let camera = camera_at(settings, &subject.bounds, subject.radius)?;
+        let mut navigator = Self::new(&camera, settings.fov_y, subject);
+        navigator.pivot = settings.target?;
+        Some(navigator)
+    }
+
+    /// What is looked at.
+    pub fn subject(&self) -> Subject {
+        self.subject
+    }
+
+    /// The direction around which it turns, a unit vector.
+    pub fn vertical(&self) -> DVec3 {
+        self.table.vertical
     }
 
     /// Unit vectors toward the image's right and top, and along the view.
@@ -133,6 +152,8 @@ impl Navigator {
     /// The settings of a scene file for this camera; `near` and `far` are those of the scene.
     pub fn settings(&self, near: Option<f64>, far: Option<f64>) -> CameraSettings {
         let [_, up, forward] = self.axes();
+        // Cameras of one vertical keep their horizon level when a path leads from one to the other.
+        let up = if self.elevation.cos() > LEVEL { self.table.vertical } else { up };
         let eye = self.eye - forward * self.retreat();
         let target = eye + forward * self.depth(self.pivot, eye);
         CameraSettings {
@@ -250,6 +271,26 @@ impl Navigator {
             Some(height) => self.eye += forward * (depth - height / slope),
             None => self.height = Some(slope * depth),
         }
+    }
+}
+
+/// The settings of a scene file for a camera on a path; what it looks at is as far away as the middle of the scene.
+pub fn settings_of(pose: &Pose, subject: &Subject) -> CameraSettings {
+    let (fov_y, height) = match pose.projection {
+        Projection::Perspective { fov_y } => (Some(fov_y.to_degrees()), None),
+        Projection::Orthographic { height } => (None, Some(height)),
+    };
+    let to_center = (subject.bounds.center() - pose.eye).dot(pose.forward);
+    let depth = if to_center > 0.0 { to_center } else { subject.reach() };
+    CameraSettings {
+        eye: Some(pose.eye),
+        target: Some(pose.eye + pose.forward * depth),
+        up: Some(pose.up),
+        fov_y,
+        height,
+        near: pose.near,
+        far: pose.far,
+        ..CameraSettings::default()
     }
 }
 

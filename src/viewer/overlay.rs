@@ -1,7 +1,9 @@
 //! Over the picture: what the passes cost, what the frame met, why its passes run; and the keys.
 
+use std::time::Duration;
+
 use bytesize::ByteSize;
-use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, RichText, Sense, Ui, Window, vec2};
+use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sense, Ui, Window, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
@@ -14,6 +16,9 @@ const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 /// Frames of which the median is shown.
 const RECENT: usize = 15;
 
+/// How often a window that waits looks how far the points are.
+const GLANCE: Duration = Duration::from_millis(250);
+
 /// What the keys and the pointer do.
 const KEYS: &[(&str, &str)] = &[
     ("left drag", "turn about the pivot"),
@@ -23,12 +28,16 @@ const KEYS: &[(&str, &str)] = &[
     ("W A S D, Q E", "fly ahead, left, back, right; down, up"),
     ("1 … 7", "front, back, left, right, top, bottom, iso"),
     ("Home", "everything"),
+    ("K", "the camera as a key of the path"),
+    ("Space", "along the path, or stop"),
     ("P", "perspective or orthographic"),
     ("T", "times of the passes"),
     ("H", "panel"),
     ("F11", "the whole screen"),
     ("F12", "save the picture and its scene"),
-    ("Ctrl + S", "save the scene"),
+    ("Ctrl + O", "open a scene, clouds or a camera path"),
+    ("Ctrl + S, Ctrl + Shift + S", "save the scene, under any name"),
+    ("Ctrl + K", "save the path"),
     ("Ctrl + Q", "close"),
     ("F1", "these keys"),
 ];
@@ -43,6 +52,7 @@ pub fn show(ctx: &Context, model: &mut Model) {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
         at.show(ctx, |ui| ui.label(RichText::new("the first picture is on its way").size(16.0)));
     }
+    waiting(ctx, model);
     let mut help = model.shows.help;
     Window::new("Keys").open(&mut help).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).resizable(false).show(ctx, |ui| {
         Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
@@ -54,6 +64,18 @@ pub fn show(ctx: &Context, model: &mut Model) {
         });
     });
     model.shows.help = help;
+}
+
+/// What is done to points before there is another picture, while that takes long enough to be read.
+fn waiting(ctx: &Context, model: &Model) {
+    if !model.is_waiting() {
+        return;
+    }
+    ctx.request_repaint_after(GLANCE);
+    if let Some(line) = model.progress_line() {
+        let at = Area::new(Id::new("progress")).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]).interactable(false);
+        at.show(ctx, |ui| frame().show(ui, |ui| ui.add(Label::new(line).extend())));
+    }
 }
 
 fn frame() -> Frame {

@@ -1,6 +1,8 @@
 //! What the pointer and the keys do to the picture.
 
-use egui::{Context, Key, Modifiers, PointerButton, Rect, Response, Sense, Ui};
+use std::collections::HashSet;
+
+use egui::{Context, Event, Id, Key, Modifiers, PointerButton, Rect, Response, Sense, Ui};
 use glam::{DVec2, DVec3};
 
 use super::model::{Model, Viewport};
@@ -59,13 +61,21 @@ fn drag(response: &Response, model: &mut Model, scale: f64) {
 
 /// What keys ask for besides the model's own: the window is to be closed.
 pub fn keys(ctx: &Context, model: &mut Model) -> bool {
-    if ctx.wants_keyboard_input() {
+    note_shortcuts(ctx);
+    if ctx.wants_keyboard_input() || model.dialog.is_open() {
         return false;
     }
     let pressed = |modifiers, key| ctx.input_mut(|input| input.consume_key(modifiers, key));
+    if pressed(Modifiers::CTRL | Modifiers::SHIFT, Key::S) && !model.busy {
+        model.ask_where_to_save();
+    }
     if pressed(Modifiers::CTRL, Key::S) && !model.busy {
         model.save(false);
     }
+    if pressed(Modifiers::CTRL, Key::O) && !model.busy {
+        model.dialog.open();
+    }
+    path_keys(&pressed, model);
     let close = pressed(Modifiers::CTRL, Key::Q);
     if pressed(Modifiers::NONE, Key::F12) && !model.busy {
         model.save(true);
@@ -90,9 +100,54 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     close
 }
 
+/// What keys do to the path.
+fn path_keys(pressed: &impl Fn(Modifiers, Key) -> bool, model: &mut Model) {
+    if pressed(Modifiers::CTRL, Key::K) && !model.busy {
+        model.save_path();
+    }
+    if pressed(Modifiers::NONE, Key::K) {
+        model.add_key();
+    }
+    if pressed(Modifiers::NONE, Key::Space) {
+        model.play();
+    }
+}
+
+/// Runs on along the path, if the camera runs.
+pub fn play(ctx: &Context, model: &mut Model) {
+    if model.route.is_playing() {
+        // A frame that took longer than half a second was none of the motion.
+        model.tick(f64::from(ctx.input(|input| input.stable_dt.min(0.5))));
+        ctx.request_repaint();
+    }
+}
+
+/// Keys that went down with a modifier and are not up yet. They belong to a shortcut, even when the modifier is up before them.
+type Shortcuts = HashSet<Key>;
+
+fn shortcuts() -> Id {
+    Id::new("keys of shortcuts")
+}
+
+fn note_shortcuts(ctx: &Context) {
+    let mut keys: Shortcuts = ctx.data(|data| data.get_temp(shortcuts())).unwrap_or_default();
+    ctx.input(|input| {
+        for event in &input.events {
+            match event {
+                Event::Key { key, pressed: false, .. } => keys.remove(key),
+                Event::Key { key, modifiers, repeat: false, .. } if modifiers.any() => keys.insert(*key),
+                _ => false,
+            };
+        }
+    });
+    ctx.data_mut(|data| data.insert_temp(shortcuts(), keys));
+}
+
 fn fly(ctx: &Context, model: &mut Model) {
+    let shortcuts: Shortcuts = ctx.data(|data| data.get_temp(shortcuts())).unwrap_or_default();
     let (direction, seconds) = ctx.input(|input| {
-        let axis = |ahead, back| f64::from(input.key_down(ahead)) - f64::from(input.key_down(back));
+        let down = |key| f64::from(input.key_down(key) && !shortcuts.contains(&key));
+        let axis = |ahead, back| down(ahead) - down(back);
         let direction = DVec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S));
         // A key that was pressed since the last frame has flown for no more than one of them.
         (if input.modifiers.any() { DVec3::ZERO } else { direction }, f64::from(input.stable_dt.min(0.1)))

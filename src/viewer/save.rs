@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::draft::Effort;
 use super::stage::{Pose, Stage, Taken};
+use crate::camera::path::CameraPath;
 use crate::output::{self, WriteOptions};
 use crate::scene::{Document, Overrides, Setting};
 use crate::{Result, io};
@@ -16,10 +17,15 @@ pub struct Saving {
     pub stem: String,
     /// Whether a picture is wanted, too.
     pub picture: bool,
+    /// Key frames that lead through the scene, if they are to be written.
+    pub path: Option<CameraPath>,
+    /// The file of the scene, if it has a name already.
+    pub to: Option<PathBuf>,
 }
 
-/// Writes the scene to the current folder under the next free number, and, if asked for, the picture that `render` makes of that
-/// file, to the last byte. Clouds that no file holds are written first. What was written, the scene first.
+/// Writes the scene to the current folder under the next free number, or where it is to be, and, if asked for, the picture that
+/// `render` makes of that file, to the last byte, and the path. Clouds that no file holds are written first. What was written,
+/// the scene first.
 ///
 /// # Errors
 /// Whatever keeps files from being written or the scene from being rendered.
@@ -28,10 +34,15 @@ pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> 
     if generated {
         write_clouds(stage, &mut document, &saving.stem)?;
     }
-    let scene_path = free(&saving.stem, |path| path.exists());
-    let text = document.to_toml(Path::new(""))?;
-    output::write_atomically(&scene_path, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+    let stem = if saving.path.is_some() { format!("{}-path", saving.stem) } else { saving.stem.clone() };
+    let scene_path = saving.to.clone().unwrap_or_else(|| free(&stem, |path| path.exists()));
+    write_text(&scene_path, &document.to_toml(scene_path.parent().unwrap_or(Path::new("")))?)?;
     let mut written = vec![scene_path.clone()];
+    if let Some(path) = &saving.path {
+        let file = scene_path.with_extension("json");
+        write_text(&file, &path.to_json())?;
+        written.push(file);
+    }
     if saving.picture {
         let picture = scene_path.with_extension("png");
         if let Err(error) = render(stage, &scene_path, &picture, seed) {
@@ -44,10 +55,15 @@ pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> 
     Ok(written)
 }
 
-/// The first name `STEM-N.toml` of which neither the scene nor its picture is taken.
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    Ok(output::write_atomically(path, |out| std::io::Write::write_all(out, text.as_bytes()))?)
+}
+
+/// The first name `STEM-N.toml` of which neither the scene nor its picture or path is taken.
 fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
     let name = |n: u32| PathBuf::from(format!("{stem}-{n}.toml"));
-    let is_free = |path: &PathBuf| !taken(path) && !taken(&path.with_extension("png"));
+    let is_free =
+        |path: &PathBuf| !["toml", "png", "json"].iter().any(|extension| taken(&path.with_extension(extension)));
     (1..u32::MAX).map(name).find(is_free).unwrap_or_else(|| name(u32::MAX))
 }
 
@@ -94,5 +110,6 @@ mod tests {
         let taken = |path: &Path| ["a-1.toml", "a-2.png"].iter().any(|name| Path::new(name) == path);
         assert_eq!(free("a", taken), Path::new("a-3.toml"));
         assert_eq!(free("b", taken), Path::new("b-1.toml"));
+        assert_eq!(free("c", |path| path == Path::new("c-1.json")), Path::new("c-2.toml"));
     }
 }

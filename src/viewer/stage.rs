@@ -8,6 +8,7 @@ use super::accuracy::Standing;
 use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
+use super::placed::{Placed, Sources};
 use super::thin::{self, Thin};
 use crate::camera::Camera;
 use crate::cloud::Cloud;
@@ -15,10 +16,8 @@ use crate::gpu::Device;
 use crate::methods::brightness::{self, Applied};
 use crate::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use crate::passes::project::DeviceCloud;
-use crate::points::Arranged;
-use crate::prepare::field::Field;
-use crate::prepare::{self, Request};
-use crate::scene::{self, CameraSettings, CloudSettings, Method, Scene, View};
+use crate::points::Changes;
+use crate::scene::{self, CameraSettings, Method, Scene, View};
 use crate::{Result, plan};
 
 /// Share of the whole picture's work from which a picture at rest is the whole one.
@@ -33,41 +32,6 @@ pub enum Pose {
     View(View),
     /// From here: eye, target and up are given.
     At(CameraSettings),
-}
-
-/// Of the points: what they depend on.
-#[derive(Debug, Clone, PartialEq)]
-struct Arrangement {
-    clouds: Vec<CloudSettings>,
-    dealt: bool,
-    radii: bool,
-    fields: bool,
-    shadows: Option<scene::Shadows>,
-}
-
-impl Arrangement {
-    fn of(scene: &Scene) -> Self {
-        let method = &scene.method;
-        // Where a cloud came from doesn't matter any more.
-        let clouds = scene.clouds.iter().map(|cloud| CloudSettings { path: Default::default(), ..cloud.clone() });
-        Self {
-            clouds: clouds.collect(),
-            dealt: method.is_dealt(),
-            radii: method.needs_radii(),
-            fields: method.needs_field(),
-            shadows: scene.shadows,
-        }
-    }
-}
-
-/// Points on the device.
-struct Placed {
-    arrangement: Arrangement,
-    arranged: Arranged,
-    cloud: DeviceCloud,
-    /// Fewer of them, for coarser pictures.
-    thin: Option<Thin>,
-    subject: Subject,
 }
 
 /// A picture and how it came about.
@@ -111,15 +75,14 @@ impl Taken {
 /// A renderer with the clouds of one scene.
 pub struct Stage {
     renderer: Renderer,
-    clouds: Vec<Cloud>,
-    seed: u64,
+    sources: Sources,
+    /// Says what is done to points before they can be rendered, and nothing once they can.
+    pub progress: ProgressBar,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
     /// What frames of the last method took.
     costs: Option<(&'static str, Costs)>,
     histograms: Histograms,
-    /// K and field of each cloud as it was read, where a scene says nothing.
-    defaults: Vec<(usize, Field)>,
     /// What `auto` stood for in the last whole picture, and why.
     chosen: Option<(Method, Method, String)>,
 }
@@ -127,11 +90,10 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        let default = Request::default();
-        let defaults = clouds.iter().map(|cloud| (default.neighbors_of(cloud), default.field_of(cloud))).collect();
-        let histograms = Histograms::default();
+        let (sources, progress, histograms) =
+            (Sources::new(clouds, seed), ProgressBar::hidden(), Histograms::default());
         let (placed, costs, chosen) = (None, None, None);
-        Ok(Self { renderer, clouds, seed, memory_budget, placed, costs, chosen, histograms, defaults })
+        Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
     }
 
     /// The renderer.
@@ -141,12 +103,12 @@ impl Stage {
 
     /// The clouds as they were read.
     pub fn clouds(&self) -> &[Cloud] {
-        &self.clouds
+        self.sources.clouds()
     }
 
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Vec<Cloud> {
-        self.clouds
+        self.sources.into_clouds()
     }
 
     /// Takes an image back whose memory the next one may have.
@@ -160,8 +122,10 @@ impl Stage {
     /// # Errors
     /// Whatever keeps the scene from being rendered; the next one may do.
     pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<Taken> {
-        self.place(scene)?;
-        let (seed, memory_budget) = (self.seed, self.memory_budget);
+        if self.place(scene)?.any() {
+            self.reconsider(scene);
+        }
+        let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
@@ -237,50 +201,32 @@ impl Stage {
         Ok((renderer.render(cloud, &frame)?, None))
     }
 
-    /// Brings the scene's points to the device, unless they are there.
-    fn place(&mut self, scene: &Scene) -> Result<()> {
-        let arrangement = Arrangement::of(scene);
-        if self.placed.as_ref().is_some_and(|placed| placed.arrangement == arrangement) {
-            return Ok(());
-        }
-        let progress = ProgressBar::hidden();
-        self.remember_neighbors(scene, &arrangement, &progress);
-        let (texture, _) = scene::shadow_texture(scene, &self.clouds, self.seed);
-        let up = scene::up_axis(&self.clouds);
-        let arranged = scene::arrange(scene, self.clouds.clone(), self.seed, &progress)?;
-        let points = arranged.points();
-        let Some(bounds) = points.bounds() else { return Err(no_points()) };
-        let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
-        // Freed first, so that old and new never lie on the device together.
-        self.placed = None;
-        let cloud = self.renderer.upload_lit(&arranged, texture.as_ref())?;
-        let subject = Subject { bounds, radius, up };
-        self.placed = Some(Placed { arrangement, arranged, cloud, thin: None, subject });
-        Ok(())
+    /// Brings the scene's points to the device: what of them isn't there, or is another than before.
+    fn place(&mut self, scene: &Scene) -> Result<Changes> {
+        let placed = self.place_quietly(scene);
+        self.progress.set_message("");
+        placed
     }
 
-    /// Finds radii and fields once and keeps them with the clouds, as a prepared file does.
-    fn remember_neighbors(&mut self, scene: &Scene, arrangement: &Arrangement, progress: &ProgressBar) {
-        let clouds = self.clouds.iter_mut().zip(&self.defaults);
-        for (settings, (cloud, (neighbors, field))) in scene.clouds.iter().zip(clouds) {
-            let estimated = arrangement.radii && settings.radius.is_none() && cloud.own_radii().is_none();
-            if !(estimated || arrangement.fields) || arrangement.dealt {
-                continue;
+    fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
+        let Self { renderer, sources, progress, placed, .. } = self;
+        if let Some(before) = placed {
+            if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
+                return Ok(changes);
             }
-            // Not what another scene asked for before.
-            let given = settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate));
-            let field = given.or(Some(field.clone()));
-            let (radii, fields) = (true, arrangement.fields);
-            let neighbors = settings.neighbors.or(Some(*neighbors));
-            let request = Request { neighbors, field, radii, fields, normals: false };
-            if cloud.prepared.is_some() && request.notes(cloud).is_empty() {
-                continue;
-            }
-            // What can't be found is an error of arranging, if it is asked for.
-            if let Ok(prepared) = prepare::prepared(cloud.clone(), &request, progress) {
-                *cloud = prepared;
-            }
+            // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
+            *placed = None;
         }
+        *placed = Some(Placed::new(renderer, sources, scene, progress)?);
+        Ok(Changes::ALL)
+    }
+
+    /// Forgets what `auto` stood for if other points ask for something else: opaque ones for no order at all.
+    fn reconsider(&mut self, scene: &Scene) {
+        let Some(placed) = &self.placed else { return };
+        let needs_order = |method: &Method| !matches!(method, Method::Circles(_));
+        let (resolved, _why) = plan::resolve(scene.method, placed.arranged.points());
+        self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
     }
 
     /// What a frame would do: its passes and why.
@@ -305,7 +251,7 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
     Some([taken, wanted.samples])
 }
 
-fn no_points() -> crate::Error {
+pub(super) fn no_points() -> crate::Error {
     scene::Error::NoPoints { clouds: "the scene".into() }.into()
 }
 
@@ -323,3 +269,6 @@ fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
     let (camera, _warnings) = scene::camera(&framed, arranged.points(), *up)?;
     Ok(camera)
 }
+
+#[cfg(test)]
+mod tests;

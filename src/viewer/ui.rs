@@ -2,6 +2,7 @@
 
 use egui::{CentralPanel, Context, Frame, SidePanel};
 
+use super::dialog::Chosen;
 use super::model::Model;
 use super::{overlay, panel, pointer};
 
@@ -19,10 +20,16 @@ pub fn style(ctx: &Context) {
 /// Draws everything; whether the window is to be closed.
 pub fn show(ctx: &Context, model: &mut Model) -> bool {
     let close = pointer::keys(ctx, model);
+    pointer::play(ctx, model);
     if model.shows.panel {
         SidePanel::right("panel").exact_width(panel::WIDTH).resizable(false).show(ctx, |ui| panel::show(ui, model));
     }
     CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| pointer::picture(ui, model));
     overlay::show(ctx, model);
+    match model.dialog.show(ctx) {
+        Some(Chosen::Files(files)) => model.open(files),
+        Some(Chosen::Scene(file)) => model.save_as(file),
+        None => {}
+    }
     close
 }

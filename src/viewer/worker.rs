@@ -1,6 +1,6 @@
 //! The thread that renders, so that the window answers however long a frame takes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -16,7 +16,8 @@ use super::loss;
 use super::navigate::Subject;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, Taken};
-use crate::camera::Camera;
+use crate::camera::import::Source;
+use crate::camera::{Camera, path};
 use crate::cloud::Cloud;
 use crate::gpu::{self, Device};
 use crate::methods::{Facts, Frame, FrameProfile};
@@ -45,6 +46,8 @@ pub enum Task {
     Measure(u64),
     /// Other files instead of the scene.
     Open(Vec<PathBuf>),
+    /// A file of cameras.
+    Cameras(PathBuf),
     /// The scene as a file, with or without a picture of it.
     Save(Box<Saving>),
 }
@@ -91,6 +94,8 @@ pub enum News {
     Opened(String, Box<Document>),
     /// What is known of the clouds, in the scene's order.
     Clouds(Arc<[Census]>),
+    /// Cameras are there, from this file.
+    Cameras(PathBuf, Box<Source>),
     /// How far the pictures of the view with this serial are off the exact one.
     Measured(u64, Accuracy),
     /// The task of this serial was stopped, since a later one was there.
@@ -109,7 +114,7 @@ impl Task {
         match self {
             Self::Show(request) => !matches!(request.effort, Effort::Moving(_)),
             Self::Measure(_) => true,
-            Self::Open(_) | Self::Save(_) => false,
+            Self::Open(_) | Self::Cameras(_) | Self::Save(_) => false,
         }
     }
 }
@@ -144,6 +149,8 @@ pub struct Held {
 
 /// The thread and its two ends.
 pub struct Worker {
+    /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
+    pub progress: ProgressBar,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
     /// Gives back what it held, and the tasks that it has not looked at.
@@ -158,6 +165,7 @@ impl Worker {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
         let stage = Stage::new(device, held.clouds, setup.seed, setup.memory_budget)?;
+        let progress = stage.progress.clone();
         let (display, history) = (Display::new(), History::default());
         let work = Work { stage, setup, generated: held.generated, display, history, whole: None };
         let tell = move |news| {
@@ -168,7 +176,7 @@ impl Worker {
         let stops = Arc::new(Stops::default());
         let stoppable = stops.clone();
         let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, tell));
-        let worker = Self { tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
+        let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
         held.tasks.into_iter().for_each(|task| worker.ask(task));
         Ok(worker)
     }
@@ -201,7 +209,7 @@ impl Worker {
         self.tasks = None;
         let (mut held, waiting) = self.thread.take()?.join().ok()?;
         held.tasks.extend(waiting.try_iter());
-        held.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Save(_)));
+        held.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Cameras(_) | Task::Save(_)));
         Some((held, self.news.try_iter().collect()))
     }
 
@@ -301,6 +309,7 @@ impl Work {
             Task::Show(request) => (request.serial, self.show(request)),
             Task::Measure(serial) => (*serial, self.measure(*serial)),
             Task::Open(files) => (0, self.open(files)),
+            Task::Cameras(file) => return cameras(file),
             Task::Save(saving) => (0, self.save(saving)),
         };
         done.unwrap_or_else(|error| match error {
@@ -376,9 +385,13 @@ impl Work {
     }
 
     fn open(&mut self, files: &[PathBuf]) -> Result<News> {
-        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &ProgressBar::hidden())?;
+        let progress = self.stage.progress.clone();
+        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &progress);
+        progress.set_message("");
+        let opened = opened?;
         let device = self.stage.renderer().device().clone();
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
+        self.stage.progress = progress;
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }
@@ -388,9 +401,47 @@ impl Work {
     }
 }
 
+/// Reads cameras; where a file holds something else, what it could hold.
+fn cameras(file: &Path) -> News {
+    match Source::read(file) {
+        Ok(source) => News::Cameras(file.to_owned(), Box::new(source)),
+        Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
+        Err(error) => News::Failed(
+            0,
+            format!(
+                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio or a \
+                 model of COLMAP"
+            ),
+        ),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_holds_no_cameras_is_told_what_could() {
+        let folder = tempfile::tempdir().unwrap();
+        let failed = |name: &str, text: &str| {
+            let file = folder.path().join(name);
+            std::fs::write(&file, text).unwrap();
+            match cameras(&file) {
+                News::Failed(0, message) => message,
+                _ => panic!("{name} holds no cameras"),
+            }
+        };
+        for (text, says) in [
+            ("{\"points\": 3}", "has neither keys (a camera path) nor frames"),
+            ("solid", ":1:1: "),
+            ("{\"version\": 1, \"keys\": []}", "a path has from 1 to"),
+        ] {
+            let message = failed("a.json", text);
+            assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
+            assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
+        }
+        assert!(matches!(cameras(&folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
+    }
 
     #[test]
     fn a_picture_that_a_later_one_replaces_is_not_rendered() {

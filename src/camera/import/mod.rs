@@ -133,6 +133,12 @@ impl Source {
     }
 }
 
+/// Whether a file is one of cameras, by its name and what lies beside it: JSON, a folder, or a part of a COLMAP model.
+pub fn is_cameras(path: &Path) -> bool {
+    let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    json || path.is_dir() || colmap::model(path).is_some()
+}
+
 /// What tells the two kinds of JSON apart.
 #[derive(Deserialize)]
 struct Kind {

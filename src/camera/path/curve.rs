@@ -96,9 +96,8 @@ impl Curve {
     }
 
     fn at_knot(&self, knot: usize) -> Pose {
-        let Knot { eye, turn, lens, near, far, .. } = self.knots[knot];
-        let [right, up, forward] = [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis);
-        Pose { eye, right, up, forward, projection: lens.projection(), near, far }
+        let Knot { eye, axes: [right, up, forward], projection, near, far, .. } = self.knots[knot];
+        Pose { eye, right, up, forward, projection, near, far }
     }
 
     /// The pose on a piece that has some length, at `s` in [0, 1].

@@ -9,6 +9,9 @@ use crate::camera::{Camera, Projection};
 #[derive(Debug, Clone, Copy)]
 pub struct Knot {
     pub eye: DVec3,
+    /// Toward the image's right and top, and along the view: as a scene's camera has them, without the rounding of `turn`.
+    pub axes: [DVec3; 3],
+    pub projection: Projection,
     /// Distance of the target; 0 if the key has none.
     pub reach: f64,
     /// From the camera's axes (x right, y up, −z forward) to the world's.
@@ -54,19 +57,26 @@ impl Knot {
             (None, Some(height)) => Projection::Orthographic { height },
             (None, None) => defaults.projection,
         };
-        let (turn, reach, up) = match (key.orientation, key.target) {
-            (Some([w, x, y, z]), _) => (DQuat::from_xyzw(x, y, z, w).normalize(), 0.0, None),
+        let (turn, axes, reach, up) = match (key.orientation, key.target) {
+            (Some([w, x, y, z]), _) => {
+                let turn = DQuat::from_xyzw(x, y, z, w).normalize();
+                (turn, [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis), 0.0, None)
+            }
             (None, target) => {
                 let arm = DVec3::from(target.unwrap_or(key.eye)) - eye;
                 let up = key.up.map_or(defaults.up, DVec3::from);
-                let camera = Camera::look_at(DVec3::ZERO, arm, up, projection, 1.0, 2.0).ok_or_else(|| {
-                    Problem::of_key(number, "up", format!("{up} points along the view {arm}; give another one"))
-                })?;
-                let axes = DMat3::from_cols(camera.right, camera.up, -camera.forward);
-                (DQuat::from_mat3(&axes).normalize(), arm.length(), Some(up.normalize()))
+                // Step by step as `scene::camera` does, so that a key gives the camera of a scene with its vectors, bit for bit.
+                let camera =
+                    Camera::look_at(DVec3::ZERO, arm.normalize(), up, projection, 1.0, 2.0).ok_or_else(|| {
+                        Problem::of_key(number, "up", format!("{up} points along the view {arm}; give another one"))
+                    })?;
+                let Camera { right, up: top, forward, .. } = camera;
+                let turn = DQuat::from_mat3(&DMat3::from_cols(right, top, -forward)).normalize();
+                (turn, [right, top, forward], arm.length(), Some(up.normalize()))
             }
         };
-        Ok(Self { eye, reach, turn, lens: Lens::of(projection), near: key.near, far: key.far, up })
+        let lens = Lens::of(projection);
+        Ok(Self { eye, axes, projection, reach, turn, lens, near: key.near, far: key.far, up })
     }
 
     pub fn forward(&self) -> DVec3 {

@@ -47,11 +47,23 @@ impl Renderer {
     /// More points than the device can address, or no memory for them.
     pub fn upload_lit(&self, arranged: &Arranged, texture: Option<&ShadowTexture>) -> Result<DeviceCloud, Error> {
         let mut cloud = self.upload_arranged(arranged)?;
-        if let (Arranged::Canonical(points), Some(texture)) = (arranged, texture) {
+        if let Some(texture) = texture {
+            self.put_lit(&mut cloud, arranged, texture)?;
+        }
+        Ok(cloud)
+    }
+
+    /// Gives a cloud, uploaded from `arranged`, the shadows that were stored with its points, in the order of their files. Points
+    /// that were dealt take none.
+    ///
+    /// # Errors
+    /// No memory for them.
+    pub fn put_lit(&self, cloud: &mut DeviceCloud, arranged: &Arranged, texture: &ShadowTexture) -> Result<(), Error> {
+        if let Arranged::Canonical(points) = arranged {
             let place = |i: usize| points.file_order.get(i).map_or(i, |place| *place as usize);
             let lit = |i: usize| texture.lit.get(place(i)).copied().unwrap_or(1.0);
             cloud.put_lit(&self.device, points, texture.casting, lit)?;
         }
-        Ok(cloud)
+        Ok(())
     }
 }

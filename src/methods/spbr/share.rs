@@ -28,12 +28,17 @@ impl Placed {
     pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
         let placed = |surface: &Surface| {
             let range = surface.points.start as usize..surface.points.end as usize;
-            let own = points.positions[range.clone()].iter().copied();
+            let own = points.positions[range].iter().copied();
             let corners = crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners());
-            let uniform = points.opacities[range].iter().all(|opacity| *opacity == surface.opacity);
-            Self { surface: surface.clone(), corners, uniform }
+            Self { surface: surface.clone(), corners, uniform: is_uniform(points, surface) }
         };
         surfaces.iter().map(placed).collect()
+    }
+
+    /// Takes over opacities that are others: of its points, and of the surface that they are of.
+    pub fn renew_opacities(&mut self, points: &Points, surface: &Surface) {
+        self.surface.opacity = surface.opacity;
+        self.uniform = is_uniform(points, surface);
     }
 
     /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the
@@ -48,6 +53,11 @@ impl Placed {
     fn depths(&self, camera: &Camera) -> impl Iterator<Item = f64> {
         self.corners.iter().map(|corner| camera.to_view(*corner).z)
     }
+}
+
+fn is_uniform(points: &Points, surface: &Surface) -> bool {
+    let range = surface.points.start as usize..surface.points.end as usize;
+    points.opacities[range].iter().all(|opacity| *opacity == surface.opacity)
 }
 
 /// What a frame takes of a cloud.

@@ -13,6 +13,9 @@ use crate::viewer::accuracy::{Accuracy, History, Reference};
 use crate::viewer::navigate::Subject;
 
 mod edited;
+mod keys;
+mod path;
+mod reopened;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -249,4 +252,21 @@ fn other_files_take_the_place_of_the_scene() {
     model.next_task(now);
     model.take_in(News::Failed(0, "c.ply: there is no such file".into())).unwrap();
     assert!(!model.busy && model.message.as_ref().is_some_and(|(_, wrong)| *wrong));
+}
+
+#[test]
+fn what_keeps_a_picture_waiting_is_told_while_it_does() {
+    let (mut model, now) = settled();
+    model.progress.set_message("finding neighbors");
+    assert_eq!(model.progress_line(), None, "nothing is asked for");
+    model.set("cloud.0.opacity", Setting::Number(0.5));
+    let request = asked(&mut model, now).expect("a picture is due");
+    assert_eq!(model.progress_line().as_deref(), Some("finding neighbors"));
+    model.progress.set_length(200);
+    model.progress.set_position(50);
+    assert_eq!(model.progress_line().as_deref(), Some("finding neighbors, 25 %"));
+    model.progress.set_message("");
+    assert_eq!(model.progress_line(), None, "points are there");
+    model.take_in(picture(&request, true)).unwrap();
+    assert!(!model.is_waiting());
 }

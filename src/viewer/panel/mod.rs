@@ -5,6 +5,7 @@ mod clouds;
 mod field;
 mod files;
 mod method;
+mod path;
 mod picture;
 mod row;
 mod shading;
@@ -51,6 +52,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
         section(ui, "Picture", true, |ui| picture::show(ui, model));
         section(ui, "Camera", true, |ui| camera::show(ui, model));
+        section(ui, "Path", true, |ui| path::show(ui, model));
         section(ui, "Files", true, |ui| files::show(ui, model));
     });
 }

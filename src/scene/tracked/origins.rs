@@ -1,0 +1,46 @@
+//! From the number of a point among all of a scene to its cloud and its place there.
+
+/// How many points of each cloud are in the scene, and which.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Origins {
+    /// Number of each cloud's first point among those of all clouds, cloud after cloud.
+    starts: Vec<u32>,
+    /// Which of a cloud's points are there; `None`: all.
+    kept: Vec<Option<Vec<u32>>>,
+    count: u32,
+}
+
+impl Origins {
+    /// Adds a cloud with `count` points in the scene; `keep` tells for each of its points whether it is there, if some aren't.
+    pub fn push(&mut self, count: usize, keep: Option<&[bool]>) {
+        self.starts.push(self.count);
+        // Points are counted in 32 bits: more of them don't fit any device.
+        self.count += count as u32;
+        self.kept.push(keep.map(|keep| (0..).zip(keep).filter(|(_, keep)| **keep).map(|(i, _)| i).collect()));
+    }
+
+    /// The cloud of a point, and its place in it.
+    pub fn of(&self, number: u32) -> (usize, usize) {
+        // Of clouds without points the last one starts where they do.
+        let cloud = self.starts.partition_point(|start| *start <= number) - 1;
+        let place = (number - self.starts[cloud]) as usize;
+        (cloud, self.kept[cloud].as_ref().map_or(place, |kept| kept[place] as usize))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clouds_may_be_empty_and_lack_points() {
+        let mut origins = Origins::default();
+        origins.push(2, None);
+        origins.push(0, None);
+        origins.push(2, Some(&[false, true, false, true, false]));
+        origins.push(0, Some(&[false]));
+        origins.push(1, None);
+        let all: Vec<_> = (0..5).map(|number| origins.of(number)).collect();
+        assert_eq!(all, [(0, 0), (0, 1), (2, 1), (2, 3), (4, 0)]);
+    }
+}
