@@ -116,6 +116,8 @@ pub struct Model {
     pub dialog: Dialog,
     /// Files that are being read or written.
     pub busy: bool,
+    /// What they were asked for, in that order, in which the answers come: whether it is another scene.
+    pending: VecDeque<bool>,
     /// What keeps the next picture waiting.
     pub progress: ProgressBar,
     /// The last frames.
@@ -156,6 +158,7 @@ impl Model {
             arriving: None,
             dialog: Dialog::default(),
             busy: false,
+            pending: VecDeque::new(),
             progress: ProgressBar::hidden(),
             times: VecDeque::new(),
             shows: Shows { panel: true, passes: true, help: false },
@@ -333,15 +336,17 @@ impl Model {
             News::Clouds(census) => self.census = census,
             News::Saved(files) => {
                 self.message = Some((self.saved(&files), false));
-                self.busy = false;
+                self.take_answer();
             }
             News::Cameras(file, source) => {
-                self.busy = false;
+                self.take_answer();
                 self.take_path(file, *source);
             }
             News::Failed(serial, message) => {
                 self.message = Some((message, true));
-                self.busy &= serial != 0;
+                if serial == 0 {
+                    self.take_answer();
+                }
                 if self.is_asked(serial) {
                     self.way = Way::Rest;
                 }
@@ -362,18 +367,24 @@ impl Model {
     /// `busy`.
     pub fn start_anew(&mut self, why: String, busy: bool) {
         self.way = Way::Changed;
+        if !busy {
+            self.pending = self.tasks.iter().map(|task| matches!(task, Task::Open(_))).collect();
+        }
         self.busy = busy || !self.tasks.is_empty();
         self.message = Some((why, true));
     }
 
     /// Another scene.
     fn replace(&mut self, name: String, document: Document) -> Result<(), Error> {
+        self.take_answer();
+        // Files that were asked for after these are still on their way.
+        let (busy, pending, tasks) = (self.busy, std::mem::take(&mut self.pending), std::mem::take(&mut self.tasks));
         let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
         // Keys are places in the world, which another scene may show as well.
         let mut route = std::mem::take(&mut self.route);
         route.invalidate();
         let new = Self::new(name, document, View::default(), self.budget_ms)?;
-        *self = Self { shows, viewport, serial, route, progress, ..new };
+        *self = Self { shows, viewport, serial, route, progress, busy, pending, tasks, ..new };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }

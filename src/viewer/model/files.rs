@@ -18,11 +18,32 @@ impl Model {
             return;
         }
         self.message = Some((format!("reading {}", names.join(", ")), false));
-        self.busy = true;
         if !files.is_empty() {
-            self.tasks.push_back(Task::Open(files));
+            self.ask_for(Task::Open(files));
         }
-        self.tasks.extend(cameras.into_iter().map(Task::Cameras));
+        cameras.into_iter().for_each(|file| self.ask_for(Task::Cameras(file)));
+    }
+
+    /// Asks for files to be read or written.
+    pub(super) fn ask_for(&mut self, task: Task) {
+        self.pending.push_back(matches!(task, Task::Open(_)));
+        self.busy = true;
+        self.tasks.push_back(task);
+    }
+
+    /// The first files that were asked for are read or written, or can't be.
+    pub(super) fn take_answer(&mut self) {
+        self.pending.pop_front();
+        self.busy = !self.pending.is_empty();
+    }
+
+    /// Whether another scene is on its way, whose clouds are no longer those of this one; if so, it is said.
+    pub(super) fn is_leaving(&mut self) -> bool {
+        let leaving = self.pending.contains(&true);
+        if leaving {
+            self.message = Some(("not saved: another scene is being read".to_owned(), true));
+        }
+        leaving
     }
 
     /// What the names of saved files begin with.
@@ -44,11 +65,13 @@ impl Model {
             self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
             return;
         }
+        if self.is_leaving() {
+            return;
+        }
         match self.document_as_shown() {
             Ok(document) => {
-                self.busy = true;
                 let saving = Saving { document, stem: self.stem(), picture, path: None, to };
-                self.tasks.push_back(Task::Save(Box::new(saving)));
+                self.ask_for(Task::Save(Box::new(saving)));
             }
             Err(error) => self.message = Some((error.to_string(), true)),
         }

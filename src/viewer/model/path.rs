@@ -245,14 +245,16 @@ impl Model {
             self.message = Some(("there is no key yet: K makes one of the present camera".to_owned(), false));
             return;
         }
+        if self.is_leaving() {
+            return;
+        }
         // With its own camera: what keys leave open is that of the scene.
         let mut document = self.document.clone();
         match document.put("image.size", Setting::Integers(self.viewport.size.to_vec())) {
             Ok(()) => {
                 let path = Some(self.route.path(self.viewport.size));
-                self.busy = true;
                 let saving = Saving { document, stem: self.stem(), picture: false, path, to: None };
-                self.tasks.push_back(Task::Save(Box::new(saving)));
+                self.ask_for(Task::Save(Box::new(saving)));
             }
             Err(error) => self.message = Some((error.to_string(), true)),
         }

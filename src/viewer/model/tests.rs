@@ -14,6 +14,7 @@ use crate::viewer::navigate::Subject;
 
 mod edited;
 mod keys;
+mod opened;
 mod path;
 mod reopened;
 
