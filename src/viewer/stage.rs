@@ -83,7 +83,7 @@ pub struct Stage {
     /// What frames of the last method took.
     costs: Option<(&'static str, Costs)>,
     histograms: Histograms,
-    /// What `auto` stood for in the last whole picture, and why.
+    /// What `auto` stood for when it was last asked, and why.
     chosen: Option<(Method, Method, String)>,
 }
 
@@ -117,7 +117,7 @@ impl Stage {
     }
 
     /// A picture of a scene, of the size that it says or, with less than all effort, of fewer pixels, samples or points. What
-    /// `auto` stood for is not asked again for drafts.
+    /// `auto` stands for is not asked again for drafts.
     ///
     /// # Errors
     /// Whatever keeps the scene from being rendered; the next one may do.
@@ -126,25 +126,22 @@ impl Stage {
             self.reconsider(scene);
         }
         let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
+        let known = self
+            .chosen
+            .clone()
+            .filter(|(of, method, _)| *of == scene.method && self.draft(method, effort) != Draft::whole(method));
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
         let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of(scene, camera, seed) };
-        let chosen = self.chosen.take().filter(|(of, ..)| *of == scene.method && effort != Effort::Whole);
-        let (method, why) = match chosen {
+        let (method, why) = match known {
             Some((_, method, why)) => (method, why),
             None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), &frame)?,
         };
         self.chosen = Some((scene.method, method, why.clone()));
         frame.method = method;
         let lights = lights(&mut frame, &placed.cloud, effort);
-        let draft = match effort.budget_ms() {
-            Some(budget) => Draft::within(&method, self.costs_of(&method), budget),
-            None => Draft::whole(&method),
-        };
-        // At rest the whole picture is worth twice the wait for most of it.
-        let nearly = matches!(effort, Effort::Refining(_)) && draft.work(&method) >= NEARLY_WHOLE;
-        let draft = if nearly { Draft::whole(&method) } else { draft };
+        let draft = self.draft(&method, effort);
         let started = Instant::now();
         let (rendered, brightness) = self.draw(&frame, draft)?;
         // Shadows that were cast are there for the next one.
@@ -166,11 +163,13 @@ impl Stage {
         Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
     }
 
-    /// The picture of the method that shows exactly what this one approximates.
+    /// The picture of the method that shows exactly what this one approximates, of the scene that it was taken of.
     ///
     /// # Errors
     /// Whatever keeps it from being rendered.
-    pub fn exact(&mut self, taken: &Frame, method: Method) -> Result<Rendered> {
+    pub fn exact(&mut self, scene: &Scene, taken: &Frame, method: Method) -> Result<Rendered> {
+        // A picture that came to nothing may have left other points.
+        self.place(scene)?;
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*taken };
         Ok(self.renderer.render(&mut placed.cloud, &frame)?)
@@ -178,6 +177,15 @@ impl Stage {
 
     fn costs_of(&self, method: &Method) -> Option<Costs> {
         self.costs.filter(|(name, _)| *name == method.name()).map(|(_, costs)| costs)
+    }
+
+    /// What a picture of a method has that is worth this much.
+    fn draft(&self, method: &Method, effort: Effort) -> Draft {
+        let Some(budget) = effort.budget_ms() else { return Draft::whole(method) };
+        let draft = Draft::within(method, self.costs_of(method), budget);
+        // At rest the whole picture is worth twice the wait for most of it.
+        let nearly = matches!(effort, Effort::Refining(_)) && draft.work(method) >= NEARLY_WHOLE;
+        if nearly { Draft::whole(method) } else { draft }
     }
 
     /// Renders what a draft has of a whole frame.

@@ -133,7 +133,11 @@ struct Stops {
 impl Stops {
     fn allow(&self, task: &Task) -> bool {
         let is_save = matches!(task, Task::Save(_));
-        !self.ending.load(Ordering::SeqCst) && (is_save || !self.closing.load(Ordering::SeqCst))
+        !self.is_ending() && (is_save || !self.closing.load(Ordering::SeqCst))
+    }
+
+    fn is_ending(&self) -> bool {
+        self.ending.load(Ordering::SeqCst)
     }
 }
 
@@ -183,18 +187,18 @@ impl Worker {
 
     /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
     pub fn ask(&self, task: Task) {
-        let replaces = matches!(task, Task::Show(_) | Task::Open(_));
+        // Before it is sent: it could be begun in this moment, and be stopped by itself.
+        if matches!(task, Task::Show(_) | Task::Open(_)) {
+            self.stop();
+        }
         if let Some(tasks) = &self.tasks {
             // A thread that is gone has said why.
             let _ = tasks.send(task);
         }
-        if replaces {
-            self.stop();
-        }
     }
 
     /// Stops what may be stopped at its next submission. If the thread goes on to the next task in this moment that one may be
-    /// stopped instead, which it says.
+    /// stopped instead: then it says so, or begins anew if it was not to be stopped.
     fn stop(&self) {
         if self.stops.may.load(Ordering::SeqCst) {
             self.device.allow_submissions(Some(0));
@@ -248,7 +252,7 @@ struct Work {
     display: Display,
     /// Pictures of the view.
     history: History,
-    /// The last whole picture: its serial and scene, from where, its frame, and what it is.
+    /// The last whole picture.
     whole: Option<Whole>,
 }
 
@@ -281,17 +285,13 @@ impl Work {
         tell(self.census());
         while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
             for task in latest(task, &waiting) {
-                device.allow_submissions(None);
-                stops.may.store(task.may_stop(), Ordering::SeqCst);
-                // What was to be written is written, however soon the window is closed.
-                if lost || !stops.allow(&task) {
+                let news = if lost { None } else { self.run_allowed(&task, &device, stops) };
+                let Some(news) = news else {
                     left.push(task);
                     continue;
-                }
-                let news = self.run(&task);
-                stops.may.store(false, Ordering::SeqCst);
+                };
                 lost = matches!(news, News::Lost(_));
-                if lost || stops.ending.load(Ordering::SeqCst) && matches!(news, News::Stopped(_)) {
+                if lost || stops.is_ending() && matches!(news, News::Stopped(_)) {
                     left.push(task);
                 }
                 let others = matches!(news, News::Opened(..));
@@ -302,6 +302,23 @@ impl Work {
             }
         }
         (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+    }
+
+    /// Does a task, anew if it was stopped in place of the one before it; `None` if it is not to be begun.
+    fn run_allowed(&mut self, task: &Task, device: &Device, stops: &Stops) -> Option<News> {
+        loop {
+            device.allow_submissions(None);
+            stops.may.store(task.may_stop(), Ordering::SeqCst);
+            // What was to be written is written, however soon the window is closed.
+            if !stops.allow(task) {
+                return None;
+            }
+            let news = self.run(task);
+            stops.may.store(false, Ordering::SeqCst);
+            if task.may_stop() || stops.is_ending() || !matches!(news, News::Stopped(_)) {
+                return Some(news);
+            }
+        }
     }
 
     fn run(&mut self, task: &Task) -> News {
@@ -316,6 +333,9 @@ impl Work {
             error if loss::during(&error).is_some() => News::Lost(error),
             Error::Gpu(gpu::Error::Stopped { .. }) => News::Stopped(serial),
             Error::Render(crate::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
+            error if matches!(task, Task::Measure(_)) => {
+                News::Failed(serial, format!("how accurate the picture is can't be found: {error}"))
+            }
             error => News::Failed(serial, error.to_string()),
         })
     }
@@ -372,10 +392,10 @@ impl Work {
 
     /// Holds the pictures of the last view against the exact one.
     fn measure(&mut self, serial: u64) -> Result<News> {
-        let whole = self.whole.take().filter(|whole| whole.serial == serial);
-        let standing = whole.as_ref().map(|whole| whole.standing);
-        if let (Some(whole), Some(Standing::Approximation(method))) = (&whole, standing) {
-            let rendered = self.stage.exact(&whole.frame, method)?;
+        let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
+        let standing = whole.map(|whole| whole.standing);
+        if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
+            let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
             let image = &whole.scene.image;
             let exact = display::compose(&rendered.image, image.background, image.color);
             self.stage.recycle(rendered.image);
@@ -392,6 +412,8 @@ impl Work {
         let device = self.stage.renderer().device().clone();
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
         self.stage.progress = progress;
+        // A file of the same name may hold others by now.
+        (self.history, self.whole) = (History::default(), None);
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }
@@ -417,48 +439,4 @@ fn cameras(file: &Path) -> News {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_holds_no_cameras_is_told_what_could() {
-        let folder = tempfile::tempdir().unwrap();
-        let failed = |name: &str, text: &str| {
-            let file = folder.path().join(name);
-            std::fs::write(&file, text).unwrap();
-            match cameras(&file) {
-                News::Failed(0, message) => message,
-                _ => panic!("{name} holds no cameras"),
-            }
-        };
-        for (text, says) in [
-            ("{\"points\": 3}", "has neither keys (a camera path) nor frames"),
-            ("solid", ":1:1: "),
-            ("{\"version\": 1, \"keys\": []}", "a path has from 1 to"),
-        ] {
-            let message = failed("a.json", text);
-            assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
-            assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
-        }
-        assert!(matches!(cameras(&folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
-    }
-
-    #[test]
-    fn a_picture_that_a_later_one_replaces_is_not_rendered() {
-        let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
-        let scene = Arc::new(scene);
-        let show = |serial| {
-            let effort = Effort::Whole;
-            Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, effort, serial }))
-        };
-        let (sender, waiting) = mpsc::channel();
-        for task in [show(2), show(3), Task::Open(Vec::new()), show(4), show(5)] {
-            sender.send(task).unwrap();
-        }
-        let kept: Vec<u64> = latest(show(1), &waiting)
-            .iter()
-            .map(|task| if let Task::Show(request) = task { request.serial } else { 0 })
-            .collect();
-        assert_eq!(kept, [3, 0, 5]);
-    }
-}
+mod tests;
