@@ -49,7 +49,7 @@ pub struct Draft {
 pub struct Cost {
     /// Milliseconds.
     pub ms: f64,
-    /// Share of the whole picture's work, up to 1.
+    /// Share of the whole picture's work: up to 1, unless that has become less.
     pub work: f64,
 }
 
@@ -68,11 +68,19 @@ impl Costs {
     }
 
     /// With another frame.
-    pub fn add(&mut self, cost: Cost) {
-        if apart(cost, self.last) {
-            self.other = Some(self.last);
+    pub fn with(self, cost: Cost) -> Self {
+        let other = if apart(cost, self.last) { Some(self.last) } else { self.other };
+        Self { last: cost, other }
+    }
+
+    /// The same in shares of a picture that has `now` samples, ensembles or layers when it is whole, and not `before`.
+    pub fn rescaled(mut self, before: Option<u32>, now: Option<u32>) -> Self {
+        if let (Some(before), Some(now)) = (before, now) {
+            let factor = f64::from(before) / f64::from(now.max(1));
+            self.last.work *= factor;
+            self.other.iter_mut().for_each(|other| other.work *= factor);
         }
-        self.last = cost;
+        self
     }
 
     /// The share of the work that `budget_ms` are expected to be enough for: a straight line through both, or, while there is
@@ -197,6 +205,17 @@ mod tests {
         assert_eq!(taken(128.0, 1.0, 0.0), draft(4, 8));
     }
 
+    /// A slider that asks for 16 times the samples makes no frame that takes 16 times the budget.
+    #[test]
+    fn more_samples_are_more_work() {
+        let (few, many) = (Method::Stochastic(Stochastic { samples: 4, ..Default::default() }), stochastic());
+        let costs = Costs::new(Cost { ms: 33.0, work: Draft::whole(&few).work(&few) });
+        let rescaled = costs.rescaled(Draft::whole(&few).steps, Draft::whole(&many).steps);
+        assert_eq!(Draft::within(&many, Some(rescaled), 33.0), Draft { steps: Some(4), coarse: 1 });
+        assert_eq!(rescaled.rescaled(Some(64), Some(4)), costs);
+        assert_eq!(costs.rescaled(None, None), costs);
+    }
+
     #[test]
     fn exact_methods_get_coarser() {
         let method = Method::ABuffer(Default::default());
@@ -229,7 +248,7 @@ mod tests {
         let mut costs = Costs::new(cost(1.0));
         assert!((costs.share(33.0) - 33.0 / 1020.0).abs() < 1e-12);
         for coarse in [6.0, 8.0, 3.0, 8.0, 8.0] {
-            costs.add(cost(coarse));
+            costs = costs.with(cost(coarse));
             assert!((costs.share(33.0) - 0.013).abs() < 1e-9, "{coarse}: {}", costs.share(33.0));
         }
         // By proportion alone the last one would keep it at 1/64.
@@ -238,7 +257,7 @@ mod tests {
         let method = Method::ABuffer(Default::default());
         assert_eq!(Draft::within(&method, Some(costs), 10.0).coarse, 8);
         // A scene that suddenly takes less makes no line.
-        costs.add(Cost { ms: 1.0, work: 1.0 });
+        costs = costs.with(Cost { ms: 1.0, work: 1.0 });
         assert_eq!(costs.share(33.0), 33.0);
     }
 

@@ -108,6 +108,8 @@ pub struct Model {
     tasks: VecDeque<Task>,
     /// What is to be told, and whether something went wrong.
     pub message: Option<(String, bool)>,
+    /// Why the last picture failed, until there is one again.
+    failed: Option<String>,
     /// The path of key frames.
     pub route: Route,
     /// A file of cameras that waits for the first picture.
@@ -154,6 +156,7 @@ impl Model {
             budget_ms,
             tasks: VecDeque::new(),
             message: None,
+            failed: None,
             route: Route::default(),
             arriving: None,
             dialog: Dialog::default(),
@@ -238,6 +241,16 @@ impl Model {
     /// Whether the worker has something to do.
     pub fn is_waiting(&self) -> bool {
         self.busy || matches!(self.way, Way::Asked(..))
+    }
+
+    /// What is said in place of the picture as long as there is none.
+    pub fn line_without_picture(&self) -> Option<&'static str> {
+        let line = if self.way == Way::Rest {
+            "there is no picture: the panel (H) says why"
+        } else {
+            "the first picture is on its way"
+        };
+        self.picture.is_none().then_some(line)
     }
 
     /// What keeps the next picture waiting, and how much of that is done.
@@ -343,13 +356,14 @@ impl Model {
                 self.take_path(file, *source);
             }
             News::Failed(serial, message) => {
-                self.message = Some((message, true));
                 if serial == 0 {
                     self.take_answer();
                 }
                 if self.is_asked(serial) {
                     self.way = Way::Rest;
+                    self.failed = Some(message.clone());
                 }
+                self.message = Some((message, true));
             }
             News::Stopped(serial) if self.is_asked(serial) => self.way = Way::Changed,
             News::Stopped(serial) => self.measured = self.measured.filter(|measured| *measured != serial),
@@ -399,6 +413,9 @@ impl Model {
         {
             self.way = if picture.whole { Way::Rest } else { Way::Draft(refined) };
         }
+        // What was wrong with the one before is no longer true.
+        let failed = self.failed.take();
+        self.message.take_if(|(message, _)| failed.as_ref() == Some(message));
         let profile = &picture.profile;
         let passes = profile.passes.iter().map(|pass| (pass.name, pass.gpu.as_secs_f64() * 1e3)).collect();
         self.times.push_back(Times { wall_ms: profile.wall.as_secs_f64() * 1e3, passes });

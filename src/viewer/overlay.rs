@@ -48,9 +48,9 @@ pub fn show(ctx: &Context, model: &mut Model) {
         let window = Window::new("Passes").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false).frame(frame());
         window.default_open(true).show(ctx, |ui| passes(ui, model));
     }
-    if model.picture().is_none() {
+    if let Some(line) = model.line_without_picture() {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
-        at.show(ctx, |ui| ui.label(RichText::new("the first picture is on its way").size(16.0)));
+        at.show(ctx, |ui| ui.label(RichText::new(line).size(16.0)));
     }
     waiting(ctx, model);
     let mut help = model.shows.help;

@@ -80,8 +80,8 @@ pub struct Stage {
     pub progress: ProgressBar,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
-    /// What frames of the last method took.
-    costs: Option<(&'static str, Costs)>,
+    /// The last method, how many samples, ensembles or layers it has, and what its frames took.
+    costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
     /// What `auto` stood for when it was last asked, and why.
     chosen: Option<(Method, Method, String)>,
@@ -147,10 +147,8 @@ impl Stage {
         // Shadows that were cast are there for the next one.
         if rendered.facts.light_views == 0 {
             let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };
-            match &mut self.costs {
-                Some((name, costs)) if *name == method.name() => costs.add(cost),
-                costs => *costs = Some((method.name(), Costs::new(cost))),
-            }
+            let costs = self.costs_of(&method).map_or_else(|| Costs::new(cost), |costs| costs.with(cost));
+            self.costs = Some((method.name(), Draft::whole(&method).steps, costs));
         }
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
@@ -176,7 +174,8 @@ impl Stage {
     }
 
     fn costs_of(&self, method: &Method) -> Option<Costs> {
-        self.costs.filter(|(name, _)| *name == method.name()).map(|(_, costs)| costs)
+        let (_, steps, costs) = self.costs.filter(|(name, ..)| *name == method.name())?;
+        Some(costs.rescaled(steps, Draft::whole(method).steps))
     }
 
     /// What a picture of a method has that is worth this much.

@@ -61,7 +61,7 @@ impl Model {
 
     /// As [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
-        if self.navigator.is_none() {
+        if self.navigator.is_none() || self.viewport.size.contains(&0) {
             self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
             return;
         }

@@ -245,6 +245,10 @@ impl Model {
             self.message = Some(("there is no key yet: K makes one of the present camera".to_owned(), false));
             return;
         }
+        if self.viewport.size.contains(&0) {
+            self.message = Some(("the window has no room for pictures, whose size a path needs".to_owned(), true));
+            return;
+        }
         if self.is_leaving() {
             return;
         }

@@ -29,3 +29,42 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
     assert!(matches!(model.next_task(now), Some(Task::Open(files)) if files == [Path::new("e.ply")]));
     assert!(model.busy && model.next_task(now).is_none());
 }
+
+#[test]
+fn a_scene_without_a_picture_does_not_promise_one() {
+    let mut model = model();
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert!(model.line_without_picture().unwrap().contains("on its way"));
+    model.take_in(News::Failed(request.serial, "no property `height`".into())).unwrap();
+    assert!(model.line_without_picture().unwrap().contains("no picture"));
+    // Another setting may have one, and then nothing is wrong any more.
+    model.navigate(|_| ());
+    model.look_from(View::default());
+    assert!(model.line_without_picture().unwrap().contains("on its way"));
+    let request = asked(&mut model, Instant::now()).unwrap();
+    model.take_in(picture(&request, true)).unwrap();
+    assert_eq!((model.line_without_picture(), &model.message), (None, &None));
+    // What else was said stays.
+    model.look_from(View::default());
+    let request = asked(&mut model, Instant::now()).unwrap();
+    model.take_in(News::Failed(request.serial, "too many points".into())).unwrap();
+    model.message = Some(("something else".into(), true));
+    model.look_from(View::default());
+    let request = asked(&mut model, Instant::now()).unwrap();
+    model.take_in(picture(&request, true)).unwrap();
+    assert_eq!(model.message, Some(("something else".into(), true)));
+}
+
+/// The panel may leave no room for the picture, and pictures of no size are no scene.
+#[test]
+fn a_window_without_room_for_a_picture_saves_none() {
+    let (mut model, now) = settled();
+    model.add_key();
+    while model.next_task(now).is_some() {}
+    model.set_viewport(Viewport { at: [0, 0], size: [0, 48] });
+    for save in [|model: &mut Model| model.save(true), Model::save_path] {
+        model.message = None;
+        save(&mut model);
+        assert!(model.next_task(now).is_none() && !model.busy && model.message.is_some());
+    }
+}
