@@ -4,13 +4,16 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::due::STILL;
 use super::*;
 use crate::camera::Camera;
 use crate::cloud::{Bounds, UpAxis};
 use crate::methods::{Facts, FrameProfile};
 use crate::scene::{Overrides, ViewName};
-use crate::viewer::accuracy::{Accuracy, History, Reference};
+use crate::viewer::accuracy::{Accuracy, History, Reference, Standing};
+use crate::viewer::draft::Effort;
 use crate::viewer::navigate::Subject;
+use crate::viewer::worker::Request;
 
 mod edited;
 mod keys;

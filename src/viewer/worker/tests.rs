@@ -1,7 +1,8 @@
 //! What is rendered, what is stopped, what cameras are.
 
 use super::*;
-use crate::scene::{CameraSettings, Setting};
+use crate::scene::{CameraSettings, Document, Setting};
+use crate::viewer::draft::Effort;
 
 #[test]
 fn what_holds_no_cameras_is_told_what_could() {
