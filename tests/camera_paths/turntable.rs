@@ -40,6 +40,17 @@ fn a_quarter_is_ninety_degrees_of_azimuth() {
     }
 }
 
+#[test]
+fn the_first_frame_is_the_camera_itself() {
+    let (center, projection) = (DVec3::new(0.7, -0.3, 4_500_000.1), Projection::Perspective { fov_y: 0.7 });
+    for i in 1..50 {
+        let eye = DVec3::new(0.1 * f64::from(i), 0.37, -7.7 + f64::from(i) * 0.3);
+        let camera = Camera::look_at(eye, center, DVec3::Y, projection, 0.1, 10.0).unwrap();
+        let turntable = Turntable::new(&camera, center, DVec3::Z);
+        assert_eq!((turntable.frames(3)[0], turntable.start.eye), (turntable.start, eye));
+    }
+}
+
 fn points(positions: &[DVec3], radius: f32) -> Points {
     Points {
         positions: positions.to_vec(),
