@@ -211,3 +211,17 @@ fn an_eye_that_sees_all_and_one_among_the_points_stay() {
         assert_eq!(cameras[0].eye, eye);
     }
 }
+
+/// Depths that a scene gives are those of its own eye: from farther away they would cut off what was seen.
+#[test]
+fn given_depths_go_back_with_the_eye() {
+    let (points, text) = builtin("garden", [640, 480]);
+    let own = turned(&text, &points, UpAxis::Z, View::default(), 36);
+    let still = "eye = [12.5, -20.0, 13.5]";
+    let back = (own[0].eye - DVec3::new(12.5, -20.0, 13.5)).length();
+    assert!(back > 1.0, "{back}");
+    let text = text.replace(still, &format!("{still}\nnear = 2.0\nfar = 60.0"));
+    for camera in turned(&text, &points, UpAxis::Z, View::default(), 36) {
+        assert!((camera.near - 2.0 - back).abs() < 1e-9 && (camera.far - 60.0 - back).abs() < 1e-9, "{camera:?}");
+    }
+}
