@@ -15,6 +15,7 @@ use super::draft::Effort;
 use super::navigate::{self, Navigator};
 use super::route::Route;
 use super::stage::Pose;
+use super::times::Times;
 use super::worker::{News, Picture, Request, Task};
 use crate::camera::Projection;
 use crate::camera::import::Source;
@@ -38,9 +39,6 @@ const MOST_REFINED: u32 = 6;
 /// How long nothing may move for the picture to be held against the exact one.
 const STILL: Duration = Duration::from_millis(500);
 
-/// Frames of which times are kept.
-pub const HISTORY: usize = 120;
-
 /// Pixels around the pointer in which a depth is looked for.
 const PICK_PX: i64 = 6;
 
@@ -51,15 +49,6 @@ pub struct Viewport {
     pub at: [u32; 2],
     /// Columns and rows.
     pub size: [u32; 2],
-}
-
-/// What a frame took.
-#[derive(Debug, Clone)]
-pub struct Times {
-    /// Milliseconds from submission to read-back.
-    pub wall_ms: f64,
-    /// Milliseconds of each pass.
-    pub passes: Vec<(&'static str, f64)>,
 }
 
 /// What is shown beside the picture.
@@ -119,7 +108,7 @@ pub struct Model {
     /// What keeps the next picture waiting.
     pub progress: ProgressBar,
     /// The last frames.
-    pub times: VecDeque<Times>,
+    pub times: Times,
     /// What is shown.
     pub shows: Shows,
     /// Where the pointer was, in points, when it last turned or moved the picture in a drag.
@@ -157,7 +146,7 @@ impl Model {
             dialog: Dialog::default(),
             busy: false,
             progress: ProgressBar::hidden(),
-            times: VecDeque::new(),
+            times: Times::default(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,
             controls: BTreeMap::new(),
@@ -388,12 +377,7 @@ impl Model {
         {
             self.way = if picture.whole { Way::Rest } else { Way::Draft(refined) };
         }
-        let profile = &picture.profile;
-        let passes = profile.passes.iter().map(|pass| (pass.name, pass.gpu.as_secs_f64() * 1e3)).collect();
-        self.times.push_back(Times { wall_ms: profile.wall.as_secs_f64() * 1e3, passes });
-        if self.times.len() > HISTORY {
-            self.times.pop_front();
-        }
+        self.times.add(&picture);
         // From a pose that the scene gave the camera may move on.
         if self.pose == picture.pose && !matches!(self.pose, Pose::At(_)) {
             let fov_y = match picture.camera.projection {
