@@ -66,7 +66,8 @@ fn drafts_lie_where_the_whole_picture_does() {
         let of_screen_aligned = [of_pixels[0], of_pixels[1]];
         let of_samples = [(0.5, "16 samples", 1), (0.032, "4 samples, 2 × 2 pixels as one", 2)];
         let of_ensembles = [(0.5, "20 ensembles", 1), (0.026, "4 ensembles, 2 × 2 pixels as one", 2)];
-        let cases: [(&str, &[(f64, &str, i64)]); 7] = [
+        type Case<'a> = (&'a str, &'a [(f64, &'a str, i64)]);
+        let cases: [Case<'_>; 7] = [
             ("abuffer", &of_pixels),
             ("circles", &of_screen_aligned),
             ("points", &of_pixels),
