@@ -506,6 +506,32 @@ fn an_error_may_stop_the_ensembles() {
     });
 }
 
+/// A frame may draw fewer ensembles than the method deals: those that it would draw first.
+#[test]
+fn so_many_ensembles_are_drawn_as_a_frame_asks_for() {
+    with_device(|device| {
+        let list = dealt(&[plane(9, 30_000, [4.0 * X, 3.0 * Y], DVec3::ZERO, Vec3::ONE, 0.4)]);
+        let all = Frame { fragments: false, ..frame(camera(4.0, false), SIZE, method(40)) };
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let whole = render_on(&mut renderer, &list, &all);
+        for (asked, drawn) in [(0, 1), (1, 1), (7, 7), (40, 40), (u32::MAX, 40)] {
+            let few = Frame { ensembles: Some(asked), ..all };
+            let found = render_on(&mut renderer, &list, &few);
+            assert_eq!(found.facts.ensembles, drawn, "{asked}");
+            assert_eq!(bits(&found.image) == bits(&whole.image), drawn == 40, "{asked}");
+            assert!(found.image.stderr.is_none());
+            // An error that is never reached takes all of them, and no more; one that is asked for is that of those drawn.
+            let limited = render_on(&mut renderer, &list, &Frame { max_error: Some(1e-9), ..few });
+            assert_eq!(limited.facts.ensembles, drawn, "{asked}");
+            assert!(bits(&limited.image) == bits(&found.image), "{asked}");
+            let spread = render_on(&mut renderer, &list, &Frame { spread: true, ..few });
+            assert!(bits(&spread.image) == bits(&found.image), "{asked}");
+            let error = spread.image.standard_error().expect("asked for");
+            assert!(if drawn == 1 { error == f64::INFINITY } else { error > 0.0 && error < 1.0 }, "{asked}: {error}");
+        }
+    });
+}
+
 #[test]
 fn the_plan_lists_the_passes_that_run() {
     with_device(|device| {

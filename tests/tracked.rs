@@ -173,6 +173,44 @@ fn points_in_one_place_stand_by_what_they_are() {
     assert_eq!(tracked.follow(&scene, &clouds, &mut known, &hidden).unwrap(), Some(Changes::default()));
 }
 
+/// -0 is 0, but the bits of what it is a factor of are others, and the order goes by bits.
+#[test]
+fn zeros_of_two_signs_are_two_settings() {
+    let clouds =
+        [0.25, 1.0].map(|x| Cloud { positions: vec![DVec3::splat(-0.0), DVec3::splat(x)], ..Cloud::default() });
+    let clouds = Vec::from(clouds);
+    let hidden = ProgressBar::hidden();
+    let plain = || {
+        let mut scene = scene(2);
+        scene.clouds.iter_mut().for_each(|cloud| (cloud.radius, cloud.opacity) = (Some(0.0), 0.0));
+        scene.clouds.iter_mut().for_each(|cloud| cloud.color = Some(Vec3::ZERO));
+        scene
+    };
+    type Set = fn(&mut Scene);
+    let settings: [Set; 4] = [
+        |scene| scene.clouds[0].opacity = -0.0,
+        |scene| scene.clouds[0].color = Some(Vec3::new(0.0, -0.0, 0.0)),
+        |scene| scene.clouds[0].radius = Some(-0.0),
+        |scene| scene.clouds[0].translate = DVec3::splat(-0.0),
+    ];
+    let bits = |points: &Points| {
+        let singles = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let colors: Vec<_> = points.colors.iter().map(|c| c.to_array().map(f32::to_bits)).collect();
+        let positions: Vec<_> = points.positions.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+        (positions, colors, singles(&points.opacities), singles(&points.radii), points.file_order.clone())
+    };
+    for (case, set) in settings.into_iter().enumerate() {
+        let (mut scene, mut known) = (plain(), vec![Known::default(); 2]);
+        let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
+        set(&mut scene);
+        let wanted = scene::arrange(&scene, clouds.clone(), SEED, &hidden).unwrap();
+        match tracked.follow(&scene, &clouds, &mut known, &hidden).unwrap() {
+            Some(_) => assert_eq!(bits(tracked.points()), bits(wanted.points()), "{case}"),
+            None => assert_eq!(case, 3, "positions stay"),
+        }
+    }
+}
+
 #[test]
 fn what_a_cloud_lacks_changes_nothing() {
     let mut r = Pcg64::seed_from_u64(1);

@@ -60,8 +60,8 @@ impl<'a> Course<'a> {
     /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
     /// vertical. It starts where [`super::camera`] stands; without an `eye` far enough away that all points, as spheres of
     /// their own radius, are in the image during the whole turn. An `eye` from which a perspective would lose some of them moves
-    /// back as far, along its line of sight; one within the scene's bounds looks around from there, and stays. With it comes
-    /// what is to be said about the camera.
+    /// back as far, along its line of sight, and the depths that `[camera]` gives with it; one within the scene's bounds looks
+    /// around from there, and stays. With it comes what is to be said about the camera.
     ///
     /// # Errors
     /// Those of [`super::camera`].
@@ -75,7 +75,11 @@ impl<'a> Course<'a> {
         if settings.eye.is_some() && own {
             let eye =
                 if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
-            return Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings));
+            let mut turntable = Turntable::new(&Camera { eye, ..start }, center, axis);
+            let back = (start.eye - eye).dot(start.forward);
+            (turntable.start.near, turntable.start.far) =
+                (settings.near.map(|near| near + back), settings.far.map(|far| far + back));
+            return Ok((turntable, warnings));
         }
         let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))

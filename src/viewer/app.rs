@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::ViewportId;
+use egui::{TexturesDelta, ViewportId};
 use winit::application::ApplicationHandler;
 use winit::dpi::LogicalSize;
 use winit::event::{ElementState, KeyEvent, WindowEvent};
@@ -36,6 +36,10 @@ const RETRY_MEMORY: Duration = Duration::from_secs(1);
 /// How often to look whether a minimized window is back.
 const LOOK: Duration = Duration::from_millis(250);
 
+/// How long the screen may stay as it is while a picture is on its way: what is drawn takes the device's only queue from it, and on
+/// a CPU the same cores.
+const UNCHANGED: Duration = Duration::from_millis(50);
+
 /// The worker has news.
 #[derive(Debug)]
 pub struct Wake;
@@ -50,6 +54,10 @@ struct Running {
     window: Arc<Window>,
     dropped: Vec<PathBuf>,
     dropped_at: Instant,
+    /// When the screen was last drawn.
+    drawn_at: Instant,
+    /// What egui's textures need before it is drawn again.
+    textures: TexturesDelta,
     /// When to draw again, whatever happens.
     again_at: Option<Instant>,
     visibility: Visibility,
@@ -126,6 +134,8 @@ impl App {
             window,
             dropped: Vec::new(),
             dropped_at: now,
+            drawn_at: now,
+            textures: TexturesDelta::default(),
             again_at: Some(now),
             visibility,
             covered: false,
@@ -341,6 +351,13 @@ impl Running {
         self.said.tell_hidden(say, hidden);
     }
 
+    /// Until when the screen may stay as it is, if a picture is on its way that would replace what is drawn now.
+    fn unchanged_until(&self) -> Option<Instant> {
+        let seen = self.shown == self.model.picture().map(|picture| picture.serial);
+        let until = self.drawn_at + UNCHANGED;
+        (seen && self.model.is_waiting() && Instant::now() < until).then_some(until)
+    }
+
     /// Draws the panel and shows it with the picture; whether the window is to be closed.
     fn draw(&mut self) -> Result<bool> {
         let size: [u32; 2] = self.window.inner_size().into();
@@ -355,9 +372,14 @@ impl Running {
         let (ctx, mut close) = (self.input.egui_ctx().clone(), false);
         let output = ctx.run(input, |ctx| close |= ui::show(ctx, &mut self.model));
         self.input.handle_platform_output(&self.window, output.platform_output);
+        self.textures.append(output.textures_delta);
+        if let Some(until) = self.unchanged_until() {
+            self.again_at = Some(until);
+            return Ok(close);
+        }
         let pixels_per_point = output.pixels_per_point;
         let primitives = ctx.tessellate(output.shapes, pixels_per_point);
-        let drawing = Drawing { primitives, textures: output.textures_delta, pixels_per_point };
+        let drawing = Drawing { primitives, textures: std::mem::take(&mut self.textures), pixels_per_point };
         let at = self.model.viewport().at;
         let picture = self.model.picture().map(|picture| Picture { size: picture.size, at, rgba: &picture.rgba });
         let Some(graphics) = &mut self.graphics else { return Ok(close) };
@@ -374,7 +396,8 @@ impl Running {
             }
             Err(error) => return Err(error.into()),
         };
-        self.again_at = Instant::now().checked_add(delay);
+        self.drawn_at = Instant::now();
+        self.again_at = self.drawn_at.checked_add(delay);
         if shown == Shown::Yes {
             self.shown = self.model.picture().map(|picture| picture.serial);
         }

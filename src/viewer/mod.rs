@@ -4,7 +4,7 @@
 //! - `model`: the scene as it is edited ([`Document`](crate::scene::Document)), the last picture and when the next one is due.
 //! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
 //! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
-//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was; `save` writes scene and
+//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was, `times` what it took; `save` writes scene and
 //!   picture; `display` makes bytes of pixels.
 //! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
 //! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
@@ -32,6 +32,7 @@ mod said;
 mod save;
 mod stage;
 mod thin;
+mod times;
 mod ui;
 mod visibility;
 mod worker;

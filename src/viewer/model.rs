@@ -13,6 +13,7 @@ use super::dialog::Dialog;
 use super::navigate::{self, Navigator};
 use super::route::Route;
 use super::stage::Pose;
+use super::times::Times;
 use super::worker::{News, Picture, Task};
 use crate::camera::Projection;
 use crate::camera::import::Source;
@@ -25,9 +26,6 @@ mod edit;
 /// How long nothing may move for a picture without omissions to be due.
 const REST: Duration = Duration::from_millis(150);
 
-/// Frames of which times are kept.
-pub const HISTORY: usize = 120;
-
 /// Pixels around the pointer in which a depth is looked for.
 const PICK_PX: i64 = 6;
 
@@ -38,15 +36,6 @@ pub struct Viewport {
     pub at: [u32; 2],
     /// Columns and rows.
     pub size: [u32; 2],
-}
-
-/// What a frame took.
-#[derive(Debug, Clone)]
-pub struct Times {
-    /// Milliseconds from submission to read-back.
-    pub wall_ms: f64,
-    /// Milliseconds of each pass.
-    pub passes: Vec<(&'static str, f64)>,
 }
 
 /// What is shown beside the picture.
@@ -110,7 +99,7 @@ pub struct Model {
     /// What keeps the next picture waiting.
     pub progress: ProgressBar,
     /// The last frames.
-    pub times: VecDeque<Times>,
+    pub times: Times,
     /// What is shown.
     pub shows: Shows,
     /// Where the pointer was, in points, when it last turned or moved the picture in a drag.
@@ -150,7 +139,7 @@ impl Model {
             busy: false,
             pending: VecDeque::new(),
             progress: ProgressBar::hidden(),
-            times: VecDeque::new(),
+            times: Times::default(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,
             controls: BTreeMap::new(),
@@ -353,12 +342,7 @@ impl Model {
         // What was wrong with the one before is no longer true.
         let failed = self.failed.take();
         self.message.take_if(|(message, _)| failed.as_ref() == Some(message));
-        let profile = &picture.profile;
-        let passes = profile.passes.iter().map(|pass| (pass.name, pass.gpu.as_secs_f64() * 1e3)).collect();
-        self.times.push_back(Times { wall_ms: profile.wall.as_secs_f64() * 1e3, passes });
-        if self.times.len() > HISTORY {
-            self.times.pop_front();
-        }
+        self.times.add(&picture);
         // From a pose that the scene gave the camera may move on.
         if self.pose == picture.pose && !matches!(self.pose, Pose::At(_)) {
             let fov_y = match picture.camera.projection {

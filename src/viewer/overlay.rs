@@ -7,14 +7,11 @@ use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sen
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
-use super::model::{HISTORY, Model};
+use super::model::Model;
+use super::times::{HISTORY, Medians};
 use super::worker::Picture;
-use crate::profile::median;
 
 const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
-
-/// Frames of which the median is shown.
-const RECENT: usize = 15;
 
 /// How often a window that waits looks how far the points are.
 const GLANCE: Duration = Duration::from_millis(250);
@@ -44,9 +41,9 @@ const KEYS: &[(&str, &str)] = &[
 
 /// Draws what is asked for.
 pub fn show(ctx: &Context, model: &mut Model) {
-    if model.shows.passes && !model.times.is_empty() {
+    if let Some(medians) = model.times.medians().filter(|_| model.shows.passes) {
         let window = Window::new("Passes").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false).frame(frame());
-        window.default_open(true).show(ctx, |ui| passes(ui, model));
+        window.default_open(true).show(ctx, |ui| passes(ui, model, &medians));
     }
     if let Some(line) = model.line_without_picture() {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
@@ -82,20 +79,23 @@ fn frame() -> Frame {
     Frame::new().fill(Color32::from_black_alpha(200)).inner_margin(8.0).corner_radius(4.0)
 }
 
-fn passes(ui: &mut Ui, model: &Model) {
+fn passes(ui: &mut Ui, model: &Model, medians: &Medians) {
     ui.set_width(330.0);
     ui.spacing_mut().interact_size.y = 15.0;
-    let rows = medians(model);
+    let Medians { wall_ms, passes: rows, frames } = medians;
     let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
-    let wall = median(model.times.iter().rev().take(RECENT).map(|times| times.wall_ms).collect());
-    ui.label(RichText::new(format!("{wall:.1} ms a frame, {total:.1} ms on the device")).strong());
+    let title = RichText::new(format!("{wall_ms:.1} ms a frame, {total:.1} ms on the device")).strong();
+    ui.label(title).on_hover_text(match frames {
+        1 => "of the last frame".to_owned(),
+        _ => format!("medians of the last {frames} frames that leave out as much as the last one, of its method"),
+    });
     strip(ui, model);
     let most = rows.iter().map(|(_, ms)| *ms).fold(f64::MIN_POSITIVE, f64::max);
     // Whatever the window's height, what follows is to be seen too.
     let height = (ui.ctx().content_rect().height() - 260.0).clamp(60.0, 400.0);
     egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("passes").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
-            for (name, ms) in &rows {
+            for (name, ms) in rows {
                 ui.label(RichText::new(*name).monospace().size(11.0));
                 ui.label(RichText::new(format!("{ms:8.2} ms")).monospace().size(11.0));
                 bar(ui, (ms / most) as f32);
@@ -117,22 +117,11 @@ fn bar(ui: &mut Ui, share: f32) {
     ui.painter().rect_filled(filled, 1.0, BLUE);
 }
 
-/// The passes of the last frame in their order, each with the median of its last runs.
-fn medians(model: &Model) -> Vec<(&'static str, f64)> {
-    let Some(last) = model.times.back() else { return Vec::new() };
-    let recent = || model.times.iter().rev().take(RECENT);
-    let of = |name: &'static str| {
-        let runs = recent().flat_map(|times| &times.passes).filter(|(other, _)| *other == name);
-        (name, median(runs.map(|(_, ms)| *ms).collect()))
-    };
-    last.passes.iter().map(|(name, _)| of(name)).collect()
-}
-
 /// The strip chart of the last frames.
 fn strip(ui: &mut Ui, model: &Model) {
-    let start = HISTORY.saturating_sub(model.times.len());
-    let bars = model.times.iter().enumerate();
-    let bars = bars.map(|(i, times)| Bar::new((start + i) as f64, times.wall_ms).width(1.0)).collect();
+    let walls = model.times.walls();
+    let start = HISTORY.saturating_sub(walls.len());
+    let bars = walls.enumerate().map(|(i, ms)| Bar::new((start + i) as f64, ms).width(1.0)).collect();
     let chart = BarChart::new("frame", bars).color(BLUE);
     let plot = Plot::new("frames").height(60.0).include_x(0.0).include_x(HISTORY as f64).include_y(0.0);
     let plot =

@@ -40,6 +40,17 @@ fn a_quarter_is_ninety_degrees_of_azimuth() {
     }
 }
 
+#[test]
+fn the_first_frame_is_the_camera_itself() {
+    let (center, projection) = (DVec3::new(0.7, -0.3, 4_500_000.1), Projection::Perspective { fov_y: 0.7 });
+    for i in 1..50 {
+        let eye = DVec3::new(0.1 * f64::from(i), 0.37, -7.7 + f64::from(i) * 0.3);
+        let camera = Camera::look_at(eye, center, DVec3::Y, projection, 0.1, 10.0).unwrap();
+        let turntable = Turntable::new(&camera, center, DVec3::Z);
+        assert_eq!((turntable.frames(3)[0], turntable.start.eye), (turntable.start, eye));
+    }
+}
+
 fn points(positions: &[DVec3], radius: f32) -> Points {
     Points {
         positions: positions.to_vec(),
@@ -198,5 +209,19 @@ fn an_eye_that_sees_all_and_one_among_the_points_stay() {
         let text = text.replace("eye = [12.5, -20.0, 13.5]", &format!("eye = {:?}", eye.to_array()));
         let cameras = turned(&text, &points, UpAxis::Z, View::default(), 36);
         assert_eq!(cameras[0].eye, eye);
+    }
+}
+
+/// Depths that a scene gives are those of its own eye: from farther away they would cut off what was seen.
+#[test]
+fn given_depths_go_back_with_the_eye() {
+    let (points, text) = builtin("garden", [640, 480]);
+    let own = turned(&text, &points, UpAxis::Z, View::default(), 36);
+    let still = "eye = [12.5, -20.0, 13.5]";
+    let back = (own[0].eye - DVec3::new(12.5, -20.0, 13.5)).length();
+    assert!(back > 1.0, "{back}");
+    let text = text.replace(still, &format!("{still}\nnear = 2.0\nfar = 60.0"));
+    for camera in turned(&text, &points, UpAxis::Z, View::default(), 36) {
+        assert!((camera.near - 2.0 - back).abs() < 1e-9 && (camera.far - 60.0 - back).abs() < 1e-9, "{camera:?}");
     }
 }

@@ -31,6 +31,10 @@ impl Turntable {
     pub fn frames(&self, count: usize) -> Vec<Pose> {
         let Pose { eye, right, up, forward, projection, near, far } = self.start;
         let pose = |i: usize| {
+            // Without the rounding of the way to the center and back.
+            if i == 0 {
+                return self.start;
+            }
             let turn = DQuat::from_axis_angle(self.axis, TAU * (i as f64 / count as f64));
             Pose {
                 eye: self.center + turn * (eye - self.center),

@@ -75,7 +75,7 @@ pub struct Frame {
     pub max_error: Option<f32>,
     /// Whether stochastic methods find their standard error even so.
     pub spread: bool,
-    /// Draws only so many of L ensembles, which stay those that L makes of the points; `None`: all.
+    /// Draws only so many of L ensembles, at least 1, which stay those that L makes of the points; `None`: all.
     pub ensembles: Option<u32>,
     /// Factors on the uploaded radii and opacities.
     pub factors: Factors,
@@ -102,11 +102,11 @@ impl Frame {
         self.samples().is_some() && (self.fragments || self.spread || self.max_error.is_some())
     }
 
-    /// Samples or ensembles of stochastic methods.
+    /// Samples of stochastic methods, or ensembles that are drawn.
     fn samples(&self) -> Option<u32> {
         match self.method {
             Method::Stochastic(settings) => Some(settings.samples),
-            method => method.ensembles(),
+            method => method.ensembles().map(|all| self.ensembles.map_or(all, |few| few.max(1).min(all))),
         }
     }
 

@@ -144,7 +144,7 @@ impl Renderer {
     ) -> Result<Outcome, Error> {
         let (shares, how) = (spbr::shares(cloud, frame)?, projecting(frame, cloud));
         let ensembles = frame.method.ensembles().unwrap_or(1);
-        let drawn = self.drawn.unwrap_or(ensembles).clamp(1, ensembles);
+        let drawn = self.drawn.map_or(ensembles, |few| few.max(1).min(ensembles));
         let (device, window, spread) = (&self.device, work.window, frame.spread());
         let streamed = stream::window_points(device, cloud, frame.memory_budget);
         let form = match Form::of(device, cloud, &how, self.wide_atomics) {

@@ -39,29 +39,35 @@ pub struct Tracked {
     origins: Origins,
 }
 
-/// What the positions of points and their order depend on.
+/// What the positions of points and their order depend on; numbers by their bits, as the order goes by them.
 #[derive(Debug, Clone, PartialEq)]
 struct Stand {
     dealt: bool,
-    clouds: Vec<(f64, DVec3)>,
+    /// Scale and translation.
+    clouds: Vec<(u64, [u64; 3])>,
 }
 
 impl Stand {
     fn of(scene: &Scene) -> Self {
-        let clouds = scene.clouds.iter().map(|cloud| (cloud.scale, cloud.translate));
+        let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
+        let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
         Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
     }
 }
 
-/// What the other columns of a cloud's points depend on.
+/// What the other columns of a cloud's points depend on; numbers by their bits.
 #[derive(Debug, Clone, PartialEq)]
 struct Look {
-    color: Option<Vec3>,
-    opacity: f32,
+    color: Option<[u32; 3]>,
+    opacity: u32,
     /// Given radius, factor, and K if radii are asked for.
-    radius: (Option<f32>, f32, Option<usize>),
+    radius: (Option<u32>, u32, Option<usize>),
     /// If it is asked for.
     field: Option<FieldKey>,
+}
+
+fn bits_of(color: Vec3) -> [u32; 3] {
+    color.to_array().map(f32::to_bits)
 }
 
 /// A cloud as a scene shows it.
@@ -121,9 +127,9 @@ fn learn(scene: &Scene, clouds: &[Cloud], known: &mut [Known], progress: &Progre
         found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
         let neighbors = request.radii.then(|| request.neighbors_of(cloud));
         Ok(Look {
-            color: settings.color,
-            opacity: settings.opacity,
-            radius: (settings.radius, settings.radius_factor, neighbors),
+            color: settings.color.map(bits_of),
+            opacity: settings.opacity.to_bits(),
+            radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
             field: request.fields.then(|| field_key(cloud, &request)),
         })
     };
@@ -245,12 +251,11 @@ struct Repaint<'a> {
 impl<'a> Repaint<'a> {
     /// Gives all columns their values; which ones have others than before.
     fn all(&self, points: &mut Points) -> Changes {
-        let bits = |color: Vec3| color.to_array().map(f32::to_bits);
-        let colors = self.changed(|look| look.color.map(bits));
-        let opacities = self.changed(|look| look.opacity.to_bits());
+        let colors = self.changed(|look| look.color);
+        let opacities = self.changed(|look| look.opacity);
         let radii = self.changed(|look| look.radius);
         Changes {
-            colors: self.column(&mut points.colors, &colors, Seen::color, bits),
+            colors: self.column(&mut points.colors, &colors, Seen::color, bits_of),
             opacities: self.column(&mut points.opacities, &opacities, Seen::opacity, f32::to_bits),
             radii: self.column(&mut points.radii, &radii, Seen::radius, f32::to_bits),
             fields: self.fields(&mut points.fields),

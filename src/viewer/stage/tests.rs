@@ -2,6 +2,7 @@
 //! stay on the device isn't uploaded again.
 
 mod common;
+mod drafts;
 
 use std::path::Path;
 
