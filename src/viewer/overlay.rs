@@ -47,7 +47,7 @@ pub fn show(ctx: &Context, model: &mut Model) {
     }
     if let Some(line) = model.line_without_picture() {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
-        at.show(ctx, |ui| ui.label(RichText::new(line).size(16.0)));
+        at.show(ctx, |ui| ui.add(Label::new(RichText::new(line).size(16.0)).extend()));
     }
     waiting(ctx, model);
     let mut help = model.shows.help;
