@@ -36,6 +36,11 @@ pub enum Lost {
         /// What became of opening it.
         why: String,
     },
+    /// The renderer has a defect.
+    #[error(
+        "the renderer has panicked, which is a defect of this program (what it said stands above); what was saved before is there"
+    )]
+    Panicked,
     /// The server of the window has ended the connection.
     #[error("the display has closed the window ({0}); what was saved before is there")]
     Display(String),

@@ -10,6 +10,7 @@ use indicatif::ProgressBar;
 
 use super::census::Census;
 use super::dialog::Dialog;
+use super::loss::Lost;
 use super::navigate::{self, Navigator};
 use super::route::Route;
 use super::stage::Pose;
@@ -299,6 +300,7 @@ impl Model {
                 }
             }
             News::Lost(error) => return Err(error),
+            News::Gone => return Err(Lost::Panicked.into()),
         }
         Ok(())
     }

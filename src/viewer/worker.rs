@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 
 use indicatif::ProgressBar;
@@ -48,6 +48,29 @@ impl Stops {
     }
 }
 
+/// Wakes whoever waits, when the thread ends, too.
+struct Bell<F: Fn()>(F);
+
+impl<F: Fn()> Drop for Bell<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+/// The thread's end of the news. The fields go in this order: whoever is woken by the end finds that there is no more news.
+struct Teller<F: Fn()> {
+    news: Sender<News>,
+    bell: Bell<F>,
+}
+
+impl<F: Fn()> Teller<F> {
+    fn tell(&self, news: News) {
+        // Nobody listens any more if the window is closed.
+        let _ = self.news.send(news);
+        (self.bell.0)();
+    }
+}
+
 /// What a thread works on, at its beginning and at its end.
 pub struct Held {
     /// The clouds as they were read.
@@ -79,14 +102,10 @@ impl Worker {
         let progress = stage.progress.clone();
         let (display, history) = (Display::new(), History::default());
         let work = Work { stage, setup, generated: held.generated, display, history, whole: None };
-        let tell = move |news| {
-            // Nobody listens any more if the window is closed.
-            let _ = teller.send(news);
-            wake();
-        };
+        let teller = Teller { news: teller, bell: Bell(wake) };
         let stops = Arc::new(Stops::default());
         let stoppable = stops.clone();
-        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, tell));
+        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, &teller));
         let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
         held.tasks.into_iter().for_each(|task| worker.ask(task));
         Ok(worker)
@@ -124,9 +143,13 @@ impl Worker {
         Some((held, self.news.try_iter().collect()))
     }
 
-    /// The next piece of news, if there is one.
+    /// The next piece of news, if there is one; [`News::Gone`] of a thread that can have none any more.
     pub fn news(&self) -> Option<News> {
-        self.news.try_recv().ok()
+        match self.news.try_recv() {
+            Ok(news) => Some(news),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(News::Gone),
+        }
     }
 }
 
@@ -186,10 +209,10 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
 
 impl Work {
     /// Does what is asked for until nobody can ask any more, the device is lost or the thread is to end.
-    fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, tell: impl Fn(News)) -> (Held, Receiver<Task>) {
+    fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, teller: &Teller<impl Fn()>) -> (Held, Receiver<Task>) {
         let device = self.stage.renderer().device().clone();
         let (mut left, mut lost) = (Vec::new(), false);
-        tell(self.census());
+        teller.tell(self.census());
         while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
             for task in latest(task, &waiting) {
                 let news = if lost { None } else { self.run_allowed(&task, &device, stops) };
@@ -202,9 +225,9 @@ impl Work {
                     left.push(task);
                 }
                 let others = matches!(news, News::Opened(..));
-                tell(news);
+                teller.tell(news);
                 if others {
-                    tell(self.census());
+                    teller.tell(self.census());
                 }
             }
         }

@@ -43,7 +43,7 @@ impl Model {
         match self.way {
             // However late this is asked: a long frame may have kept the window waiting.
             Way::Changed => Some((Effort::Moving(self.budget_ms), 0)),
-            Way::Draft(refined) if moving || refined > MOST_REFINED => None,
+            Way::Draft(_) if moving => None,
             Way::Draft(MOST_REFINED) => Some((Effort::Whole, MOST_REFINED)),
             Way::Draft(refined) => {
                 let first = (REFINING * self.budget_ms).max(FIRST_AT_REST_MS);

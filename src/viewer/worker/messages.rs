@@ -95,6 +95,8 @@ pub enum News {
     Saved(Vec<PathBuf>),
     /// The task of this serial failed (0: it had none); another one may do.
     Failed(u64, String),
+    /// The thread has ended by a panic, which it has printed.
+    Gone,
     /// Nothing can be rendered any more.
     Lost(Error),
 }

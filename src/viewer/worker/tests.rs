@@ -161,3 +161,21 @@ fn a_picture_is_not_stopped_by_being_asked_for() {
         }
     });
 }
+
+#[test]
+fn a_panic_is_news() {
+    let (sender, news) = mpsc::channel();
+    let (rings, heard) = mpsc::channel();
+    let teller = Teller { news: sender, bell: Bell(move || rings.send(()).unwrap()) };
+    let thread = std::thread::spawn(move || {
+        teller.tell(News::Stopped(1));
+        // Quietly: the hook that prints is everyone's.
+        std::panic::resume_unwind(Box::new("a defect"));
+    });
+    for _ in 0..2 {
+        heard.recv_timeout(std::time::Duration::from_secs(60)).expect("a ring");
+    }
+    assert!(matches!(news.try_recv(), Ok(News::Stopped(1))));
+    assert!(matches!(news.try_recv(), Err(TryRecvError::Disconnected)), "known before the bell rings");
+    assert!(thread.join().is_err());
+}
