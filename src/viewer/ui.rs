@@ -9,11 +9,11 @@ use super::{overlay, panel, pointer};
 /// The looks: dark, so that the picture stands out.
 pub fn style(ctx: &Context) {
     ctx.set_theme(egui::Theme::Dark);
-    ctx.options_mut(|options| {
-        // What unfolds is there at once: each step in between would be drawn beside the picture, on the same device, and move what is
+    // What unfolds is there at once: each step in between would be drawn beside the picture, on the same device, and move what is
     // about to be clicked.
     ctx.all_styles_mut(|style| style.animation_time = 0.0);
-    // What the pointer did would be done twice in a second pass.
+    ctx.options_mut(|options| {
+        // What the pointer did would be done twice in a second pass.
         options.max_passes = std::num::NonZeroUsize::MIN;
         // A click is one however long the frame takes between pressing and letting go.
         options.input_options.max_click_duration = f64::INFINITY;
