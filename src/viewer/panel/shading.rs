@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::row::{choice, name, note, row, takes_out, vector};
 use crate::cloud::UpAxis;
-use crate::scene::{Change, Light, Method, Scene, Setting, ShadingModel, Shadows, View};
+use crate::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
 
@@ -147,7 +147,7 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
 
 /// Whether the section on shadows is there.
 pub fn has_shadows(scene: &Scene) -> bool {
-    scene.method.takes_shadows() || matches!(scene.method, Method::Auto(_))
+    scene.method.may_take_shadows()
 }
 
 /// Draws the section on shadows.
