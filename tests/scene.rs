@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::camera::{Camera, Projection};
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::points::Points;
-use pellucid::prepare::field::Field;
-use pellucid::scene::*;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::*;
 
 const CLOUD: &str = "[[cloud]]\npath = \"a.ply\"\n";
 
@@ -255,7 +255,8 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
 
 #[test]
 fn outlines_of_opaque_splats_are_read() {
-    let shape = |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method.representative();
+    let shape =
+        |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method.representative();
     assert!(matches!(shape("hqs"), Method::Hqs(of) if of.shape == SplatShape::Square));
     assert!(matches!(shape("cone"), Method::Cone(of) if of.shape == SplatShape::Square));
     // Oriented splats and spheres are round.
