@@ -15,8 +15,8 @@ pub mod shadows;
 pub(crate) mod ties;
 pub mod uncertainty;
 
+use crate::progress::Progress;
 use glam::Vec3;
-use indicatif::ProgressBar;
 
 use crate::cloud::{Cloud, Prepared};
 use field::Field;
@@ -102,7 +102,7 @@ impl Request {
 ///
 /// # Errors
 /// If the cloud lacks what its field is made of.
-pub fn find(cloud: &Cloud, request: &Request, progress: &ProgressBar) -> Result<Found, field::Error> {
+pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Found, field::Error> {
     let k = request.neighbors_of(cloud);
     let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
     let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
@@ -128,7 +128,7 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &ProgressBar) -> Result<
 ///
 /// # Errors
 /// If the cloud lacks what its field is made of.
-pub fn prepared(mut cloud: Cloud, request: &Request, progress: &ProgressBar) -> Result<Cloud, field::Error> {
+pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
     let request = Request { radii: true, fields: true, ..request.clone() };
     let found = find(&cloud, &request, progress)?;
     // What is lit depends on normals.

@@ -7,7 +7,7 @@
 mod clouds;
 
 use glam::DVec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::stage;
 use pellucid_engine::camera::{Camera, Projection};
@@ -57,7 +57,7 @@ impl Subject {
     /// All points as the method wants them.
     pub fn arranged(&self) -> Arranged {
         if self.frame.method.is_dealt() {
-            let hidden = ProgressBar::hidden();
+            let hidden = Progress::hidden();
             return Arranged::Dealt(ensembles::deal(self.clouds.clone(), self.frame.seed, &hidden));
         }
         let mut all = Points::default();

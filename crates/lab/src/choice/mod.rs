@@ -14,7 +14,7 @@ mod climb;
 mod trials;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 use serde_json::{Value, json};
 
 use crate::report::tradeoff::settings::{Ladders, Setting, settings};
@@ -111,7 +111,7 @@ pub fn choose(
     subject: &Subject<'_>,
     wish: Wish,
     recalibrate: bool,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Choice> {
     let mut trials = Trials::open(device, cloud, subject, recalibrate, progress)?;
     let occasion = trials.occasion();

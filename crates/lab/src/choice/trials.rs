@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::{Figures, Subject};
@@ -67,7 +67,7 @@ pub(super) struct Trials<'a> {
     device: &'a Device,
     cloud: &'a mut DeviceCloud,
     subject: &'a Subject<'a>,
-    progress: &'a ProgressBar,
+    progress: &'a Progress,
     /// That of the reference.
     frame: Frame,
     formation: Formation,
@@ -89,7 +89,7 @@ impl<'a> Trials<'a> {
         cloud: &'a mut DeviceCloud,
         subject: &'a Subject<'a>,
         recalibrate: bool,
-        progress: &'a ProgressBar,
+        progress: &'a Progress,
     ) -> Result<Self> {
         let formation = formation(&subject.frame.method, subject.arranged.points())?;
         // Errors are those of every bit, and lists are not counted for the trials.

@@ -169,7 +169,7 @@ fn stored_shadows_are_there_for_their_light_only() {
             &Overrides::default(),
         )
         .unwrap();
-        let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &ProgressBar::hidden()).unwrap();
+        let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &Progress::hidden()).unwrap();
         let scene = document.scene().unwrap();
         let diagonal = cloud.bounds().unwrap().diagonal();
         let casting = Casting::new(scene.shading.light, &scene.shadows.unwrap(), SEED, diagonal).unwrap();

@@ -7,7 +7,7 @@ mod parts;
 
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 use bytes::aggregate;
@@ -358,7 +358,7 @@ pub struct Renderer {
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
-    pub progress: ProgressBar,
+    pub progress: Progress,
     /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
     /// Whether ensembles are drawn in one go where that can be; a test may switch it off.
@@ -391,7 +391,7 @@ impl Renderer {
             discs: SoftDiscs::default(),
             soft_counted: false,
             spare: None,
-            progress: ProgressBar::hidden(),
+            progress: Progress::hidden(),
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
             epoch_bits: 31,

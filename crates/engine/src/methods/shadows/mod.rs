@@ -7,7 +7,7 @@
 
 pub mod lights;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::renderer::Timeline;
 use super::{Error, Frame, points};
@@ -172,7 +172,7 @@ pub fn cast(
     cloud: &mut DeviceCloud,
     (casting, how): (&Casting, &Projecting),
     budget: u64,
-    progress: &ProgressBar,
+    progress: &Progress,
     timeline: &mut Timeline,
 ) -> Result<(), Error> {
     let resolution = casting.resolution;

@@ -12,7 +12,7 @@ mod tiles;
 
 pub use tiles::{Accumulate, StochasticPush, Visibility, tile_variant};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::abuffer::record_nothing;
 use super::bands::{self, Budget, Window};
@@ -176,7 +176,7 @@ pub struct WindowJob<'a> {
     /// Whether the standard error is asked for.
     pub spread: bool,
     /// Says how far the samples are.
-    pub progress: &'a ProgressBar,
+    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::analytic::{self, Planes};
 use super::partial::{Measured, Partial, Timed, Trial};
@@ -90,7 +90,7 @@ pub fn run(
     subject: &Subject<'_>,
     options: &Options,
     folder: &Path,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Tradeoff> {
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
     // Goes again if the first frame fails already.
@@ -197,7 +197,7 @@ struct Run<'a> {
     subject: &'a Subject<'a>,
     options: &'a Options,
     folder: &'a Path,
-    progress: &'a ProgressBar,
+    progress: &'a Progress,
     /// That of the reference.
     frame: Frame,
     partial: Partial,
