@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::field::Field;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::*;
 

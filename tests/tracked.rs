@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::Cloud;
-use pellucid_engine::points::{Arranged, Changes, Points};
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::points::{Changes, Points};
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::tracked::{Known, Tracked};
 use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};

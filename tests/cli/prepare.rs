@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::prepare::field::Field;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::Scene;
 use pellucid_engine::{io, scene};

@@ -89,6 +89,7 @@ pub mod progress;
 pub mod random;
 pub mod reference;
 pub mod scene;
+mod words;
 
 pub use error::{Error, Result};
 pub use pellucid_gpu as gpu;

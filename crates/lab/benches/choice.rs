@@ -17,7 +17,7 @@ use std::time::Instant;
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene, procedural};
 use pellucid_lab::choice::{self, Choice, Wish};

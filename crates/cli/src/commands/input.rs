@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use super::bar::Bar;
 use clap::Args;
 use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::points::{Arranged, Points};
-use pellucid_engine::prepare::shadows::ShadowTexture;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
 use pellucid_engine::{Result, output};
 

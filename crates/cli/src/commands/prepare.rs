@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use super::bar::Bar;
 use clap::{ArgGroup, Args};
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
-use pellucid_engine::prepare::shadows::ShadowTexture;
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 

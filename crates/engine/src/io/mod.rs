@@ -19,7 +19,6 @@ use std::path::{Path, PathBuf};
 use crate::progress::Progress;
 
 use crate::cloud::Cloud;
-pub(crate) use columns::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 use photo::Photo;
 pub use text::ColumnNames;
 

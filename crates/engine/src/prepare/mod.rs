@@ -1,25 +1,25 @@
 //! What is computed once for a cloud: radii, normals, the scalar field, the order of its points, and their orders along the
 //! axes.
 
+mod arranged;
 pub mod axes;
 mod density;
 pub mod ensembles;
-pub mod field;
 pub mod layer_distance;
 mod morton;
 mod neighbors;
 mod normal;
 pub mod order;
 pub mod radius;
-pub mod shadows;
 pub(crate) mod ties;
 pub mod uncertainty;
 
-use crate::progress::Progress;
 use glam::Vec3;
 
+use crate::cloud::field::{self, Field};
 use crate::cloud::{Cloud, Prepared};
-use field::Field;
+use crate::progress::Progress;
+pub use arranged::Arranged;
 
 /// K of Eq. 20 and 21 if nobody says.
 pub const DEFAULT_NEIGHBORS: usize = 24;

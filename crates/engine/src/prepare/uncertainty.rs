@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::neighbors::Places;
 use super::normal::smallest_axis;
-use super::{field, radius};
+use super::radius;
+use crate::cloud::field;
 
 /// What one visit of every point's neighbors gives, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,10 +6,11 @@ use glam::{DVec3, Vec3};
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
+use crate::cloud::shadow_texture::{Casting, ShadowTexture};
 use crate::cloud::{Cloud, UpAxis};
-use crate::points::{Arranged, Points};
+use crate::points::Points;
+use crate::prepare::Arranged;
 use crate::prepare::ensembles;
-use crate::prepare::shadows::{Casting, ShadowTexture};
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.

@@ -22,7 +22,7 @@ use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Method};
 use trials::Trials;
 

@@ -30,8 +30,9 @@ use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
 use super::{Error, Outcome, abuffer, peel, shadows, splat, stochastic};
 use crate::camera::Camera;
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
-use crate::image::Image;
+use crate::image::{Image, MAX_SIDE};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -40,9 +41,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
-use crate::prepare::shadows::Casting;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, PeelLayers, Raster,
+    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, Method, PeelLayers, Raster,
     ScreenSplats, Shading, Shadows, SplatShape, Stochastic,
 };
 

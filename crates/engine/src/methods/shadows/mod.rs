@@ -11,9 +11,9 @@ use crate::progress::Progress;
 
 use super::renderer::Timeline;
 use super::{Error, Frame, points};
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
 use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
-use crate::prepare::shadows::Casting;
 use crate::scene::{Light, ShadingModel};
 use crate::{gpu_struct, pass};
 use lights::LightView;

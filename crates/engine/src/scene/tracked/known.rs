@@ -3,7 +3,7 @@
 use crate::progress::Progress;
 
 use crate::cloud::Cloud;
-use crate::prepare::field::{self, Field};
+use crate::cloud::field::{self, Field};
 use crate::prepare::{self, Request};
 
 /// What decides which field it is: what F is, and K where that matters, of uncertainty.

@@ -20,10 +20,11 @@ use super::{
 use crate::report::truth::{self, Truth, soft_spheres};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
 use pellucid_engine::metrics::{self, difference_picture};
-use pellucid_engine::output::{self, LinearImage, linear, write_rgb_png};
-use pellucid_engine::points::Arranged;
+use pellucid_engine::output::{self, linear, write_rgb_png};
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
