@@ -11,7 +11,11 @@ use pellucid::{Cloud, Renderer, Result, Scene};
 fn main() -> Result<()> {
     let scene = match std::env::args_os().nth(1).map(PathBuf::from).filter(|path| path.exists()) {
         Some(path) => Scene::from_clouds([Cloud::read(path)?.with_opacity(0.2)?])?,
-        None => Scene::from_clouds([sphere(1.0)?, sphere(0.7)?, sphere(0.4)?])?,
+        None => Scene::from_clouds([
+            sphere(1.0, [0.9, 0.5, 0.2])?,
+            sphere(0.7, [0.2, 0.7, 0.4])?,
+            sphere(0.4, [0.2, 0.3, 0.9])?,
+        ])?,
     };
     let renderer = Renderer::open()?;
     let mut loaded = renderer.load(&scene)?;
@@ -24,7 +28,7 @@ fn main() -> Result<()> {
 }
 
 /// A sphere of points, spread by the golden angle.
-fn sphere(radius: f64) -> Result<Cloud> {
+fn sphere(radius: f64, color: [f32; 3]) -> Result<Cloud> {
     let count = 4000;
     let golden_angle = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let position = |i: i32| {
@@ -34,6 +38,5 @@ fn sphere(radius: f64) -> Result<Cloud> {
         [radius * ring * cos, radius * y, radius * ring * sin]
     };
     let positions: Vec<[f64; 3]> = (0..count).map(position).collect();
-    let colors: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| (0.5 + 0.5 * x / radius) as f32)).collect();
-    Cloud::from_positions(&positions)?.with_colors(&colors)?.with_opacity(0.3)
+    Cloud::from_positions(&positions)?.with_colors(&[color; 4000])?.with_opacity(0.06)
 }
