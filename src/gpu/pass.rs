@@ -1,8 +1,9 @@
 //! What a pass binds, declared once in Rust and compared with its shader.
 
 use ash::vk;
+use bytemuck::Pod;
 
-use super::{RawSlice, Shape};
+use super::{GpuType, RawSlice, Shape};
 
 /// How a shader may use a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,16 +44,34 @@ pub struct Binding {
     pub shape: Shape,
 }
 
+/// Push constants of a pass: a struct made by [`gpu_struct!`](crate::gpu_struct), or `()` where it has none.
+pub trait PushConstants: Pod {
+    /// Their shape; `None` for none.
+    fn push_shape() -> Option<Shape>;
+}
+
+impl PushConstants for () {
+    fn push_shape() -> Option<Shape> {
+        None
+    }
+}
+
+impl<T: GpuType> PushConstants for T {
+    fn push_shape() -> Option<Shape> {
+        Some(T::shape())
+    }
+}
+
 /// A pass: a struct of named buffers and textures. Made by [`pass!`](crate::pass).
 pub trait Pass {
     /// Method and stage, as in `abuffer/store`: the timing label too.
     const NAME: &'static str;
     /// Stem of the shader file under shaders/.
     const SHADER: &'static str;
+    /// The push constants that every run and draw takes.
+    type Push: PushConstants;
     /// The declared bindings.
     fn bindings() -> Vec<Binding>;
-    /// Shape of the push constants, if any.
-    fn push() -> Option<Shape>;
     /// The buffers and textures in the order of the bindings.
     fn resources(&self) -> Vec<Resource>;
 }
@@ -96,14 +115,9 @@ macro_rules! pass {
         impl $crate::gpu::Pass for $name<'_> {
             const NAME: &'static str = $label;
             const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
+            type Push = $crate::pass!(@push $($push)?);
             fn bindings() -> Vec<$crate::gpu::Binding> {
                 [$($crate::pass!(@bind $field, $access, $type)),*].concat()
-            }
-            fn push() -> Option<$crate::gpu::Shape> {
-                #[allow(unused_mut, unused_assignments)]
-                let mut shape = None;
-                $(shape = Some(<$push as $crate::gpu::GpuType>::shape());)?
-                shape
             }
             fn resources(&self) -> Vec<$crate::gpu::Resource> {
                 [$($crate::pass!(@resource self.$field, $access, $type)),*].concat()
@@ -113,6 +127,8 @@ macro_rules! pass {
     (@type Shared $life:lifetime, $type:ty) => { <$type as $crate::gpu::Group>::At<$life> };
     (@bind $field:ident, Shared, $type:ty) => { <$type as $crate::gpu::Group>::bindings() };
     (@resource $buffers:expr, Shared, $type:ty) => { <$type as $crate::gpu::Group>::resources(&$buffers) };
+    (@push) => { () };
+    (@push $push:ty) => { $push };
     (@first $first:literal $(, $rest:literal)*) => { $first };
     (@type Texture $life:lifetime, $type:ty) => { &$life $crate::gpu::Attachment };
     (@bind $field:ident, Texture, $type:ty) => {
