@@ -80,7 +80,7 @@ has_layers() {
     return 1
 }
 
-# The names that tests/tradeoff_page/browser.rs looks for.
+# The names that tests/lab/tradeoff_page/browser.rs looks for.
 has_browser() {
     [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
 } >/dev/null

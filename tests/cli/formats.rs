@@ -70,3 +70,14 @@ fn a_scene_names_columns_and_the_option_wins() {
     assert!(plain != picture("wrong.toml", &[]));
     assert!(plain == picture("wrong.toml", &["--columns", "-,x,y,z,r,g,b"]));
 }
+
+#[test]
+fn info_reads_pictures() {
+    let folder = folder();
+    // Two by two pixels, one of them nothing.
+    let bytes = [[255, 0, 0, 255], [128, 128, 128, 51], [9, 9, 9, 0], [255; 4]].concat();
+    image::RgbaImage::from_raw(2, 2, bytes).unwrap().save(inside(&folder, "a.png")).unwrap();
+    let info = info(&folder, &["a.png"]);
+    let found = (&info["points"], &info["attributes"], &info["bounds"]["max"]);
+    assert_eq!(found, (&3.into(), &json!(["color", "alpha", "normal"]), &json!([0.25, 0.25, 0.0])));
+}

@@ -8,8 +8,8 @@ use std::time::Duration;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::ignored::is_ignored;
 use crate::{device, has_device, inside};
+use pellucid_testing::signals::is_ignored;
 
 use super::sequence::{garden, json, pictures, said, written};
 
