@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use indicatif::ProgressBar;
 use pellucid::cloud::Cloud;
 use pellucid::output::read_image;
-use pellucid_testing::{data, has_device};
+use pellucid_testing::{Clouds, clouds, has_device, whole_clouds};
 use tempfile::TempDir;
 
 /// Runs the binary; quiet, since what real files deserve a warning for is not this test's business.
@@ -32,10 +32,9 @@ fn render(folder: &TempDir, args: &[&str], file: &Path) -> Output {
 
 #[test]
 fn info_counts_the_points() {
-    let Some(data) = data() else { return };
     let folder = tempfile::tempdir().unwrap();
     // Counted by other readers (plyfile, laspy); NaN-free, all of them.
-    for (file, points) in [
+    let counts = [
         ("models/bun_zipper.ply", 35_947),
         ("models/stanford_dragon_437k.ply", 437_645),
         ("lidar/autzen_trim.laz", 110_000),
@@ -48,11 +47,14 @@ fn info_counts_the_points() {
         ("formats/1.2-with-color.ptx", 1_065),
         ("formats/points_agisoft.xyz", 100),
         ("nasty/crlf_test.txt", 10),
-    ] {
-        let output = pellucid(&folder, &["info", "--json"], &data.join(file));
-        assert!(output.status.success(), "{output:?}");
-        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!((&json["points"], &json["non_finite"]), (&points.into(), &0.into()), "{file}");
+    ];
+    for clouds in clouds() {
+        for (path, points) in counts.iter().filter_map(|(file, points)| Some((clouds.file(file)?, *points))) {
+            let output = pellucid(&folder, &["info", "--json"], &path);
+            assert!(output.status.success(), "{output:?}");
+            let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert_eq!((&json["points"], &json["non_finite"]), (&points.into(), &0.into()), "{}", path.display());
+        }
     }
 }
 
@@ -69,22 +71,15 @@ fn prepared(folder: &TempDir, file: &Path, args: &[&str]) -> (Cloud, Cloud) {
 
 #[test]
 fn real_clouds_are_prepared() {
-    let Some(data) = data() else { return };
+    let Some(data) = whole_clouds() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let fields = |cloud: &Cloud| cloud.prepared.as_ref().expect("recognized").values.clone();
 
     // Ground, buildings and water are solid; what is not classified is trees, mostly.
     let classes = ["--field", "classification", "--soft-classes", "1"];
     let (source, delft) = prepared(&folder, &data.join("lidar/ahn3_delft_classified.laz"), &classes);
     let soft = fields(&delft).iter().filter(|f| **f == 1.0).count();
     assert_eq!((soft, delft.up), (196_137, pellucid::cloud::UpAxis::Z));
-    let radii = delft.radii.unwrap();
-    for i in (0..source.len()).step_by(50_000) {
-        let mut squared: Vec<f64> = source.positions.iter().map(|p| p.distance_squared(source.positions[i])).collect();
-        // The nearest is the point itself.
-        let (_, farthest, _) = squared.select_nth_unstable_by(24, f64::total_cmp);
-        assert_eq!(radii[i], (2.0 * farthest.sqrt() / 24f64.sqrt()) as f32, "point {i}");
-    }
+    assert_radii(&source, &delft);
 
     let (_, lion) = prepared(&folder, &data.join("photogrammetry/lion_takanawa.copc.laz"), &[]);
     let f = fields(&lion);
@@ -92,8 +87,46 @@ fn real_clouds_are_prepared() {
     // A photogrammetric surface with a few stray points: nearly all of it is certain.
     assert!(f.iter().filter(|f| **f > 0.1).count() * 100 < f.len());
 
-    let (source, blade) =
-        prepared(&folder, &data.join("models/turbine_blade_100k.ply"), &["--field", "distance-to-axis"]);
+    assert_distances(&folder, &data.join("models/turbine_blade_100k.ply"));
+}
+
+#[test]
+fn cut_clouds_are_prepared() {
+    for clouds in clouds().into_iter().filter(Clouds::is_subset) {
+        let folder = tempfile::tempdir().unwrap();
+        // The class of most points is one of two trees, high and low.
+        let path = clouds.file("lidar/sample_c_2k.las").unwrap();
+        let (source, trees) = prepared(&folder, &path, &["--field", "classification", "--soft-classes", "4,5"]);
+        let is_tree = |class: &u8| f32::from(u8::from([4, 5].contains(class)));
+        let classes = source.classification.as_ref().unwrap();
+        assert_eq!(fields(&trees), classes.iter().map(is_tree).collect::<Vec<_>>());
+        assert!(fields(&trees).contains(&1.0) && fields(&trees).contains(&0.0));
+        assert_radii(&source, &trees);
+        let (_, room) = prepared(&folder, &clouds.file("indoor/livingroom_fragment_2k.ply").unwrap(), &[]);
+        let f = fields(&room);
+        assert!(f.contains(&0.0) && f.contains(&1.0) && f.iter().all(|f| (0.0..=1.0).contains(f)));
+        assert_distances(&folder, &clouds.file("models/turbine_blade_6k.ply").unwrap());
+    }
+}
+
+fn fields(cloud: &Cloud) -> Vec<f32> {
+    cloud.prepared.as_ref().expect("recognized").values.clone()
+}
+
+/// Asserts that radii follow from the distances to the nearest 24 points, by a search through all of them.
+fn assert_radii(source: &Cloud, prepared: &Cloud) {
+    let radii = prepared.radii.as_ref().unwrap();
+    for i in (0..source.len()).step_by(source.len().div_ceil(13)) {
+        let mut squared: Vec<f64> = source.positions.iter().map(|p| p.distance_squared(source.positions[i])).collect();
+        // The nearest is the point itself.
+        let (_, farthest, _) = squared.select_nth_unstable_by(24, f64::total_cmp);
+        assert_eq!(radii[i], (2.0 * farthest.sqrt() / 24f64.sqrt()) as f32, "point {i}");
+    }
+}
+
+/// Asserts that the field of a blade is its points' distance to the axis.
+fn assert_distances(folder: &TempDir, file: &Path) {
+    let (source, blade) = prepared(folder, file, &["--field", "distance-to-axis"]);
     let center = source.bounds().unwrap().center();
     let distance = |p: &glam::DVec3| (p.x - center.x).hypot(p.z - center.z);
     let nearest = source.positions.iter().map(distance).fold(f64::INFINITY, f64::min);
@@ -120,31 +153,38 @@ fn silhouette(path: &Path) -> (f64, [u32; 4]) {
 
 #[test]
 fn real_models_fill_the_image_up_to_its_margin() {
-    let Some(data) = data().filter(|_| has_device()) else { return };
+    if !has_device() {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     // The share of the image that the object covers, measured in pictures that were looked at and found right.
-    for (file, opacity, share) in [
+    let whole = [
         ("models/bun_zipper.ply", "0.1", 0.50),
         ("models/stanford_dragon_437k.ply", "0.2", 0.38),
         ("lidar/autzen_trim.laz", "0.3", 0.21),
-    ] {
-        let output = render(&folder, &["--size", "256x256", "--opacity", opacity], &data.join(file));
-        assert!(output.status.success() && output.stderr.is_empty() && output.stdout.is_empty(), "{output:?}");
-        let (covered, [x0, y0, x1, y1]) = silhouette(&folder.path().join("out.png"));
-        assert!((0.9 * share..1.1 * share).contains(&covered), "{file}: {covered} of the image is covered");
-        // The margin is 2.5% of 256 pixels on each side, 6.4; a disc that reaches it covers the pixels whose
-        // centres it holds, or the one of its own centre.
-        let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
-        assert!(ends(x0, x1) || ends(y0, y1), "{file}: columns {x0}..{x1}, rows {y0}..{y1}");
-        // What is narrower lies in the middle.
-        for (low, high) in [(x0, x1), (y0, y1)] {
-            assert!(low >= 5 && high <= 251 && (low + high).abs_diff(256) <= 4, "{file}: {low}..{high}");
+    ];
+    let subset = [("models/turbine_blade_6k.ply", "0.3", 0.50), ("lidar/sample_c_2k.las", "0.3", 0.50)];
+    for clouds in clouds() {
+        for (file, opacity, share) in if clouds.is_subset() { &subset[..] } else { &whole[..] } {
+            let file = clouds.file(file).unwrap();
+            let output = render(&folder, &["--size", "256x256", "--opacity", opacity], &file);
+            assert!(output.status.success() && output.stderr.is_empty() && output.stdout.is_empty(), "{output:?}");
+            let (file, (covered, [x0, y0, x1, y1])) = (file.display(), silhouette(&folder.path().join("out.png")));
+            assert!((0.9 * share..1.1 * share).contains(&covered), "{file}: {covered} of the image is covered");
+            // The margin is 2.5% of 256 pixels on each side, 6.4; a disc that reaches it covers the pixels whose
+            // centres it holds, or the one of its own centre.
+            let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
+            assert!(ends(x0, x1) || ends(y0, y1), "{file}: columns {x0}..{x1}, rows {y0}..{y1}");
+            // What is narrower lies in the middle.
+            for (low, high) in [(x0, x1), (y0, y1)] {
+                assert!(low >= 5 && high <= 251 && (low + high).abs_diff(256) <= 4, "{file}: {low}..{high}");
+            }
         }
     }
 }
 
 /// All files of a folder.
-fn clouds(folder: &Path) -> Vec<PathBuf> {
+fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     found.sort();
     found
@@ -152,11 +192,17 @@ fn clouds(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn nasty_files_give_a_picture_or_one_clean_error() {
-    let Some(data) = data().filter(|_| has_device()) else { return };
-    let files = clouds(&data.join("nasty"));
+    if !has_device() {
+        return;
+    }
+    clouds().iter().for_each(|clouds| assert_pictures_or_errors(&files(&clouds.folder().join("nasty"))));
+}
+
+/// Asserts that each file gives a picture or one clean error, and which give one.
+fn assert_pictures_or_errors(files: &[PathBuf]) {
     assert!(files.len() > 20, "{} files", files.len());
     let mut refused = Vec::new();
-    for file in &files {
+    for file in files {
         let folder = tempfile::tempdir().unwrap();
         let picture = folder.path().join("out.png");
         // In white, since points may be as black as the background.

@@ -22,6 +22,7 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use pellucid_testing::has_device;
+use pellucid_testing::signals::heeding;
 use tempfile::TempDir;
 
 /// A command that writes.
@@ -130,7 +131,7 @@ fn place() -> TempDir {
 
 /// The binary in `folder`, with a shader cache that only these tests use.
 fn command(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("pellucid"));
+    let mut command = heeding(assert_cmd::cargo::cargo_bin("pellucid"));
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("faults-cache");
     command.current_dir(folder).env("PELLUCID_CACHE_DIR", cache).args(args).args(device_args(args));
     command

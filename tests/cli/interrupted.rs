@@ -9,13 +9,13 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::{device, has_device, inside};
-use pellucid_testing::signals::is_ignored;
+use pellucid_testing::signals::heeding;
 
 use super::sequence::{garden, json, pictures, said, written};
 
 /// Starts a run, waits until some frames are there, and ends it by force or by an interruption; its exit status.
 fn cut_short(folder: &TempDir, args: &[&str], frames: usize, signal: &str) -> Option<i32> {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("pellucid"));
+    let mut command = heeding(assert_cmd::cargo::cargo_bin("pellucid"));
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache");
     command.current_dir(folder).env("PELLUCID_CACHE_DIR", cache).args(args).stdout(Stdio::null()).stderr(Stdio::null());
     if let Some(device) = device() {
@@ -45,9 +45,7 @@ fn a_run_that_is_killed_goes_on_where_it_was() {
     let args = args("abuffer", &["--opacity", "0.5"]);
     said(&whole, &args);
     let mut before = 0;
-    // SIGTERM ends it at once.
-    let gentle = if is_ignored(2) { "-TERM" } else { "-INT" };
-    for (frames, signal) in [(5, "-KILL"), (20, gentle), (30, "-KILL")] {
+    for (frames, signal) in [(5, "-KILL"), (20, "-INT"), (30, "-KILL")] {
         let status = cut_short(&cut, &args, frames, signal);
         assert_eq!(status, Some(130).filter(|_| signal == "-INT"));
         let there = pictures(&cut);

@@ -4,7 +4,9 @@ use glam::Vec3;
 use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
 use pellucid::passes::scan::{self, Scan, ScanPush};
 use pellucid::scene::{Discs, Method};
-use pellucid_testing::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
+use pellucid_testing::{
+    P, at_pixel, frame, has_device, pixel_camera, render, scene, with_device, with_new_device, with_only_device,
+};
 
 /// Uploads, reads all and a part.
 fn assert_round_trip<T: GpuType + PartialEq + std::fmt::Debug>(device: &Device, content: &[T]) {
@@ -60,7 +62,7 @@ fn fills_and_copies_keep_to_their_ranges() {
 
 #[test]
 fn buffers_beyond_every_limit_are_clean_errors() {
-    with_device(|device| {
+    with_only_device(|device| {
         let limit = device.limits().allocation_bytes;
         for len in [u64::MAX, u64::MAX / 4, limit / 4 + 1] {
             for memory in [Memory::Device, Memory::Upload, Memory::Readback] {
@@ -92,7 +94,7 @@ fn buffers_beyond_every_limit_are_clean_errors() {
 
 #[test]
 fn allocations_are_reported_by_name_until_they_are_gone() {
-    with_device(|device| {
+    with_new_device(|device| {
         device.reset_peak();
         let kept = device.buffer::<u32>("kept", 1000, Memory::Device).expect("fits");
         let gone = device.buffer::<u64>("gone", 10, Memory::Readback).expect("fits");
@@ -109,24 +111,25 @@ fn allocations_are_reported_by_name_until_they_are_gone() {
 
 #[test]
 fn an_unknown_device_is_refused_with_those_present() {
-    with_device(|_| {
-        let (present, taken) = devices(None).expect("the list");
-        let info = &present[taken.expect("one can be taken")];
-        for wanted in ["nonsense", "4294967295"] {
-            let error = devices(Some(wanted)).expect_err("no such device");
-            assert!(matches!(error, Error::NoSuchDevice { .. }), "{error}");
-            let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false, ..Default::default() };
-            let error = Device::open(&options).map(|_| ()).expect_err("no such device").to_string();
-            assert!(error.contains(wanted) && present.iter().all(|d| error.contains(&d.name)), "{error}");
-        }
-        // By index and by a part of the name in any case.
-        let part = info.name.split_whitespace().next().expect("a name").to_uppercase();
-        for wanted in [info.index.to_string(), part] {
-            let options = DeviceOptions { device: Some(wanted.clone()), validation: false, ..Default::default() };
-            let device = Device::open(&options).unwrap_or_else(|e| panic!("{wanted}: {e}"));
-            assert_eq!(device.info().name, info.name);
-        }
-    });
+    if !has_device() {
+        return;
+    }
+    let (present, taken) = devices(None).expect("the list");
+    let info = &present[taken.expect("one can be taken")];
+    for wanted in ["nonsense", "4294967295"] {
+        let error = devices(Some(wanted)).expect_err("no such device");
+        assert!(matches!(error, Error::NoSuchDevice { .. }), "{error}");
+        let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false, ..Default::default() };
+        let error = Device::open(&options).map(|_| ()).expect_err("no such device").to_string();
+        assert!(error.contains(wanted) && present.iter().all(|d| error.contains(&d.name)), "{error}");
+    }
+    // By index and by a part of the name in any case.
+    let part = info.name.split_whitespace().next().expect("a name").to_uppercase();
+    for wanted in [info.index.to_string(), part] {
+        let options = DeviceOptions { device: Some(wanted.clone()), validation: false, ..Default::default() };
+        let device = Device::open(&options).unwrap_or_else(|e| panic!("{wanted}: {e}"));
+        assert_eq!(device.info().name, info.name);
+    }
 }
 
 #[test]
@@ -214,23 +217,21 @@ fn dispatches_of_more_than_65535_workgroups_reach_the_end() {
 
 #[test]
 fn a_validation_message_is_an_error() {
-    with_device(|_| {
-        let options = DeviceOptions {
-            device: std::env::var("PELLUCID_TEST_DEVICE").ok(),
-            validation: true,
-            ..Default::default()
-        };
-        let device = Device::open(&options).expect("a device");
-        device.check_validation().expect("nothing was said yet");
-        let buffer = device.upload("overlapping", &[0u32; 16]).expect("fits");
-        let mut recorder = device.recorder().expect("a recorder");
-        // Ranges of one copy must not overlap: VUID-vkCmdCopyBuffer-pRegions-00117.
-        recorder.copy("test/overlap", buffer.slice(0, 8), buffer.slice(4, 8)).expect("recorded");
-        recorder.submit("overlap").expect("submitted");
-        let error = device.check_validation().expect_err("a message");
-        assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
-        assert!(error.to_string().contains("00117"), "{error}");
-    });
+    if !has_device() {
+        return;
+    }
+    let options =
+        DeviceOptions { device: std::env::var("PELLUCID_TEST_DEVICE").ok(), validation: true, ..Default::default() };
+    let device = Device::open(&options).expect("a device");
+    device.check_validation().expect("nothing was said yet");
+    let buffer = device.upload("overlapping", &[0u32; 16]).expect("fits");
+    let mut recorder = device.recorder().expect("a recorder");
+    // Ranges of one copy must not overlap: VUID-vkCmdCopyBuffer-pRegions-00117.
+    recorder.copy("test/overlap", buffer.slice(0, 8), buffer.slice(4, 8)).expect("recorded");
+    recorder.submit("overlap").expect("submitted");
+    let error = device.check_validation().expect_err("a message");
+    assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
+    assert!(error.to_string().contains("00117"), "{error}");
 }
 
 /// A prefix sum of `count` words into a buffer, or into the front of one of `room` + 64 words, where only `room` fit.
@@ -248,20 +249,21 @@ fn spread(device: &Device, count: u32, room: u64, within: bool) -> Result<(), Er
 
 #[test]
 fn one_element_too_far_is_found_with_and_without_robust_access() {
-    with_device(|_| {
-        for (robust, within) in [(false, false), (false, true), (true, false), (true, true)] {
-            let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
-            let device = Device::open(&options).expect("a device");
-            for count in [40, 48] {
-                spread(&device, count, 48, within).expect("within bounds");
-            }
-            let error = spread(&device, 49, 48, within).expect_err("49 words in a place for 48").to_string();
-            // The 49th prefix sum of ones.
-            let wanted =
-                "scan/spread: something was written 0 bytes behind the end of offsets (bound as offsets): 0x00000030";
-            assert_eq!(error, wanted);
+    if !has_device() {
+        return;
+    }
+    for (robust, within) in [(false, false), (false, true), (true, false), (true, true)] {
+        let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
+        let device = Device::open(&options).expect("a device");
+        for count in [40, 48] {
+            spread(&device, count, 48, within).expect("within bounds");
         }
-    });
+        let error = spread(&device, 49, 48, within).expect_err("49 words in a place for 48").to_string();
+        // The 49th prefix sum of ones.
+        let wanted =
+            "scan/spread: something was written 0 bytes behind the end of offsets (bound as offsets): 0x00000030";
+        assert_eq!(error, wanted);
+    }
 }
 
 #[test]
@@ -285,17 +287,18 @@ fn what_a_pass_may_write_behind_another_range_is_no_error() {
 #[test]
 #[ignore = "needs validation layers that instrument shaders: 1.4.309 does, Debian 12's 1.3.239 does not"]
 fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
-    with_device(|_| {
-        let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
-        let device = Device::open(&options).expect("a device");
-        spread(&device, 48, 48, false).expect("within bounds");
-        assert_eq!(device.validation_messages(), Vec::<String>::new());
-        // Far behind the guard too.
-        let _ = spread(&device, 1000, 48, false);
-        let messages = device.validation_messages();
-        let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
-        assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
-    });
+    if !has_device() {
+        return;
+    }
+    let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
+    let device = Device::open(&options).expect("a device");
+    spread(&device, 48, 48, false).expect("within bounds");
+    assert_eq!(device.validation_messages(), Vec::<String>::new());
+    // Far behind the guard too.
+    let _ = spread(&device, 1000, 48, false);
+    let messages = device.validation_messages();
+    let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
+    assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
 }
 
 #[test]

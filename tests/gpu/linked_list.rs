@@ -133,7 +133,7 @@ fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
 
 #[test]
 fn whichever_method_ran_before_the_budget_holds() {
-    with_device(|device| {
+    with_new_device(|device| {
         let size = [512, 512];
         let points = stack(size);
         let budget = 64u64 << 20;

@@ -381,7 +381,7 @@ fn a_cloud_may_change_between_the_device_and_the_host() {
 
 #[test]
 fn a_streamed_frame_stays_within_its_budget() {
-    with_device(|device| {
+    with_new_device(|device| {
         let list = planes(13, &[(1_500_000, 1.0)], false);
         let size = [640, 480];
         for budget in [32 << 20, 64 << 20] {

@@ -5,6 +5,7 @@ use pellucid::cloud::Cloud;
 use pellucid::color::decode_srgb;
 use pellucid::io::volume::Volume;
 use pellucid::scene::procedural::{BUILTINS, Error, Generated, build, iso};
+use pellucid_testing::{Clouds, clouds};
 
 fn set(parameters: &[(&str, f64)]) -> Vec<(String, f64)> {
     parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect()
@@ -434,15 +435,16 @@ fn values_are_chosen_such_that_surfaces_lie_within_each_other() {
 
 #[test]
 fn real_volumes_have_nested_surfaces() {
-    let Some(data) = pellucid_testing::data() else { return };
-    for (name, surfaces) in [("hydrogen_64x64x64_float32.raw", 3.0), ("neghip_64x64x64_uint8.raw", 1.0)] {
-        let path = data.join("volumes").join(name);
-        if !path.is_file() {
-            eprintln!("skipped: no {}", path.display());
-            continue;
-        }
+    let subset = [("neghip_32x32x32_uint8.raw", 1.0, [32; 3])];
+    let whole = [("hydrogen_64x64x64_float32.raw", 3.0, [64; 3]), ("neghip_64x64x64_uint8.raw", 1.0, [64; 3])];
+    let known = |clouds: Clouds| {
+        let volumes = if clouds.is_subset() { &subset[..] } else { &whole[..] };
+        volumes.iter().map(move |(name, surfaces, dims)| (clouds.folder().join("volumes").join(name), *surfaces, *dims))
+    };
+    for (path, surfaces, dims) in clouds().into_iter().flat_map(known) {
+        let name = path.display();
         let volume = pellucid::io::volume::read(&path, None, None).unwrap();
-        assert_eq!(volume.dims, [64; 3]);
+        assert_eq!(volume.dims, dims);
         let made = iso::build_iso(&volume, &[], &set(&[("points", 20_000.0), ("surfaces", surfaces)]), 0).unwrap();
         assert_eq!((made.clouds.len() as f64, total(&made)), (surfaces, 20_000));
         let is_unit = |normal: &glam::Vec3| (normal.length() - 1.0).abs() < 1e-5;

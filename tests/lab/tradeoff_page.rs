@@ -1,5 +1,5 @@
 //! The page of `tradeoff` in a headless browser: it draws, sorts and compares, loads nothing, and complains of nothing.
-//! Without a browser the tests are skipped with a note, or fail if `PELLUCID_REQUIRE_GPU` is 1.
+//! Without a browser the tests are skipped.
 
 mod browser;
 mod sample;
@@ -9,15 +9,13 @@ use std::sync::OnceLock;
 
 use browser::Browser;
 use pellucid::report::tradeoff;
+use pellucid_testing::skip::{NO_BROWSER, skip};
 use serde_json::Value;
 
 fn with_browser(test: impl FnOnce(&mut Browser)) {
     match browser::find() {
         Some(program) => test(&mut Browser::start(&program)),
-        None if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
-            panic!("a browser is required: install Chromium or Chrome, or name it in CHROME");
-        }
-        None => eprintln!("skipped, no browser"),
+        None => skip(NO_BROWSER, "neither Chromium nor Chrome, nor is one named in CHROME"),
     }
 }
 

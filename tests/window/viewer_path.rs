@@ -1,37 +1,17 @@
 //! Key frames that are made in the window of `pellucid view`, on a display without a screen: what is saved there is what `render
-//! --path` makes frames of. Without Xvfb and xdotool this test is skipped with a note, or fails if `PELLUCID_REQUIRE_GPU` is 1.
+//! --path` makes frames of.
 
 use std::path::Path;
 use std::time::Duration;
 
 use crate::viewer::display::Display;
+use crate::viewer::garden::with_display;
 use crate::viewer::window::{Window, command};
 use pellucid::camera::path::CameraPath;
-use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::output::read_image;
 
 /// The window, high enough for the panel to show the path.
 const WINDOW: &str = "720x690";
-
-/// Where such a window can be shown; SwiftShader can't.
-fn display() -> Option<Display> {
-    let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
-    match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
-        Ok(device) if device.info().name.contains("SwiftShader") => {
-            eprintln!("skipped, {} shows nothing in windows", device.info().name);
-            return None;
-        }
-        Ok(_) => {}
-        Err(error) if required => panic!("a device is required: {error}"),
-        Err(error) => {
-            eprintln!("skipped, no device: {error}");
-            return None;
-        }
-    }
-    let display = Display::start();
-    assert!(display.is_some() || !required, "Xvfb and xdotool are required: tools/setup.sh --tests installs them");
-    display
-}
 
 /// Presses keys; the pointer is over the panel, lest it be seen in the picture.
 fn press(display: &Display, keys: &str) {
@@ -74,7 +54,10 @@ fn pixels(bytes: &[u8]) -> Vec<[u32; 3]> {
 /// saved there, and has the one between them in its middle.
 #[test]
 fn a_path_from_the_window_is_the_path_of_render() {
-    let Some(display) = display() else { return };
+    with_display(record);
+}
+
+fn record(display: &Display) {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let folder = folder.path();
     let made = command(folder).args(["scene", "garden", "--set", "points=6000", "-o", "."]).output().unwrap();
@@ -84,7 +67,7 @@ fn a_path_from_the_window_is_the_path_of_render() {
     window.wait_for("at rest");
     let id = display.do_it("search --sync --onlyvisible --name pellucid");
     display.do_it(&format!("windowfocus --sync {id}"));
-    press(&display, "t");
+    press(display, "t");
 
     let mut pictures = Vec::new();
     for (key, drag) in [(1, None), (2, Some((1, [170, 390]))), (3, Some((3, [120, 330])))] {
@@ -92,14 +75,14 @@ fn a_path_from_the_window_is_the_path_of_render() {
             display.drag(button, [100, 350], to);
             window.wait_for("at rest");
         }
-        press(&display, "k");
+        press(display, "k");
         window.wait_for(&format!("control path.key.{key} at"));
-        pictures.push(shoot(&display, &mut window, folder));
+        pictures.push(shoot(display, &mut window, folder));
     }
     let apart = |a: usize, b: usize| pixels(&pictures[a]) != pixels(&pictures[b]);
     assert!(apart(0, 1) && apart(1, 2) && apart(0, 2), "each drag leads somewhere else");
 
-    press(&display, "ctrl+k");
+    press(display, "ctrl+k");
     let said = window.wait_for("saved scene-path-1.toml and scene-path-1.json");
     assert!(said.contains("pellucid render scene-path-1.toml --path scene-path-1.json --frames 101 -o"), "{said}");
     let text = std::fs::read_to_string(folder.join("scene-path-1.json")).unwrap();
@@ -115,12 +98,12 @@ fn a_path_from_the_window_is_the_path_of_render() {
     assert!(frame(1) != frame(0) && frame(1) != frame(2), "between keys the camera moves");
 
     // From the last key to the first by a click, to the last again by the path, which runs there by itself.
-    click(&display, &window, "path.key.1");
+    click(display, &window, "path.key.1");
     window.wait_for("at rest");
-    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(0), "a key leads back to its picture");
-    press(&display, "space");
+    assert!(pixels(&shoot(display, &mut window, folder)) == frame(0), "a key leads back to its picture");
+    press(display, "space");
     window.wait_for("at rest");
-    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(4), "the path ends at its last key");
+    assert!(pixels(&shoot(display, &mut window, folder)) == frame(4), "the path ends at its last key");
 
     // The same keys from the file, and what is none.
     display.do_it("key ctrl+q");
@@ -132,20 +115,20 @@ fn a_path_from_the_window_is_the_path_of_render() {
     window.wait_for("at rest");
     let id = display.do_it("search --sync --onlyvisible --name pellucid");
     display.do_it(&format!("windowfocus --sync {id}"));
-    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(0), "it begins at the first key");
+    assert!(pixels(&shoot(display, &mut window, folder)) == frame(0), "it begins at the first key");
 
     // By the dialog: the scene under another name, and the one of a picture again.
-    press(&display, "ctrl+shift+s");
-    choose(&display, &["key ctrl+a", "type kept.toml"]);
+    press(display, "ctrl+shift+s");
+    choose(display, &["key ctrl+a", "type kept.toml"]);
     window.wait_for("saved kept.toml");
-    press(&display, "ctrl+o");
-    choose(&display, &["type scene-2.t", "key Down"]);
+    press(display, "ctrl+o");
+    choose(display, &["type scene-2.t", "key Down"]);
     window.wait_for("scene-2.toml: opened");
     window.wait_for("at rest");
-    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(2), "a saved scene is the same again");
-    press(&display, "ctrl+o");
-    choose(&display, &["type kept.t", "key Down"]);
+    assert!(pixels(&shoot(display, &mut window, folder)) == frame(2), "a saved scene is the same again");
+    press(display, "ctrl+o");
+    choose(display, &["type kept.t", "key Down"]);
     window.wait_for("kept.toml: opened");
     window.wait_for("at rest");
-    assert!(pixels(&shoot(&display, &mut window, folder)) == frame(0), "as it was kept");
+    assert!(pixels(&shoot(display, &mut window, folder)) == frame(0), "as it was kept");
 }

@@ -1,6 +1,7 @@
 //! Shared parts of the tests: devices with validation, small clouds, comparison with the float64 reference, real clouds.
 
 pub mod signals;
+pub mod skip;
 
 mod devices;
 mod places;
@@ -17,8 +18,8 @@ use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Rast
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub use devices::{has_device, with_device, with_device_that_binds};
-pub use places::{data, root};
+pub use devices::{has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
+pub use places::{Clouds, clouds, root, whole_clouds};
 
 /// A generator with a fixed seed.
 pub fn random(seed: u64) -> Pcg64 {

@@ -4,6 +4,8 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use pellucid_testing::skip::{NO_FILE_LIMIT, NO_MOUNTS, skip};
+
 use super::checker::{Allowed, complaints};
 use super::{
     COMPARE, Case, PREPARE, RENDER_EXR, RENDER_PNG, SCENE, assert_failed, cases, command, done, files, has_device,
@@ -106,7 +108,7 @@ fn files_over_the_limit_on_their_size_are_an_error() {
         limited(RENDER_PNG, &[0, 1]);
         limited(RENDER_EXR, &[0, 1, 3]);
     } else {
-        eprintln!("skipped: the device itself needs files beyond `ulimit -f`");
+        skip(NO_FILE_LIMIT, "the device itself needs files beyond `ulimit -f`");
     }
 }
 
@@ -142,7 +144,7 @@ fn a_file_system_without_room_is_an_error() {
         // The smaller files would find room.
         for free in if case.together && case.files.len() > 1 { vec![0, 4, 8] } else { vec![0] } {
             let Some((status, stderr, left)) = mounted(case, free, "") else {
-                eprintln!("skipped: file systems can't be mounted here");
+                skip(NO_MOUNTS, "`unshare -rm` or `mount` is refused");
                 return;
             };
             let what = format!("{:?} with {free} KiB free: {stderr}", case.args);
@@ -158,7 +160,7 @@ fn a_file_system_without_room_is_an_error() {
 #[test]
 fn a_file_system_that_is_only_read_is_an_error_before_any_work() {
     let Some((status, stderr, left)) = mounted(SCENE, 30, "mount -o remount,ro out; ") else {
-        eprintln!("skipped: file systems can't be mounted here");
+        skip(NO_MOUNTS, "`unshare -rm` or `mount` is refused");
         return;
     };
     assert_eq!(status, 1, "{stderr}");

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use pellucid::gpu::{Device, DeviceOptions};
 use pellucid::output::read_image;
+use pellucid_testing::skip::{NO_DEVICE, NO_DISPLAY, NO_PRESENTING, skip};
 
 use super::display::{Display, SIZE};
 use super::window::{Window, command};
@@ -17,10 +18,7 @@ pub fn with_display(test: impl FnOnce(&Display)) {
     match Display::start() {
         Some(display) if shows_windows(&display) => test(&display),
         Some(_) => {}
-        None if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
-            panic!("Xvfb and xdotool are required: tools/setup.sh --tests installs them")
-        }
-        None => eprintln!("skipped, no Xvfb or no xdotool"),
+        None => skip(NO_DISPLAY, "Xvfb or xdotool is not installed"),
     }
 }
 
@@ -85,7 +83,6 @@ fn not_on_screen(display: &Display, picture: &Path, [left, top]: [usize; 2]) -> 
 
 /// SwiftShader, as browsers have it, shows nothing in X11's windows: that is said. Without any device there is nothing to test.
 fn shows_windows(display: &Display) -> bool {
-    let required = std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1");
     match Device::open(&DeviceOptions { validation: true, ..DeviceOptions::default() }) {
         Ok(device) if device.info().name.contains("SwiftShader") => {
             let folder = garden();
@@ -95,12 +92,12 @@ fn shows_windows(display: &Display) -> bool {
             assert_eq!(view.status.code(), Some(1), "{said}");
             assert!(said.starts_with("error: no picture can be shown in a window: "), "{said}");
             assert!(said.contains("`pellucid render`"), "{said}");
+            skip(NO_PRESENTING, &device.info().name);
             false
         }
         Ok(_) => true,
-        Err(error) if required => panic!("a device is required: {error}"),
         Err(error) => {
-            eprintln!("skipped, no device: {error}");
+            skip(NO_DEVICE, &error.to_string());
             false
         }
     }

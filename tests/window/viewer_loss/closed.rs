@@ -5,7 +5,6 @@ use std::process::Command;
 
 use crate::viewer::garden::{WINDOW, garden, with_display};
 use crate::viewer::window::Window;
-use pellucid_testing::signals::is_ignored;
 
 /// Takes long at rest.
 const LONG: [&str; 8] = ["view", "scene.toml", "--size", WINDOW, "--method", "spbr", "--set", "method.ensembles=1000"];
@@ -33,10 +32,6 @@ fn a_window_that_is_closed_in_the_middle_of_a_frame_says_nothing() {
 fn signals_end_the_window_and_leave_nothing_behind() {
     with_display(|display| {
         for (name, number) in [("INT", 2), ("TERM", 15)] {
-            if is_ignored(number) {
-                println!("SIG{name} is ignored here: not tested");
-                continue;
-            }
             let folder = garden();
             let before = std::fs::read_dir(folder.path()).unwrap().count();
             let mut window = Window::open(folder.path(), &display.name, &LONG);
