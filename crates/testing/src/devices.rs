@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, OnceLock, PoisonError, RwLock};
 
-use pellucid::gpu::{Device, DeviceOptions};
+use pellucid_engine::gpu::{Device, DeviceOptions};
 
 use crate::skip::{NO_DEVICE, skip};
 

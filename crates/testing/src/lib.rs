@@ -7,14 +7,14 @@ mod devices;
 mod places;
 
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Factors, Frame, Renderer, Stop};
-use pellucid::points::Points;
-use pellucid::prepare::order;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

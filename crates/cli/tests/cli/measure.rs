@@ -1,0 +1,390 @@
+//! What `profile`, `plan` and `devices` print, and the files of `--profile` and `--trace`.
+
+use std::fs;
+
+use glam::{DVec3, Vec3};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::{builtin, done, folder, has_device, inside, run};
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap_or_else(|| panic!("an object: {value}")).keys().map(String::as_str).collect()
+}
+
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
+}
+
+fn read(folder: &TempDir, name: &str) -> Value {
+    parsed(&fs::read_to_string(inside(folder, name)).unwrap())
+}
+
+/// Asserts the shape of a profile and what must hold between its figures.
+#[track_caller]
+fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
+    assert_eq!(keys(profile), ["version", "device", "scene", "memory", "frames"]);
+    assert_eq!(profile["version"], 1);
+    let device = &profile["device"];
+    assert_eq!(keys(device), ["name", "driver", "timestamp_period_ns"]);
+    assert!(device["name"].is_string() && device["driver"].is_string());
+    assert!(device["timestamp_period_ns"].as_f64().unwrap() > 0.0);
+
+    let scene = &profile["scene"];
+    assert_eq!(keys(scene), ["points", "pixels", "fragments", "max_list", "list_histogram"]);
+    assert_eq!(scene["pixels"], pixels);
+    assert!(scene["points"].as_u64().unwrap() > 0);
+    let histogram: Vec<[u64; 2]> = serde_json::from_value(scene["list_histogram"].clone()).unwrap();
+    assert!(histogram.windows(2).all(|pair| pair[0][0] < pair[1][0]), "ascending: {histogram:?}");
+    assert_eq!(histogram.iter().map(|[_, count]| count).sum::<u64>(), pixels);
+    assert_eq!(
+        histogram.iter().map(|[length, count]| length * count).sum::<u64>(),
+        scene["fragments"].as_u64().unwrap()
+    );
+    assert_eq!(histogram.last().unwrap()[0], scene["max_list"].as_u64().unwrap());
+
+    let memory = &profile["memory"];
+    assert_eq!(keys(memory), ["peak_device_bytes", "fragment_bytes", "bands"]);
+    let bytes = |key: &str| memory[key].as_u64().unwrap();
+    assert!(bytes("peak_device_bytes") > bytes("fragment_bytes") && bytes("bands") >= 1);
+
+    let list = profile["frames"].as_array().unwrap();
+    assert_eq!(list.len(), frames);
+    for frame in list {
+        assert_eq!(keys(frame), ["gpu_ms", "wall_ms", "passes"]);
+        let mut sum = 0.0;
+        for pass in frame["passes"].as_array().unwrap() {
+            assert_eq!(keys(pass), ["name", "gpu_ms", "invocations", "bytes"]);
+            assert!(pass["name"].as_str().unwrap().contains('/'), "method/stage: {pass}");
+            assert!(["invocations", "bytes"].iter().all(|key| pass[key].is_u64() || pass[key].is_null()), "{pass}");
+            sum += pass["gpu_ms"].as_f64().unwrap();
+        }
+        let (gpu, wall) = (frame["gpu_ms"].as_f64().unwrap(), frame["wall_ms"].as_f64().unwrap());
+        assert!(gpu > 0.0 && (gpu - sum).abs() <= 1e-9 * gpu && wall >= gpu, "{gpu} of {sum}, wall {wall}");
+    }
+}
+
+#[test]
+fn profiles_have_the_documented_shape() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let size = ["--size", "40x30"];
+    let args = [&["profile", &tori, "--frames", "2", "--json", "--profile", "file.json"], &size[..]].concat();
+    let printed = parsed(&done(&folder, &args));
+    assert_profile(&printed, 2, 1200);
+    assert_eq!(printed, read(&folder, "file.json"), "one profile, printed and written");
+
+    let args = ["render", &tori, "--profile", "render.json", "--trace", "trace.json", "-o", "a.png"];
+    done(&folder, &[&args[..], &size].concat());
+    let rendered = read(&folder, "render.json");
+    assert_profile(&rendered, 1, 1200);
+    assert_eq!(rendered["scene"], printed["scene"]);
+    assert_trace(&read(&folder, "trace.json"), &rendered);
+}
+
+/// Asserts that a Chrome trace shows the passes of a profile of one frame.
+fn assert_trace(trace: &Value, profile: &Value) {
+    let events = trace["traceEvents"].as_array().unwrap();
+    let mut passes = Vec::new();
+    for event in events {
+        assert!(event["name"].is_string() && event["pid"].is_u64() && event["tid"].is_u64(), "{event}");
+        match event["ph"].as_str().unwrap() {
+            "X" => assert!(event["ts"].as_f64().unwrap() >= 0.0 && event["dur"].as_f64().unwrap() >= 0.0, "{event}"),
+            // Names of the rows.
+            other => assert_eq!(other, "M"),
+        }
+        if event["ph"] == "X" && event["name"].as_str().unwrap().contains('/') {
+            passes.push(event);
+        }
+    }
+    let end = |event: &Value| event["ts"].as_f64().unwrap() + event["dur"].as_f64().unwrap();
+    // Both are sums of nanoseconds in microseconds.
+    assert!(passes.windows(2).all(|pair| end(pair[0]) <= pair[1]["ts"].as_f64().unwrap() + 1e-3), "one after another");
+    for pass in profile["frames"][0]["passes"].as_array().unwrap() {
+        let runs = passes.iter().filter(|event| event["name"] == pass["name"]);
+        let micros: f64 = runs.map(|event| event["dur"].as_f64().unwrap()).sum();
+        assert!((micros - 1e3 * pass["gpu_ms"].as_f64().unwrap()).abs() < 1e-3, "{pass}");
+    }
+}
+
+#[test]
+fn the_table_names_every_pass_and_the_device() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let args = ["profile", &tori, "--frames", "2", "--size", "40x30", "--profile", "p.json"];
+    let table = done(&folder, &args);
+    let profile = read(&folder, "p.json");
+    for pass in profile["frames"][0]["passes"].as_array().unwrap() {
+        let name = pass["name"].as_str().unwrap();
+        let row = table.lines().find(|line| line.split_whitespace().next() == Some(name));
+        let columns: Vec<_> = row.unwrap_or_else(|| panic!("{name} in {table}")).split_whitespace().collect();
+        let times: Vec<f64> = columns[1..4].iter().map(|text| text.parse().unwrap()).collect();
+        assert!(times[0] <= times[1] && times[1] <= times[2], "min, median, max: {columns:?}");
+        assert!(columns[4].ends_with('%'), "the share: {columns:?}");
+    }
+    for part in [profile["device"]["name"].as_str().unwrap(), "2 frame(s)", "1200 pixels", "copy rate", "peak"] {
+        assert!(table.contains(part), "{part:?} in {table}");
+    }
+}
+
+/// Asserts that a plan says of exactly the passes of a profile that they are on; the names of those.
+#[track_caller]
+fn assert_planned(folder: &TempDir, args: &[&str]) -> Vec<String> {
+    let plan = parsed(&done(folder, &[&["plan", "--json"], args].concat()));
+    let mut on = Vec::new();
+    for step in plan.as_array().unwrap() {
+        assert_eq!(keys(step), ["name", "on", "reason"]);
+        assert!(!step["reason"].as_str().unwrap().is_empty(), "{step}");
+        if step["on"].as_bool().unwrap() {
+            on.push(step["name"].as_str().unwrap().to_owned());
+        }
+    }
+    let profile = parsed(&done(folder, &[&["profile", "--json", "--frames", "1"], args].concat()));
+    let passes = profile["frames"][0]["passes"].as_array().unwrap();
+    let mut ran: Vec<_> = passes.iter().map(|pass| pass["name"].as_str().unwrap().to_owned()).collect();
+    let named = on.clone();
+    on.sort_unstable();
+    ran.sort_unstable();
+    assert_eq!(on, ran, "{args:?}: what the plan has on, and what ran");
+    named
+}
+
+/// Points in a row across the view, of this radius.
+fn write_row(folder: &TempDir, count: usize, radius: f32) {
+    let cloud = Cloud {
+        positions: (0..count).map(|i| DVec3::new(i as f64 * 0.01, 0.0, 0.0)).collect(),
+        colors: Some(vec![Vec3::ONE; count]),
+        radii: Some(vec![radius; count]),
+        ..Cloud::default()
+    };
+    pellucid_engine::io::ply::write(&inside(folder, "row.ply"), &cloud).unwrap();
+}
+
+#[test]
+fn the_plan_is_what_runs() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let stack = builtin(&folder, "stack", &["layers=300", "size=8"]);
+    let has = |passes: &[String], name: &str| passes.iter().any(|pass| pass == name);
+
+    let short = assert_planned(&folder, &[&tori, "--size", "40x30"]);
+    assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "splat/resolve"));
+    let long = assert_planned(&folder, &[&stack]);
+    assert!(has(&long, "abuffer/resolve-ordered") && !has(&long, "abuffer/merge"), "large flat discs: {long:?}");
+    let linked = assert_planned(&folder, &[&stack, "--method", "linked-list"]);
+    assert!(has(&linked, "abuffer/merge") && has(&linked, "abuffer/combine"), "lists of 300: {linked:?}");
+    // Prefix sums of a single run, of exactly one run, and of a little more.
+    for size in ["1x1", "8x8", "13x5"] {
+        assert_planned(&folder, &[&tori, "--size", size]);
+    }
+    let linked = assert_planned(&folder, &[&tori, "--size", "40x30", "--method", "linked-list"]);
+    assert!(has(&linked, "linked-list/gather") && !has(&linked, "abuffer/store"), "{linked:?}");
+    for method in ["abuffer", "linked-list"] {
+        let in_place = assert_planned(&folder, &[&stack, "--method", method, "--set", "method.long_lists=in-place"]);
+        assert!(has(&in_place, "abuffer/merge-in-place") && !has(&in_place, "abuffer/merge"), "{in_place:?}");
+    }
+    let opaque = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "points"]);
+    assert!(
+        has(&opaque, "points/resolve")
+            && !has(&opaque, "splat/project")
+            && !opaque.iter().any(|pass| pass.starts_with("abuffer")),
+        "{opaque:?}"
+    );
+    // Splats of more than 1024 pixels, few and many, transparent and not.
+    for count in [3, 200] {
+        write_row(&folder, count, 1.0);
+        for opacity in ["0.5", "1"] {
+            assert_planned(&folder, &["row.ply", "--size", "64x64", "--opacity", opacity]);
+        }
+    }
+    // Large splats drawn by the rasteriser need no tiles.
+    let device = crate::device();
+    let opened = Device::open(&DeviceOptions { device, validation: false, ..Default::default() }).unwrap();
+    if opened.info().fragment_atomics {
+        let hardware = ["--method", "abuffer", "--set", "method.raster=hardware"];
+        assert_planned(&folder, &[&["row.ply", "--size", "7x9", "--opacity", "0.5"], &hardware[..]].concat());
+    }
+    if opened.info().multisampled.is_some() && opened.info().fragment_atomics {
+        let samples = ["--method", "stochastic", "--set", "method.raster=hardware", "--set", "method.samples=6"];
+        for more in [&["row.ply"][..], &["row.ply", "--set", "method.alpha_correction=false"], &[&tori]] {
+            let drawn = assert_planned(&folder, &[&["--size", "40x30", "-q"], more, &samples[..]].concat());
+            assert!(has(&drawn, "stochastic/draw-sums") && !has(&drawn, "stochastic/accumulate"), "{drawn:?}");
+            assert_eq!(has(&drawn, "stochastic/draw-alpha"), !more.iter().any(|arg| arg.ends_with("false")));
+        }
+    }
+    // Layers: all of them and one, short and long lists, large splats and small ones.
+    let peel = ["--method", "peel", "--size", "40x30", "-q"];
+    for more in [&["--set", "method.layers=0"][..], &["--set", "method.layers=1"]] {
+        for input in [tori.as_str(), "row.ply"] {
+            let peeled = assert_planned(&folder, &[&[input, "--opacity", "0.5"], &peel[..], more].concat());
+            assert!(has(&peeled, "peel/blend") && has(&peeled, "peel/count"), "{peeled:?}");
+            assert!(
+                !has(&peeled, "splat/resolve") && !peeled.iter().any(|pass| pass.starts_with("abuffer")),
+                "{peeled:?}"
+            );
+        }
+    }
+    let sorted = assert_planned(&folder, &[&tori, "--size", "40x30", "--method", "sorted"]);
+    assert!(
+        has(&sorted, "radix/scatter") && has(&sorted, "sorted/blend") && !has(&sorted, "abuffer/count"),
+        "{sorted:?}"
+    );
+    let sampled = ["--method", "stochastic", "--set", "method.samples=20"];
+    let sampled = assert_planned(&folder, &[&[&tori, "--size", "40x30"], &sampled[..]].concat());
+    assert!(has(&sampled, "stochastic/gather") && !has(&sampled, "sorted/blend"), "{sampled:?}");
+    // Sums of one run and of more, several windows, large splats that need no lists of tiles, and a deep stack.
+    for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&stack, "--size", "8x8"]] {
+        for opacity in ["0.5", "1"] {
+            assert_planned(&folder, &[&args[..], &["--opacity", opacity, "--method", "sorted"]].concat());
+        }
+    }
+    // Spheres alone, before solid points, without any; one kernel and several, long lists, windows.
+    let axis = "cloud.0.field=distance-to-axis";
+    for (method, threshold) in
+        [("soft-base", "0"), ("soft-base", "0.4"), ("soft-concentric", "0.4"), ("soft-base", "1")]
+    {
+        let threshold = format!("method.threshold={threshold}");
+        let soft = ["-q", "--method", method, "--set", axis, "--set", &threshold];
+        for args in [&[][..], &["--memory-budget", "400KiB"], &["--radius", "0.4"]] {
+            let planned = assert_planned(&folder, &[&[tori.as_str(), "--size", "40x30"], args, &soft[..]].concat());
+            let spheres = threshold != "method.threshold=1";
+            assert_eq!(has(&planned, "soft/count") && has(&planned, "soft/store"), spheres, "{planned:?}");
+            assert_eq!(has(&planned, "soft/compose"), has(&planned, "splats/normalise"), "{planned:?}");
+        }
+    }
+    for method in ["hybrid", "weighted", "average", "unsorted"] {
+        let stage = format!("{method}/accumulate");
+        for (args, more) in [
+            ([&tori, "--size", "40x30"], &["--set", "method.shape=oriented"][..]),
+            ([&tori, "--memory-budget", "400KiB"], &[]),
+            ([&stack, "--size", "8x8"], &["--set", "method.falloff=gaussian"]),
+        ] {
+            let planned = assert_planned(&folder, &[&args[..], &["--method", method], more].concat());
+            assert!(has(&planned, &stage) && !has(&planned, "sorted/blend"), "{planned:?}");
+        }
+    }
+    // Opaque splats in three passes: of one window and of several, large and small.
+    for method in ["hqs", "splats"] {
+        for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&tori, "--size", "40x30"]] {
+            let planned = assert_planned(&folder, &[&["-q"], &args[..], &["--method", method]].concat());
+            assert!(has(&planned, "splats/normalise") && !has(&planned, "splat/nearest"), "{planned:?}");
+        }
+    }
+    // Soft discs before solid points: with many of either, with few, and in several windows.
+    for args in [["--size", "40x30"], ["--memory-budget", "800KiB"]] {
+        for (threshold, seen) in [("0", true), ("0.5", true), ("1", false)] {
+            let threshold = format!("method.threshold={threshold}");
+            let method = ["-q", "--method", "soft-express", "--set", &threshold];
+            let planned = assert_planned(&folder, &[&[tori.as_str()], &args[..], &method[..]].concat());
+            assert!(has(&planned, "splats/normalise") && has(&planned, "soft/compose"), "{planned:?}");
+            let presorted = ["bin/pick", "bin/place", "soft/express"].iter().filter(|name| has(&planned, name)).count();
+            assert_eq!(presorted, if seen { 3 } else { 0 }, "{threshold}: {planned:?}");
+        }
+    }
+    // One layer of soft points, and none.
+    for (threshold, layered) in [("0.5", true), ("1", false)] {
+        let threshold = format!("method.threshold={threshold}");
+        let args = ["-q", &tori, "--size", "40x30", "--method", "one-layer", "--set", &threshold];
+        let planned = assert_planned(&folder, &args);
+        assert!(has(&planned, "splats/attributes") && has(&planned, "one-layer/compose") == layered, "{planned:?}");
+    }
+    // Looking away.
+    let away = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 9]\n[[cloud]]\npath = \"row.ply\"\n";
+    fs::write(inside(&folder, "away.toml"), away).unwrap();
+    for opacity in ["0.5", "1"] {
+        assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--opacity", opacity]);
+    }
+    for method in ["points", "peel"] {
+        assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
+    }
+    for method in ["hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer", "soft-express"] {
+        assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", method]);
+    }
+    let away = assert_planned(&folder, &["-q", "away.toml", "--size", "40x30", "--method", "sorted"]);
+    assert!(!away.iter().any(|pass| pass.starts_with("radix/") || pass.starts_with("sorted/")), "{away:?}");
+    assert!(has(&away, "image/clear"), "{away:?}");
+}
+
+#[test]
+fn sorted_splats_are_profiled_for_the_output_they_are_for() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let stack = builtin(&folder, "stack", &["layers=300", "size=8"]);
+    let sorted = ["--method", "sorted", "--size", "40x30"];
+    for format in ["png", "exr"] {
+        let args = ["profile", &stack, "--json", "--frames", "2", "--for", format];
+        let profile = parsed(&done(&folder, &[&args[..], &sorted].concat()));
+        // The lists are counted once, beside the frames that are measured.
+        assert_profile(&profile, 2, 1200);
+        assert_eq!(profile["scene"]["max_list"], 300);
+        let passes = profile["frames"][0]["passes"].as_array().unwrap();
+        assert!(passes.iter().all(|pass| !pass["name"].as_str().unwrap().starts_with("abuffer/")), "{passes:?}");
+        let scatter = passes.iter().find(|pass| pass["name"] == "radix/scatter").unwrap();
+        assert!(scatter["bytes"].as_u64().unwrap() > 0);
+    }
+    let (code, _, stderr) = run(&folder, &["profile", &stack, "--for", "jpeg"]);
+    assert!(code == 2 && stderr.contains("png"), "{stderr}");
+    // With the channel of list lengths, the frame itself counts them.
+    done(&folder, &[&["render", &stack, "--aov", "--profile", "p.json", "-o", "a.exr"], &sorted[..]].concat());
+    let profile = read(&folder, "p.json");
+    assert_profile(&profile, 1, 1200);
+    let passes = profile["frames"][0]["passes"].as_array().unwrap();
+    assert!(passes.iter().any(|pass| pass["name"] == "abuffer/count"), "{passes:?}");
+}
+
+#[test]
+fn the_plan_as_text_has_a_line_for_each_pass() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let text = done(&folder, &["plan", &tori, "--size", "40x30"]);
+    let plan = parsed(&done(&folder, &["plan", &tori, "--size", "40x30", "--json"]));
+    let steps = plan.as_array().unwrap();
+    assert_eq!(text.lines().count(), steps.len());
+    for (line, step) in text.lines().zip(steps) {
+        let words: Vec<_> = line.split_whitespace().collect();
+        let on = if step["on"].as_bool().unwrap() { "on" } else { "off" };
+        assert_eq!(words[..2], [step["name"].as_str().unwrap(), on]);
+        let reason: Vec<_> = step["reason"].as_str().unwrap().split_whitespace().collect();
+        assert_eq!(words[2..], reason);
+    }
+}
+
+#[test]
+fn devices_are_listed_and_one_is_taken() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let (code, json, stderr) = run(&folder, &["devices", "--json"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let list = parsed(&json);
+    let list = list.as_array().unwrap();
+    for (index, device) in list.iter().enumerate() {
+        assert_eq!(keys(device), ["index", "name", "driver", "lacks", "taken"]);
+        assert_eq!(device["index"], index);
+        assert!(device["name"].is_string() && device["driver"].is_string() && device["taken"].is_boolean());
+        assert!(device["lacks"].as_array().unwrap().iter().all(Value::is_string));
+    }
+    let taken: Vec<_> = list.iter().filter(|device| device["taken"] == true).collect();
+    assert!(taken.len() == 1 && taken[0]["lacks"].as_array().unwrap().is_empty(), "{json}");
+    let (_, text, _) = run(&folder, &["devices"]);
+    assert!(list.iter().all(|device| text.contains(device["name"].as_str().unwrap())), "{text}");
+    let starred: Vec<_> = text.lines().filter(|line| line.starts_with("* ") && !line.contains("would be")).collect();
+    assert!(starred.len() == 1 && starred[0].contains(taken[0]["name"].as_str().unwrap()), "{text}");
+}

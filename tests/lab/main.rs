@@ -1,6 +1,0 @@
-//! Checks of all methods alike, and the pages that reports write.
-
-mod check;
-mod determinism;
-mod stopped;
-mod tradeoff_page;
