@@ -21,6 +21,11 @@ use rand_pcg::Pcg64;
 pub use devices::{has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
 pub use places::{Clouds, clouds, root, whole_clouds};
 
+/// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
+pub fn long_or<T>(long: T, short: T) -> T {
+    if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
+}
+
 /// A generator with a fixed seed.
 pub fn random(seed: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed)
