@@ -8,7 +8,7 @@ use pellucid_engine::{Result, scene};
 use pellucid_lab::check::{self, Case, Finding, Verdict};
 use serde_json::{Value, json};
 
-use super::talk::{Talk, print, print_json};
+use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -29,7 +29,7 @@ pub struct CheckArgs {
     markdown: bool,
 }
 
-pub fn run(args: CheckArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let asked = |case: &Case| args.names.is_empty() || args.names.iter().any(|name| case.name.contains(name.as_str()));
     let cases: Vec<Case> = check::cases().into_iter().filter(asked).collect();
     if cases.is_empty() {
@@ -42,7 +42,7 @@ pub fn run(args: CheckArgs, talk: Talk) -> Result<ExitCode> {
     }
     let device = Device::open(&DeviceOptions { device: args.device, ..DeviceOptions::from_env() })?;
     let mut stage = check::stage(&device)?;
-    let progress = talk.progress();
+    let progress = console.progress();
     progress.set_length(cases.len() as u64);
     let mut results = Vec::new();
     for case in &cases {

@@ -20,8 +20,8 @@ fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
     Stage::new(device, clouds, SEED, None).unwrap()
 }
 
-/// The picture of a stage that knows nothing yet, with the renderer of one that is there.
-fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> Taken {
+/// The picture of a fresh stage that reuses the renderer of another one.
+fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
     (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
     stage.take(scene, Pose::Scene, Effort::Whole).unwrap()
 }
@@ -49,7 +49,7 @@ fn changes(threshold: f64) -> Vec<(String, Setting)> {
     ]
 }
 
-/// Few samples, ensembles and layers: there are many pictures.
+/// Few samples, ensembles and layers, because the test takes many pictures.
 fn quick(document: &mut Document) {
     for (key, value) in [("samples", 4), ("ensembles", 6)] {
         document.put(&format!("method.{key}"), Setting::Integer(value)).unwrap();
@@ -85,7 +85,7 @@ fn each_setting_of(methods: &[&str]) {
     });
 }
 
-/// In halves, for two to run at a time.
+/// Split in halves, which the test runner can run in parallel.
 #[test]
 fn each_setting_of_each_method_gives_the_bytes_of_a_fresh_start() {
     each_setting_of(&METHODS[..METHODS.len() / 2]);
@@ -104,7 +104,7 @@ fn only_columns_that_changed_are_uploaded() {
         let mut stage = stage(device, vec![cloud(1, 60)]);
         let n = 60;
         let vector = 16 * n;
-        // All points but for normals' shares of light: four vectors and F.
+        // The upload of all points except for the normals' light terms: four vectors and F.
         let first = 4 * vector + 4 * n;
         let height = words("cloud.0.field", "height");
         let steps = [
@@ -200,7 +200,7 @@ fn stored_shadows_are_there_for_their_light_only() {
             assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
             views.push(taken.rendered.facts.light_views);
         }
-        // Cast only for a light that the file has none for, and once.
+        // Shadows are cast only for a light the file has none for, and only once.
         assert_eq!(views, [0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0]);
     });
 }
@@ -272,7 +272,8 @@ fn auto_is_asked_again_when_points_become_transparent() {
     });
 }
 
-/// What is cheapest depends on how large splats are, so that a whole picture asks for its own view, however it came about.
+/// The cheapest method depends on the splats' size, so `auto` considers the view of every whole picture, however it
+/// came about.
 #[test]
 fn auto_is_asked_for_the_view_of_each_whole_picture() {
     with_device(|device| {
@@ -282,7 +283,7 @@ fn auto_is_asked_for_the_view_of_each_whole_picture() {
             Pose::At(CameraSettings { eye, target, up, ..CameraSettings::default() })
         };
         let scene = document.scene().unwrap();
-        // "for 110 splats of 12.3 pixels": what the choice is made by.
+        // The load that the choice is based on: "for 110 splats of 12.3 pixels".
         let mut load = |pose, effort| {
             let why = stage.take(&scene, pose, effort).unwrap().why;
             why.split_once("; for ").unwrap().1.split(" pixels").next().unwrap().to_owned()

@@ -3,7 +3,7 @@
 use pellucid_testing::skip::{NO_DEVICE, skip};
 
 use super::*;
-use crate::worker::{Held, Setup, Worker};
+use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::scene::{self, Opened};
 
@@ -54,8 +54,8 @@ fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let held = Held { clouds, generated, tasks: Vec::new() };
-    let worker = Worker::start(&device, held, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
+    let workload = Workload { clouds, generated, tasks: Vec::new() };
+    let worker = Worker::start(&device, workload, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),

@@ -1,4 +1,4 @@
-//! One of so many points of a scene on the device, for coarser pictures.
+//! A regular subset of a scene's points on the device, for coarser pictures.
 
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::methods::{Error, Renderer};
@@ -6,41 +6,41 @@ use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Density, Method, Soft};
 
-/// Some of a scene's points, with the radii that they have there.
-pub struct Thin {
+/// A subset of a scene's points, with their original radii.
+pub struct ThinnedCloud {
     one_of: usize,
     cloud: DeviceCloud,
 }
 
-impl Thin {
-    /// One of each `one_of` points, taken from `kept` if it has these; the rest of what was kept is freed first.
+impl ThinnedCloud {
+    /// Uploads every `one_of`-th point, or reuses `kept` if it holds that subset; any other subset is freed first.
     ///
     /// # Errors
-    /// No memory for them.
-    pub fn of<'a>(
+    /// Out of memory.
+    pub fn reuse_or_upload<'a>(
         kept: &'a mut Option<Self>,
         renderer: &Renderer,
         points: &Points,
         one_of: usize,
     ) -> Result<&'a mut DeviceCloud, Error> {
-        if kept.as_ref().is_none_or(|thin| thin.one_of != one_of) {
+        if kept.as_ref().is_none_or(|thinned| thinned.one_of != one_of) {
             *kept = None;
             let cloud = renderer.upload(&points.subset(&places(points.len(), one_of), 1.0))?;
             *kept = Some(Self { one_of, cloud });
         }
-        Ok(kept.as_mut().map(|thin| &mut thin.cloud).expect("made above"))
+        Ok(kept.as_mut().map(|thinned| &mut thinned.cloud).expect("made above"))
     }
 }
 
-/// Places of one of each so many points, the middle one. Points stand along a curve through space (Morton), so that these lie evenly
-/// among them.
+/// Indices of every `one_of`-th point, the middle one of each group. Points are in Morton order, so the subset is
+/// spread evenly among them.
 fn places(count: usize, one_of: usize) -> Vec<u32> {
-    // Places of points on a device are 32-bit numbers.
+    // Point indices on a device have 32 bits.
     (0..count.div_ceil(one_of)).map(|i| (i * one_of + one_of / 2).min(count - 1) as u32).collect()
 }
 
-/// A method for radii that are larger by a factor: as dense as `median_radius` makes it for the radii as they were, where the scene
-/// gives a factor λ on lengths.
+/// A method for enlarged radii. Where the scene gives the density as a factor λ on lengths, the result keeps the
+/// density that `median_radius` gave the original radii.
 pub fn as_dense(method: Method, median_radius: f32) -> Method {
     let with = |soft: Soft| {
         let peak = SoftModel::new(&method, &soft, median_radius).peak;

@@ -1,4 +1,4 @@
-//! What goes to standard output (results, nothing else) and to standard error (all else).
+//! Terminal output: results on standard output, everything else on standard error.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -7,41 +7,41 @@ use pellucid_engine::{Result, output};
 
 use super::bar::Bar;
 
-/// How much is said on standard error.
+/// The verbosity of standard error.
 #[derive(Debug, Clone, Copy)]
-pub struct Talk {
+pub struct Console {
     quiet: bool,
     verbose: bool,
 }
 
-impl Talk {
+impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
         Self { quiet, verbose }
     }
 
-    /// For what was said before: only details.
-    pub fn once_said(self) -> Self {
+    /// For output that repeats an earlier one: only details.
+    pub fn without_repeats(self) -> Self {
         Self { quiet: true, ..self }
     }
 
-    /// A warning, unless the user wants none.
+    /// Prints a warning unless --quiet is given.
     pub fn warn(self, warning: impl Display) {
         if !self.quiet {
-            say(format_args!("warning: {warning}"));
+            print_stderr(format_args!("warning: {warning}"));
         }
     }
 
-    /// What somebody asked to be told, unless they want nothing to be said.
+    /// Prints requested information unless --quiet is given.
     pub fn note(self, note: impl Display) {
         if !self.quiet {
-            say(note);
+            print_stderr(note);
         }
     }
 
     /// A detail for those who asked for more.
     pub fn detail(self, detail: impl Display) {
         if self.verbose {
-            say(detail);
+            print_stderr(detail);
         }
     }
 
@@ -51,8 +51,8 @@ impl Talk {
     }
 }
 
-/// One line on standard error; without a standard error there is nobody to tell.
-pub fn say(line: impl Display) {
+/// One line on standard error; without a standard error the line is lost.
+pub fn print_stderr(line: impl Display) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 

@@ -1,20 +1,20 @@
-//! What is told, line by line, to whoever asked for more.
+//! Status lines for verbose output.
 
 use super::model::Model;
 use pellucid_engine::gpu::Device;
 
-/// What was told.
+/// The lines already printed, so that each is printed once.
 #[derive(Default)]
-pub struct Said {
+pub struct StatusLog {
     at_rest: Option<u64>,
     hidden: bool,
     message: Option<String>,
     controls: Vec<(String, [i32; 4])>,
 }
 
-impl Said {
-    /// Tells that the picture on the screen is as it should be, once for each, and what is on the device then. `shown` is the
-    /// picture's serial.
+impl StatusLog {
+    /// Reports that the picture on the screen is complete, once per picture, and the allocations on the device at that
+    /// time. `shown` is the picture's serial.
     pub fn tell_at_rest(&mut self, say: &dyn Fn(&str), model: &Model, shown: Option<u64>, device: &Device) {
         let Some(picture) = model.picture() else { return };
         if shown == Some(picture.serial) && self.at_rest != shown {

@@ -1,4 +1,4 @@
-//! What somebody should know about clouds whose points are dealt to ensembles.
+//! Warnings about clouds whose points are dealt to ensembles.
 
 use pellucid_engine::methods::spbr::share::Share;
 use pellucid_engine::prepare::ensembles::Surface;
@@ -7,7 +7,7 @@ use pellucid_engine::scene::Method;
 /// Copies of a point up to which Tanaka et al. (2016, Fig. 5 and Table 1) found opacities to be right.
 const COPIES: f64 = 20.0;
 
-/// How many times the points that there are may be wanted without a word: the density is not known better.
+/// The excess demand for points, as a factor, that is tolerated without a warning: the density isn't known any better.
 const ALMOST: f64 = 1.05;
 
 /// A sentence for each cloud that doesn't come out as asked, and one for all of those with many copies; `names` are those of
@@ -20,7 +20,7 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method
         let copies = share.slots as f64 / (surface.points.end - surface.points.start) as f64;
         match lost(surface, share) {
             Some(lost) => warnings.push(format!("{name}: {lost}")),
-            // Opaque surfaces ask for all that there is.
+            // Opaque surfaces always use all points.
             None if surface.opacity < 1.0 && copies > COPIES => {
                 copied.push((copies, noise(copies, surface.opacity), name.as_str()));
             }
@@ -31,7 +31,7 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method
     warnings
 }
 
-/// What keeps a surface from the opacity that is asked for.
+/// The reason why a surface can't reach the requested opacity.
 fn lost(surface: &Surface, share: &Share) -> Option<String> {
     let opacity = f64::from(surface.opacity);
     let times = -(-opacity).ln_1p() / share.unit;
@@ -54,14 +54,15 @@ fn lost(surface: &Surface, share: &Share) -> Option<String> {
     }
 }
 
-/// The variance of a surface of this opacity over that of a surface whose points are dealt once: α(1 − α) of being drawn, and
-/// (1 − α)²mk of how many points lie on a pixel, m = −ln(1 − α), which copies don't change.
+/// Noise that copies add: the variance of a surface of this opacity over that of a surface whose points are dealt once.
+/// The variance has two parts: α(1 − α) from drawing a point or not, and (1 − α)²mk from the number of points on a
+/// pixel, m = −ln(1 − α), which copies don't change.
 fn noise(copies: f64, opacity: f32) -> f64 {
     let opacity = f64::from(opacity);
     1.0 + (1.0 - opacity) / opacity * -(-opacity).ln_1p() * copies
 }
 
-/// The clouds of which each point is copied often, with their copies and noise.
+/// A sentence on the clouds with many copies per point; `copied` has their copies, noise and names.
 fn many(copied: &[(f64, f64, &str)], ensembles: f64) -> Option<String> {
     let most = copied.iter().map(|(copies, ..)| *copies).fold(0.0, f64::max);
     let noise = copied.iter().map(|(_, noise, _)| *noise).fold(1.0, f64::max);
@@ -102,10 +103,10 @@ mod tests {
         assert!(copies.ends_with(": a.ply"), "{copies}");
         let capped = said(3.0, 0.9, 10_000, true);
         assert!(capped.starts_with("a.ply: opacity 0.900 needs 9.2 times") && capped.contains("0.221"), "{capped}");
-        // 2% too few are within what the density is known to; what is left are the copies.
+        // A shortage of 2% is within the uncertainty of the density, so only the copies are reported.
         assert!(said(3.0, 0.225, 10_000, true).starts_with("up to 100 copies"));
         assert!(said(0.0, 0.5, 10_000, true).contains("100 point(s)"));
-        // Nothing is lost where everything is asked for, or nothing.
+        // Nothing is lost at full or zero opacity.
         assert_eq!(said(3.0, 1.0, 10_000, true) + &said(0.0, 0.0, 0, false), "");
     }
 }
