@@ -2,7 +2,8 @@
 
 use super::methods::METHODS;
 use super::schema::{Key, Settings, Value};
-use super::settings::{CameraSettings, CloudSettings, ImageSettings, MethodChoice, ShadowMethod, Shading, Shadows};
+use super::choice::MethodChoice;
+use super::settings::{CameraSettings, CloudSettings, ImageSettings, ShadowMethod, Shading, Shadows};
 
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]

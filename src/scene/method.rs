@@ -2,9 +2,10 @@
 
 use super::error::{Error, nearest};
 use super::keys::{all_method_keys, owners};
-use super::methods::METHODS;
+use super::methods::{METHODS, Method};
 use super::schema::{Kind, Word};
-use super::settings::{Method, MethodChoice, Raster};
+use super::choice::MethodChoice;
+use super::settings::Raster;
 use super::table::Table;
 use super::tree::{Node, Value};
 

@@ -8,6 +8,9 @@ use super::settings::{
     SpbrSimplified, Stochastic,
 };
 
+/// The name that leaves the method to the scene.
+pub(super) const AUTO: &str = "auto";
+
 /// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family;` behind the sentence
 /// that says what the method draws.
 macro_rules! methods {
@@ -19,7 +22,7 @@ macro_rules! methods {
         }
 
         /// What a scene file may ask for, by name: `auto`, and every method.
-        pub const METHODS: &[&str] = &["auto", $($name),+];
+        pub const METHODS: &[&str] = &[AUTO, $($name),+];
 
         impl Method {
             /// Every method with its defaults.

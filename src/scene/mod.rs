@@ -5,6 +5,7 @@
 
 mod along;
 mod assemble;
+mod choice;
 mod document;
 mod error;
 mod framing;
@@ -26,6 +27,7 @@ mod view;
 
 pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use choice::MethodChoice;
 pub use document::{Change, Document, Setting};
 pub(crate) use error::nearest;
 pub use error::{Error, Place};
@@ -35,7 +37,6 @@ pub use layers::note_of_layers;
 pub use methods::{Family, METHODS, Method};
 pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;
-pub(crate) use schema::rounded;
-pub use schema::{Key, Kind, Ladder, Range, Slider, Word};
+pub use schema::{Key, Kind, Ladder, Range, Slider, Word, rounded};
 pub use settings::*;
 pub use view::{View, ViewName};

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::choice::MethodChoice;
 use super::document::Document;
 use super::error::{Error, Place};
 use super::keys::owners;

@@ -61,6 +61,13 @@ macro_rules! settings {
             }
         }
 
+        impl $Name {
+            /// Its keys with the values in force, in the order of their declaration.
+            pub fn keys(&self) -> Vec<$crate::scene::schema::Key> {
+                $crate::scene::schema::Settings::keys(self)
+            }
+        }
+
         impl $crate::scene::schema::Settings for $Name {
             fn keys(&self) -> Vec<$crate::scene::schema::Key> {
                 use $crate::scene::schema::{Key, Part, allowed};

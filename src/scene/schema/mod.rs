@@ -12,7 +12,8 @@ mod value;
 pub use key::{Key, Kind, Ladder, Slider, Word};
 pub(crate) use macros::{allowed, settings, words};
 pub use range::Range;
-pub(crate) use value::{Part, Value, Vectors, rounded};
+pub use value::rounded;
+pub(crate) use value::{Part, Value, Vectors};
 
 use super::error::Error;
 use super::table::Table;

@@ -231,6 +231,6 @@ impl Value for PathBuf {
 }
 
 /// The shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
-pub(crate) fn rounded(x: f32) -> f64 {
+pub fn rounded(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }

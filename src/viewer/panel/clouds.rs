@@ -6,7 +6,7 @@ use egui::{Grid, ScrollArea, Ui};
 use super::field;
 use super::row::{name as row_name, note, row};
 use crate::prepare::field::Field;
-use crate::scene::{CloudSettings, Method, Setting};
+use crate::scene::{CloudSettings, Method, Setting, rounded};
 use crate::viewer::census::{Census, class_name};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
@@ -17,9 +17,8 @@ const ROOM: f32 = 330.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    let method = model.scene().method;
-    let blended =
-        method.discs().is_some() || method.is_dealt() || matches!(method, Method::Auto(_) | Method::PeelLayers(_));
+    let method = model.scene().method.representative();
+    let blended = method.discs().is_some() || method.is_dealt() || matches!(method, Method::PeelLayers(_));
     let clouds = model.scene().clouds.clone();
     if blended && clouds.len() > 1 {
         all(ui, model, &clouds);
@@ -77,7 +76,7 @@ fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
         (least, most, sum) = (least.min(cloud.opacity), most.max(cloud.opacity), sum + f64::from(cloud.opacity));
     }
     let (value, label) = if least == most {
-        (controls::rounded(most), "all opacities")
+        (rounded(most), "all opacities")
     } else {
         (controls::thousandths(sum / clouds.len() as f64), "all (mean)")
     };

@@ -7,9 +7,8 @@ use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
 use crate::prepare::field::Field;
-use crate::scene::{Change, Setting};
+use crate::scene::{Change, Setting, rounded};
 use crate::viewer::census::{BINS, FieldFacts, class_name};
-use crate::viewer::controls::rounded;
 use crate::viewer::hints::hint;
 use crate::viewer::model::Model;
 
@@ -31,7 +30,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         ui.weak("for all clouds; each has its own under Clouds");
     }
     let facts = model.picture().and_then(|picture| picture.field.clone());
-    if let (Some(facts), Some(threshold)) = (facts, model.scene().method.threshold()) {
+    if let (Some(facts), Some(threshold)) = (facts, model.scene().method.representative().threshold()) {
         histogram(ui, &facts, rounded(threshold));
     }
 }

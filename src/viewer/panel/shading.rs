@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::row::{choice, name, note, row, takes_out, vector};
 use crate::cloud::UpAxis;
-use crate::scene::{Change, Light, Method, Scene, Setting, ShadingModel, Shadows, View};
+use crate::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
 use crate::viewer::controls;
 use crate::viewer::model::Model;
 
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
     };
     for key in keys {
-        if let Some(entry) = controls::shading(&shading, key) {
+        if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
             row(ui, model, &format!("shading.{key}"), key, entry);
         }
     }
@@ -147,7 +147,7 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
 
 /// Whether the section on shadows is there.
 pub fn has_shadows(scene: &Scene) -> bool {
-    scene.method.takes_shadows() || matches!(scene.method, Method::Auto(_))
+    scene.method.may_take_shadows()
 }
 
 /// Draws the section on shadows.
@@ -195,7 +195,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
     let default = Shadows::default();
     let (shadows, before) = kept.unwrap_or((default, light));
     let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
-    let number = |x: f32| Setting::Number(controls::rounded(x));
+    let number = |x: f32| Setting::Number(rounded(x));
     let given = [
         ("method", Some(Setting::Word("texture".to_owned()))),
         ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),

@@ -19,7 +19,7 @@ fn every_change_asks_for_a_picture() {
     assert!(asks(&mut model).is_some_and(|method| method.soft().is_some()));
     let give = |model: &mut Model, key: &str, value| {
         let method = model.scene().method;
-        model.change(&controls::method_changes(&method, key, value));
+        model.change(&controls::method_changes(&method.representative(), key, value));
     };
     for (key, value) in [("lambda", 0.25), ("softness", 0.5), ("modulation", 0.75), ("threshold", 0.25)] {
         give(&mut model, key, Some(Setting::Number(value)));
@@ -50,7 +50,7 @@ fn every_method_can_be_chosen_from_every_other() {
         }
         controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
         controls::Control::Flag => Setting::Flag(last),
-        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }]),
+        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }].name),
         controls::Control::Color => Setting::Numbers(vec![0.0; 3]),
     };
     for first in METHODS {
@@ -58,8 +58,8 @@ fn every_method_can_be_chosen_from_every_other() {
             model.set_method(first);
             for key in method_keys(first) {
                 let method = model.scene().method;
-                let control = controls::control(&method, key, model.extent()).unwrap().control;
-                model.change(&controls::method_changes(&method, key, Some(end(control, last))));
+                let control = controls::method(&method.representative(), key, model.extent()).unwrap().control;
+                model.change(&controls::method_changes(&method.representative(), key, Some(end(control, last))));
             }
             let edited = model.document.clone();
             for second in METHODS {
@@ -80,9 +80,9 @@ fn values_of_another_method_make_room() {
     model.set("method.shape", word("oriented"));
     // Peeling points has no "all layers"; what both have stays.
     model.set_method("peel-layers");
-    assert!(matches!(model.scene().method, Method::PeelLayers(layers) if layers.layers == 4));
+    assert!(matches!(model.scene().method.fixed(), Some(Method::PeelLayers(layers)) if layers.layers == 4));
     model.set_method("sorted");
-    assert!(model.scene().method.discs().is_some_and(|discs| discs.shape == crate::scene::DiscShape::Oriented));
+    assert!(model.scene().method.representative().discs().is_some_and(|discs| discs.shape == crate::scene::DiscShape::Oriented));
     model.set_method("nonsense");
     assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("nonsense")));
     assert_eq!(model.scene().method.name(), "sorted");
