@@ -1,0 +1,194 @@
+//! Which control a key of the scene file gets, the value that it has now, and what a change of it brings along.
+
+mod beside;
+mod clouds;
+#[cfg(test)]
+mod tests;
+
+pub use beside::{changes, light_changes, method_changes};
+pub use clouds::cloud;
+
+use pellucid_engine::methods::soft::SoftModel;
+use pellucid_engine::scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
+
+/// What changes a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Control {
+    /// A slider from one number to another.
+    Slider(f64, f64),
+    /// A slider by powers of ten, from one number, which may be 0, to another.
+    Powers(f64, f64),
+    /// A slider over whole numbers, by powers if there are many.
+    Count(u32, u32),
+    /// A check box.
+    Flag,
+    /// One of some words.
+    Choice(&'static [Word]),
+    /// A color, linear.
+    Color,
+}
+
+/// Whether a key has a value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Presence {
+    /// Always.
+    Always,
+    /// If it is switched on; what goes without it, in a few words.
+    Optional { on: bool, without: String },
+    /// If it was chosen, and not the other key in whose place it stands.
+    Rival { on: bool },
+}
+
+/// A key's control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// What changes it.
+    pub control: Control,
+    /// The value in force; of a key without one, what it begins with.
+    pub value: Setting,
+    /// Whether it has one.
+    pub presence: Presence,
+    /// What the key does.
+    pub about: &'static str,
+}
+
+/// What ranges of controls depend on, of the points that are shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Of the points' box, in world units; above 0.
+    pub diagonal: f64,
+    /// Of the soft points, in world units; 0 if there are none.
+    pub median_radius: f32,
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { diagonal: 1.0, median_radius: 0.0 }
+    }
+}
+
+/// The control of a key; `None` for values that no control here stands for, as those of cameras and lights.
+pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
+    let control = control(key.kind, key.slider, extent)?;
+    let start = match (control, key.slider) {
+        (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
+        (Control::Count(..), _) => Setting::Integer(key.start as u32),
+        (_, Slider::Lengths(..)) => Setting::Number(significant(key.start * extent.diagonal)),
+        _ => Setting::Number(key.start),
+    };
+    let on = key.value.is_some();
+    let presence = match (key.without, key.rival) {
+        ("", _) => Presence::Always,
+        (_, Some(_)) => Presence::Rival { on },
+        (without, None) => Presence::Optional { on, without: without.to_owned() },
+    };
+    Some(Entry { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
+}
+
+fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
+    let length = |share: f64| significant(share * extent.diagonal);
+    Some(match (kind, slider) {
+        (Kind::WordOr(_, other), slider) => return control(*other, slider, extent),
+        (Kind::Number(_), Slider::Linear(from, to)) => Control::Slider(from, to),
+        (Kind::Number(_), Slider::Powers(from, to)) => Control::Powers(from, to),
+        (Kind::Number(_), Slider::Lengths(from, to)) => Control::Powers(length(from), length(to)),
+        (Kind::Number(range), Slider::Whole) if range == Range::UNIT => Control::Slider(0.0, 1.0),
+        (Kind::Integer(..), Slider::Count(from, to)) | (Kind::Integer(from, to), Slider::Whole) => {
+            Control::Count(from, to)
+        }
+        (Kind::Flag, _) => Control::Flag,
+        (Kind::Words(words), _) => Control::Choice(words),
+        (Kind::Color, _) => Control::Color,
+        _ => return None,
+    })
+}
+
+/// The control of a method's key; `None` for keys of other methods.
+pub fn method(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
+    let key = method.key(key)?;
+    match (key.name, method.soft()) {
+        ("softness" | "lambda", Some(soft)) => Some(density(method, soft, &key, extent)),
+        ("modulation", Some(soft)) => {
+            // Half-way, so that both have room to move.
+            entry(&Key { start: 0.5 + 0.5 * f64::from(soft.threshold), ..key }, extent)
+        }
+        _ => shortened(&key, extent),
+    }
+}
+
+/// The control of a key with a default that depends on the scene, which it shows.
+fn shortened(key: &Key, extent: Extent) -> Option<Entry> {
+    let mut entry = entry(key, extent)?;
+    if let (Presence::Optional { without, .. }, Slider::Lengths(..)) = (&mut entry.presence, key.slider) {
+        *without = format!("{}%: {}", significant(100.0 * key.start), significant(key.start * extent.diagonal));
+    }
+    Some(entry)
+}
+
+/// The control of a key of `[shadows]`; `None` for `method`, which is the table's switch.
+pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: Extent) -> Option<Entry> {
+    let mut key = find(shadows.keys(), key)?;
+    if let ("light_radius", Light::Direction(_)) = (key.name, light) {
+        // Degrees, and no length.
+        key.slider = Slider::Linear(0.0, 45.0);
+    }
+    shortened(&key, extent)
+}
+
+/// The key of this name.
+pub fn find(keys: Vec<Key>, name: &str) -> Option<Key> {
+    keys.into_iter().find(|key| key.name == name)
+}
+
+/// `softness` or `lambda`: the one that was not chosen begins where the picture stays the same.
+fn density(method: &Method, soft: &Soft, key: &Key, extent: Extent) -> Entry {
+    let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
+    let model = SoftModel::new(method, soft, radius);
+    let about = key.about;
+    if key.name == "softness" {
+        let on = matches!(soft.density, Density::Softness(_));
+        let value = if on { rounded(model.peak) } else { thousandths(model.peak.into()) };
+        return Entry {
+            control: Control::Slider(0.0, 1.0),
+            value: Setting::Number(value),
+            presence: Presence::Rival { on },
+            about,
+        };
+    }
+    let on = matches!(soft.density, Density::Lambda(_));
+    let most = match method {
+        Method::SoftExpress(_) => 1.0,
+        // A sphere of median radius that lets 10⁻⁴ of the light through.
+        _ => {
+            let dense = Soft { density: Density::Softness(0.9999), ..*soft };
+            significant(SoftModel::new(method, &dense, radius).lambda.into())
+        }
+    };
+    let value = match soft.density {
+        Density::Lambda(lambda) => rounded(lambda),
+        Density::Softness(_) => significant(model.lambda.into()),
+    };
+    Entry { control: Control::Powers(0.0, most), value: Setting::Number(value), presence: Presence::Rival { on }, about }
+}
+
+/// A number to three decimals.
+pub fn thousandths(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
+}
+
+/// A number to four significant digits.
+pub fn significant(x: f64) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x)
+}
+
+/// What a key is called beside its control.
+pub fn label(key: &str) -> String {
+    match key {
+        "threshold" => "threshold t".to_owned(),
+        "lambda" => "lambda λ".to_owned(),
+        "ensembles" => "ensembles L".to_owned(),
+        "min_layer_distance" => "layer distance".to_owned(),
+        "antialias_threshold" => "edge share".to_owned(),
+        key => key.replace('_', " "),
+    }
+}
