@@ -1,7 +1,7 @@
 //! All keys of a scene file, table by table.
 
 use super::methods::METHODS;
-use super::schema::{Key, Settings, Value};
+use super::schema::{Key, Value};
 use super::choice::MethodChoice;
 use super::settings::{CameraSettings, CloudSettings, ImageSettings, ShadowMethod, Shading, Shadows};
 

@@ -23,6 +23,7 @@ pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
+use super::choice::MethodChoice;
 use super::methods::Method;
 use crate::passes::bin::Order;
 

@@ -93,7 +93,7 @@ macro_rules! settings {
 
             fn read(&mut self, table: &$crate::scene::table::Table<'_>) -> Result<(), $crate::scene::error::Error> {
                 use $crate::scene::schema::{Part, allowed};
-                $(Part::read(&mut self.$field, table, stringify!($field), allowed!($($allowed)?))?;)*
+                $(Part::update(&mut self.$field, table, stringify!($field), allowed!($($allowed)?))?;)*
                 $($check(self, table)?;)?
                 Ok(())
             }
@@ -106,7 +106,7 @@ macro_rules! settings {
                 $crate::scene::schema::Settings::keys(self)
             }
 
-            fn read(
+            fn update(
                 &mut self,
                 table: &$crate::scene::table::Table<'_>,
                 _: &str,

@@ -11,6 +11,7 @@ mod value;
 
 pub use key::{Key, Kind, Ladder, Slider, Word};
 pub(crate) use macros::{allowed, settings, words};
+pub(crate) use range::MAX_COORDINATE;
 pub use range::Range;
 pub use value::rounded;
 pub(crate) use value::{Part, Value, Vectors};

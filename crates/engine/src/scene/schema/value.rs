@@ -34,7 +34,7 @@ pub(crate) trait Part {
     fn keys(&self, key: Key, allowed: Self::Allowed) -> Vec<Key>;
 
     /// Takes what the table gives.
-    fn read(&mut self, table: &Table<'_>, key: &str, allowed: Self::Allowed) -> Result<(), Error>;
+    fn update(&mut self, table: &Table<'_>, key: &str, allowed: Self::Allowed) -> Result<(), Error>;
 }
 
 impl<T: Value> Part for T {
@@ -44,7 +44,7 @@ impl<T: Value> Part for T {
         vec![Key { kind: T::kind(allowed), value: self.setting(), ..key }]
     }
 
-    fn read(&mut self, table: &Table<'_>, key: &str, allowed: T::Allowed) -> Result<(), Error> {
+    fn update(&mut self, table: &Table<'_>, key: &str, allowed: T::Allowed) -> Result<(), Error> {
         if let Some(value) = T::read(table, key, allowed)? {
             *self = value;
         }

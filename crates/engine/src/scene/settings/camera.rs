@@ -38,7 +38,7 @@ impl Part for View {
         Vec::new()
     }
 
-    fn read(&mut self, _: &Table<'_>, _: &str, (): ()) -> Result<(), Error> {
+    fn update(&mut self, _: &Table<'_>, _: &str, (): ()) -> Result<(), Error> {
         Ok(())
     }
 }

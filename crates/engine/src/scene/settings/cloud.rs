@@ -94,7 +94,7 @@ impl Part for Option<Field> {
         ]
     }
 
-    fn read(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
+    fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
         if let Some(field) = field(table, key)? {
             *self = Some(field);
         }
@@ -141,7 +141,7 @@ impl Part for Option<Photo> {
         photo::keys()
     }
 
-    fn read(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
+    fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
         if let Some(photo) = photo::read(table, key)? {
             *self = Some(photo);
         }

@@ -79,7 +79,7 @@ impl Part for Density {
         ]
     }
 
-    fn read(&mut self, table: &Table<'_>, _: &str, (): ()) -> Result<(), Error> {
+    fn update(&mut self, table: &Table<'_>, _: &str, (): ()) -> Result<(), Error> {
         let softness = table.number32("softness", Range::UNIT)?.map(Self::Softness);
         let lambda = table.number32("lambda", Range::NOT_NEGATIVE)?.map(Self::Lambda);
         if let Some(density) = softness.or(lambda) {
