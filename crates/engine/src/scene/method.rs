@@ -1,6 +1,6 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
-use super::error::{Error, nearest};
+use super::error::Error;
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
 use super::schema::{Kind, Word};
@@ -8,6 +8,7 @@ use super::choice::MethodChoice;
 use super::settings::Raster;
 use super::table::Table;
 use super::tree::{Node, Value};
+use crate::words::nearest;
 
 /// Reads the table; keys of other methods become warnings.
 pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {

@@ -29,7 +29,6 @@ pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use choice::MethodChoice;
 pub use document::{Change, Document, Setting};
-pub(crate) use error::nearest;
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{KeyTable, method_keys, tables};

@@ -17,7 +17,7 @@ pub use discs::{
     DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Peel, Raster, Stochastic,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
-pub use image::{ColorSpace, ImageSettings, MAX_SIDE};
+pub use image::{ColorSpace, ImageSettings};
 pub use shading::{Light, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};

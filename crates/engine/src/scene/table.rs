@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::error::{Error, Place, nearest};
+use super::error::{Error, Place};
 use super::schema::Range;
 use super::tree::{Entries, Node, Value};
+use crate::words::nearest;
 
 /// What all tables of one scene share.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use egui::{Grid, ScrollArea, Ui};
 
 use super::field;
 use super::row::{name as row_name, note, row};
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 use crate::census::{Census, class_name};
 use crate::controls;

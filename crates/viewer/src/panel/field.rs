@@ -6,7 +6,7 @@ use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{Change, Setting, rounded};
 use crate::census::{BINS, FieldFacts, class_name};
 use crate::hints::hint;

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
+use crate::cloud::field::Field;
 use crate::io::photo::Photo;
 use crate::io::{ColumnNames, Hints};
-use crate::prepare::field::Field;
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;

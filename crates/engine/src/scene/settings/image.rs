@@ -2,10 +2,8 @@
 
 use glam::Vec3;
 
+use crate::image::MAX_SIDE;
 use crate::scene::schema::{settings, words};
-
-/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
-pub const MAX_SIDE: u32 = 16_384;
 
 settings! {
     /// `[image]`.

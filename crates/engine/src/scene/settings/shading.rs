@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::image::MAX_SIDE;
+use crate::image::MAX_SIDE;
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::schema::{Kind, Range, Slider, Value, settings, words};
