@@ -28,13 +28,8 @@ pub enum Standing {
 impl Standing {
     /// Of a method that is in force for these points.
     pub fn of(method: &Method, points: &Points) -> Self {
-        let oriented = |shape| shape == DiscShape::Oriented && points.normals.is_some();
-        let exact = match method {
-            Method::ABuffer(_) | Method::LinkedList(_) | Method::Peel(Peel { layers: 0, .. }) => true,
-            Method::Sorted(discs) => !oriented(discs.shape),
-            Method::SoftBase(_) => true,
-            _ => false,
-        };
+        let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
+        let exact = method.is_exact(oriented && points.normals.is_some());
         match settings::formation(method, points) {
             _ if exact => Self::Exact,
             Ok(Formation::Ensembles(_)) => Self::Sampled,

@@ -1,18 +1,21 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
-use super::error::Error;
+use super::document::Setting;
+use super::error::{Error, Place};
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
 use super::schema::{Kind, Word};
 use super::choice::MethodChoice;
 use super::settings::Raster;
-use super::table::Table;
-use super::tree::{Node, Value};
+use super::table::{Context, Table};
+use super::tree::{Entries, Node, Value};
 use crate::words::nearest;
 
 /// Reads the table; keys of other methods become warnings.
 pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
-    table.refuse_unknown(&all_method_keys())?;
+    let mut known = [all_method_keys(), vec!["name"]].concat();
+    known.sort_unstable();
+    table.refuse_unknown(&known)?;
     let mut choice = choice(table)?;
     if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
         let problem =
@@ -41,6 +44,23 @@ pub(super) fn read(table: &Table<'_>) -> Result<MethodChoice, Error> {
         warn_of_raster(table, method, node);
     }
     Ok(choice)
+}
+
+impl Method {
+    /// The same method with another value for one of its keys.
+    ///
+    /// # Errors
+    /// A key of other methods, a value that the key doesn't take.
+    pub fn with(mut self, key: &str, value: Setting) -> Result<Self, Error> {
+        let place = Place::Option(format!("method.{key}={value}"));
+        let node = |value| Node { place: place.clone(), value };
+        let given = Entries::from([(key.to_owned(), (place.clone(), node(value.into_value(&place))))]);
+        let (root, context) = (node(Value::Table(given)), Context::default());
+        let table = Table::root(&root, &context)?;
+        table.refuse_unknown(&self.keys().iter().map(|key| key.name).collect::<Vec<_>>())?;
+        self.settings_mut().map_or(Ok(()), |settings| settings.read(&table))?;
+        Ok(self)
+    }
 }
 
 /// A word that the same key has under other methods alone, which is what a file has whose method was changed.

@@ -18,6 +18,8 @@ mod overrides;
 mod parse;
 mod photo;
 pub mod procedural;
+#[cfg(test)]
+mod reference;
 mod schema;
 mod settings;
 mod table;
@@ -31,7 +33,7 @@ pub use choice::MethodChoice;
 pub use document::{Change, Document, Setting};
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
-pub use keys::{KeyTable, method_keys, tables};
+pub use keys::{KeyTable, all_method_keys, method_keys, tables};
 pub use layers::note_of_layers;
 pub use methods::{Family, METHODS, Method};
 pub use open::{DEFAULT_SCENE, Opened, open};

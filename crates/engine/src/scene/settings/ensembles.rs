@@ -28,7 +28,7 @@ settings! {
     pub struct SpbrSimplified {
         /// L: random parts of the points whose images are averaged.
         ensembles: u32 = 100, in 1..=MAX_ENSEMBLES, slider Slider::Count(1, 1000), refines true;
-        /// p: factor on the colors; auto makes the picture as bright as a single ensemble.
+        /// Factor p on the colors; auto makes the picture as bright as a single ensemble.
         brightness: Brightness = Brightness::Auto, without "auto", start 1.0, slider Slider::Powers(0.1, 100.0);
     }
 }

@@ -10,7 +10,7 @@ settings! {
     /// Settings of soft transparency (Seemann et al. 2018).
     #[derive(Copy)]
     pub struct Soft {
-        /// t: points with a field F above it are soft, the others solid.
+        /// Threshold t: points with a field F above it are soft, the others solid.
         threshold: f32 = 0.5, in Range::UNIT;
         /// How dense soft points are: `softness` or `lambda`.
         density: Density = Density::Softness(0.5);
@@ -141,7 +141,7 @@ settings! {
     /// Settings of `one-layer`.
     #[derive(Copy)]
     pub struct OneLayer {
-        /// t: points with a field F above it make the transparent layer, the others are solid.
+        /// Threshold t: points with a field F above it make the transparent layer, the others are solid.
         threshold: f32 = 0.5, in Range::UNIT;
         /// Opacity of the layer.
         softness: f32 = 0.5, in Range::UNIT;
