@@ -255,7 +255,8 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
 
 #[test]
 fn outlines_of_opaque_splats_are_read() {
-    let shape = |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method.representative();
+    let shape =
+        |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method.representative();
     assert!(matches!(shape("hqs"), Method::Hqs(of) if of.shape == SplatShape::Square));
     assert!(matches!(shape("cone"), Method::Cone(of) if of.shape == SplatShape::Square));
     // Oriented splats and spheres are round.

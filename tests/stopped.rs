@@ -4,9 +4,9 @@
 mod common;
 
 use common::with_device;
-use pellucid_lab::check::{self, Subject};
 use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{Error, Renderer};
+use pellucid_lab::check::{self, Subject};
 
 /// The first submissions one by one, then fewer and fewer of them.
 fn places() -> impl Iterator<Item = u64> {

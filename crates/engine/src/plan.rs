@@ -15,7 +15,9 @@ use crate::passes::tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::random::STRATUM;
-use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Raster, ScreenSplats, ShadingModel, Stochastic};
+use crate::scene::{
+    DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Raster, ScreenSplats, ShadingModel, Stochastic,
+};
 
 /// One pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]

@@ -135,7 +135,9 @@ impl Stage {
         let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of_scene(scene, camera, seed) };
         let (method, why) = match known {
             Some((_, method, why)) => (method, why),
-            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), scene.method, &frame)?,
+            None => {
+                plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), scene.method, &frame)?
+            }
         };
         self.chosen = Some((scene.method, method, why.clone()));
         frame.method = method;

@@ -18,8 +18,8 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, Light, LongLists,
-    Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout,
-    Spbr, SpbrSimplified, SplatShape, Stochastic,
+    Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells,
+    Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
 };
 
 /// A scene for a method.

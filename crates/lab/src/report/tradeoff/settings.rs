@@ -228,7 +228,7 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::MethodChoice;
+    use pellucid_engine::scene::MethodChoice;
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());
