@@ -91,7 +91,8 @@ fn a_survey_finds_what_a_frame_meets() {
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
-                let frame = pellucid_engine::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
+                let frame =
+                    pellucid_engine::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
                 let mut renderer = Renderer::new(device).expect("a renderer");
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");

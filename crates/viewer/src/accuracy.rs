@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::stage::Pose;
 use pellucid_engine::metrics;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{DiscShape, Method, Peel, Scene};
+use pellucid_engine::scene::{DiscShape, Method, Scene};
 use pellucid_lab::report::tradeoff::settings::{self, Formation};
 
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
@@ -130,7 +130,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use pellucid_engine::scene::{Discs, Document, Overrides, PeelLayers, Soft, Spbr, Stochastic};
+    use pellucid_engine::scene::{Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
 
     fn points(normals: bool) -> Points {
         let normals = normals.then(|| vec![Vec3::Z]);

@@ -105,12 +105,13 @@ fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
 
 /// The control of a method's key; `None` for keys of other methods.
 pub fn method(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
-    let key = method.key(key)?;
+    let mut key = method.key(key)?;
     match (key.name, method.soft()) {
         ("softness" | "lambda", Some(soft)) => Some(density(method, soft, &key, extent)),
         ("modulation", Some(soft)) => {
             // Half-way, so that both have room to move.
-            entry(&Key { start: 0.5 + 0.5 * f64::from(soft.threshold), ..key }, extent)
+            key.start = 0.5 + 0.5 * f64::from(soft.threshold);
+            entry(&key, extent)
         }
         _ => shortened(&key, extent),
     }
@@ -168,7 +169,12 @@ fn density(method: &Method, soft: &Soft, key: &Key, extent: Extent) -> Entry {
         Density::Lambda(lambda) => rounded(lambda),
         Density::Softness(_) => significant(model.lambda.into()),
     };
-    Entry { control: Control::Powers(0.0, most), value: Setting::Number(value), presence: Presence::Rival { on }, about }
+    Entry {
+        control: Control::Powers(0.0, most),
+        value: Setting::Number(value),
+        presence: Presence::Rival { on },
+        about,
+    }
 }
 
 /// A number to three decimals.

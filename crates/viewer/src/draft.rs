@@ -184,7 +184,7 @@ fn coarse(share: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{PeelLayers, Spbr, Stochastic};
+    use pellucid_engine::scene::{Spbr, Stochastic};
 
     fn stochastic() -> Method {
         Method::Stochastic(Stochastic { samples: 64, ..Default::default() })

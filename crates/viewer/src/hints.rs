@@ -7,7 +7,10 @@ pub fn hint(key: &str) -> &'static str {
     let (table, name) = key.split_once('.').unwrap_or(("", key));
     let keys = match table {
         "method" => Method::all().iter().flat_map(Method::keys).collect(),
-        _ => scene::tables().into_iter().find(|known| known.path.split('.').next() == Some(table)).map_or(vec![], |t| t.keys),
+        _ => scene::tables()
+            .into_iter()
+            .find(|known| known.path.split('.').next() == Some(table))
+            .map_or(vec![], |t| t.keys),
     };
     let name = if table == "cloud" { name.split_once('.').map_or(name, |(_, name)| name) } else { name };
     let found = keys.into_iter().find(|key| key.name == name).map(|key| key.about);
@@ -33,9 +36,9 @@ mod tests {
     fn every_key_is_explained_in_a_short_sentence() {
         let methods = Method::all();
         let methods = methods.iter().flat_map(Method::keys).map(|key| format!("method.{}", key.name));
-        let tables = scene::tables().into_iter().flat_map(|table| {
-            table.keys.into_iter().map(move |key| format!("{}.{}", table.path, key.name))
-        });
+        let tables = scene::tables()
+            .into_iter()
+            .flat_map(|table| table.keys.into_iter().map(move |key| format!("{}.{}", table.path, key.name)));
         for key in methods.chain(tables).chain(["cloud.12.opacity".to_owned()]) {
             let hint = hint(&key);
             assert!(hint.ends_with('.') && hint.len() < 130, "{key}: {hint:?}");

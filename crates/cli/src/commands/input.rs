@@ -9,7 +9,9 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
+use pellucid_engine::scene::{
+    self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName,
+};
 use pellucid_engine::{Result, output};
 
 use super::talk::Talk;

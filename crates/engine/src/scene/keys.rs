@@ -1,9 +1,9 @@
 //! All keys of a scene file, table by table.
 
+use super::choice::MethodChoice;
 use super::methods::METHODS;
 use super::schema::{Key, Value};
-use super::choice::MethodChoice;
-use super::settings::{CameraSettings, CloudSettings, ImageSettings, ShadowMethod, Shading, Shadows};
+use super::settings::{CameraSettings, CloudSettings, ImageSettings, Shading, ShadowMethod, Shadows};
 
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
+use super::choice::MethodChoice;
 use super::document::Setting;
 use super::error::{Error, Place};
 use super::keys::{all_method_keys, owners};
 use super::methods::{METHODS, Method};
-use super::schema::{Kind, Word};
-use super::choice::MethodChoice;
+use super::schema::{Key, Kind, Word};
 use super::settings::Raster;
 use super::table::{Context, Table};
 use super::tree::{Entries, Node, Value};
@@ -61,12 +61,20 @@ impl Method {
         self.settings_mut().map_or(Ok(()), |settings| settings.read(&table))?;
         Ok(self)
     }
+
+    /// The same method with the values of other keys, as far as it has these keys.
+    #[must_use]
+    pub fn with_keys(self, keys: &[Key]) -> Self {
+        let given = keys.iter().filter_map(|key| Some((key.name, key.value.clone()?)));
+        given.fold(self, |method, (key, value)| method.with(key, value).unwrap_or(method))
+    }
 }
 
 /// A word that the same key has under other methods alone, which is what a file has whose method was changed.
 fn is_foreign(key: &str, words: &[Word], found: &str) -> bool {
     let has = |words: &[Word]| words.iter().any(|word| word.name == found);
-    let other = |method: Method| method.key(key).is_some_and(|key| matches!(key.kind, Kind::Words(words) if has(words)));
+    let other =
+        |method: Method| method.key(key).is_some_and(|key| matches!(key.kind, Kind::Words(words) if has(words)));
     !has(words) && Method::all().into_iter().any(other)
 }
 
@@ -79,7 +87,9 @@ fn warn_of_raster(table: &Table<'_>, method: &Method, node: &Node) {
 }
 
 fn choice(table: &Table<'_>) -> Result<MethodChoice, Error> {
-    let (Some(name), Some(node)) = (table.string("name")?, table.get("name")) else { return Ok(MethodChoice::default()) };
+    let (Some(name), Some(node)) = (table.string("name")?, table.get("name")) else {
+        return Ok(MethodChoice::default());
+    };
     MethodChoice::named(name).ok_or_else(|| Error::UnknownMethod {
         place: node.place.clone(),
         name: name.to_owned(),

@@ -4,8 +4,8 @@
 
 use super::schema::{Key, Settings};
 use super::settings::{
-    BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, OneLayer, Peel, PeelLayers, ScreenSplats, Soft,
-    SoftLayout, Spbr, SpbrSimplified, Stochastic,
+    BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, OneLayer, Peel, PeelLayers, ScreenSplats, Soft, SoftLayout,
+    Spbr, SpbrSimplified, Stochastic,
 };
 
 /// The name that leaves the method to the scene.

@@ -45,7 +45,9 @@ fn scene_file() -> String {
         let _ = write!(text, "\n## `{}`\n\n{about}\n\n{}", table.title, keys_table(&rows, false));
     }
     text.push_str("\n## `[method]`\n\n`name` is `\"auto\"` by default: the cheapest method that is exact for the scene. Its keys are\n");
-    text.push_str("those of `abuffer` that don't tell how lists are sorted. Methods of one family draw the same things.\n\n");
+    text.push_str(
+        "those of `abuffer` that don't tell how lists are sorted. Methods of one family draw the same things.\n\n",
+    );
     text.push_str(&methods_table());
     text.push_str("\nThe keys beside `name`:\n\n");
     text.push_str(&keys_table(&method_keys(), true));
@@ -70,7 +72,11 @@ fn method_keys() -> Vec<(Key, String)> {
 }
 
 fn keys_table(rows: &[(Key, String)], methods: bool) -> String {
-    let mut text = String::from(if methods { "| key | values | default | | methods |\n" } else { "| key | values | default | |\n" });
+    let mut text = String::from(if methods {
+        "| key | values | default | | methods |\n"
+    } else {
+        "| key | values | default | |\n"
+    });
     text.push_str(if methods { "|---|---|---|---|---|\n" } else { "|---|---|---|---|\n" });
     for (key, owners) in rows {
         let unit = if key.unit.is_empty() { String::new() } else { format!(", {}", key.unit) };

@@ -76,7 +76,8 @@ fn every_key_of_every_method_has_a_control_with_its_value() {
         let document = document(name);
         for key in method_keys(name) {
             let entry = |scene: &Scene| {
-                method(&scene.method.representative(), key, EXTENT).unwrap_or_else(|| panic!("{name}: {key} has no control"))
+                method(&scene.method.representative(), key, EXTENT)
+                    .unwrap_or_else(|| panic!("{name}: {key} has no control"))
             };
             let method = document.scene().unwrap().method.representative();
             moves(&document, &format!("method.{key}"), &entry, &|value| method_changes(&method, key, value));
@@ -156,10 +157,10 @@ fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
     // In whichever order: what the other slider begins with is the same density.
     let lambda = method(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
     let method = set("lambda", lambda.value);
-    assert_eq!(method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
-    assert!(!is_on(&method(&method, "softness", EXTENT).unwrap()));
+    assert_eq!(super::method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
+    assert!(!is_on(&super::method(&method, "softness", EXTENT).unwrap()));
     let method = set("softness", Setting::Number(0.75));
-    assert!(!is_on(&method(&method, "lambda", EXTENT).unwrap()));
+    assert!(!is_on(&super::method(&method, "lambda", EXTENT).unwrap()));
     set("modulation", Setting::Number(0.75));
     let method = set("layout", Setting::Word("paper".into()));
     assert_eq!(method.soft().unwrap().modulation, None);

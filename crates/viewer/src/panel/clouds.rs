@@ -5,11 +5,11 @@ use egui::{Grid, ScrollArea, Ui};
 
 use super::field;
 use super::row::{name as row_name, note, row};
-use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 use crate::census::{Census, class_name};
 use crate::controls;
 use crate::model::Model;
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 
 /// Clouds that are listed among the other controls; more of them scroll by themselves, in so many points.
 const MANY: usize = 15;

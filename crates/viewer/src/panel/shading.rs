@@ -4,10 +4,10 @@ use egui::Ui;
 use glam::DVec3;
 
 use super::row::{choice, name, note, row, takes_out, vector};
-use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
 use crate::controls;
 use crate::model::Model;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
 
 /// From where a light comes that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];

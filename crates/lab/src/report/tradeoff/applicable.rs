@@ -20,7 +20,7 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
     match occasion.formation {
         Formation::Discs(discs) => {
             for method in Family::Discs.methods() {
-                found.try_all(occasion, ladders, with(method, &discs.keys()), "");
+                found.try_all(occasion, ladders, method.with_keys(&discs.keys()), "");
             }
             found.circles(occasion);
         }
@@ -35,19 +35,13 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
                 _ => String::new(),
             };
             for method in Family::Soft.methods() {
-                found.try_all(occasion, ladders, with(method, &soft.keys()), &rest);
+                found.try_all(occasion, ladders, method.with_keys(&soft.keys()), &rest);
             }
         }
         Formation::Surfaces(surfaces) => (found.settings, found.skipped) = ladder::settings(&surfaces, ladders),
     }
     found.skip_the_others(&occasion.formation);
     (found.settings, found.skipped)
-}
-
-/// A method with these values for the keys that it has, too.
-fn with(method: Method, keys: &[Key]) -> Method {
-    let given = keys.iter().filter_map(|key| Some((key.name, key.value.clone()?)));
-    given.fold(method, |method, (key, value)| method.with(key, value).unwrap_or(method))
 }
 
 impl Found {

@@ -2,6 +2,7 @@
 //! formation; what lies on the Pareto front; how the error of stochastic methods falls with their samples.
 
 mod analytic;
+mod applicable;
 mod figures;
 mod files;
 mod findings;

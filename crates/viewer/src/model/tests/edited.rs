@@ -1,10 +1,10 @@
 //! What the panel does to the scene.
 
 use super::*;
-use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{METHODS, Method, Shells, method_keys};
 use crate::census::{Census, FieldFacts};
 use crate::controls::{self, Extent};
+use pellucid_engine::passes::project::Parts;
+use pellucid_engine::scene::{METHODS, Method, Shells, method_keys};
 
 fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())
