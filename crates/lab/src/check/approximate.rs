@@ -2,13 +2,14 @@
 
 use glam::{DVec3, Vec3};
 
-use super::discs::{exact, reversed, roundings, ties};
+use super::discs::{reversed, roundings, ties};
+use super::lists::{approximations, exact};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, composed, dot};
 use super::{Case, Finding, Stage, Trouble, each};
 use pellucid_engine::reference::abuffer::Fragment;
 use pellucid_engine::reference::approximate;
-use pellucid_engine::scene::{Discs, Hybrid, Method, Stochastic};
+use pellucid_engine::scene::{Discs, Hybrid, Method};
 
 type Found = Result<Finding, Trouble>;
 
@@ -22,8 +23,7 @@ const COMPENSATED: f64 = 9.0 * ULP;
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let [average, weighted, unsorted] = [Method::Average(discs), Method::Weighted(discs), Method::Unsorted(discs)];
-    let [hybrid, stochastic] = [Method::Hybrid(Hybrid::default()), Method::Stochastic(Stochastic::default())];
-    let unordered = [average, weighted, hybrid, stochastic];
+    let hybrid = Method::Hybrid(Hybrid::default());
     [
         each(&[average], "equal-colors", "the mean of 100 000 equal colors is that color", equal_colors),
         each(&[weighted], "equal-colors", "10 000 layers of one color: that color times A", weighted_equal),
@@ -32,8 +32,13 @@ pub(super) fn cases() -> Vec<Case> {
         each(&[unsorted], "file-order", "later over earlier, whatever the depth", file_order),
         each(&[unsorted], "faint-layers", "100 000 layers of opacity 1e-7: 1 - (1 - 1e-7)^100000", faint),
         each(&[hybrid], "as-many-as-k", "8 fragments with k = 8 against float64", as_many_as_k),
-        each(&unordered, "equal-depths", "discs of equal depth and other colors, shuffled: no byte changes", ties),
-        each(&unordered, "reversed", "the order of the input reversed: no byte changes", reversed),
+        each(
+            &approximations(),
+            "equal-depths",
+            "discs of equal depth and other colors, shuffled: no byte changes",
+            ties,
+        ),
+        each(&approximations(), "reversed", "the order of the input reversed: no byte changes", reversed),
         each(&exact(), "long-and-short", "2000 layers of opacity 1e-3 behind one of 0.999", behind_one),
     ]
     .into_iter()

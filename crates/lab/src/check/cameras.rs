@@ -2,39 +2,25 @@
 
 use glam::{DVec3, Vec3};
 
-use super::discs::{exact, roundings, with_peel};
+use super::discs::roundings;
+use super::lists::{exact, except, of_families, with_peel, with_samples};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, dot, pixels, pixels_apart};
 use super::{Case, Finding, Stage, Trouble, each};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::{abuffer, coverage};
-use pellucid_engine::scene::{
-    BlendedSplats, DiscShape, Discs, ImageSpace, Interpolated, Method, OneLayer, PeelLayers, ScreenSplats, Soft,
-    Stochastic,
-};
+use pellucid_engine::scene::{DiscShape, Discs, Family, Method};
 
 type Found = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let oriented = [Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs })];
-    let others = [
-        Method::Points,
-        Method::Circles(ScreenSplats::default()),
-        Method::Sphere(ScreenSplats::default()),
-        Method::Paraboloid(Interpolated::default()),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-        Method::SoftBase(Soft::default()),
-        Method::SoftConcentric(Soft::default()),
-        Method::SoftExpress(Soft::default()),
-        Method::OneLayer(OneLayer::default()),
-        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
-        Method::ImageSpace(ImageSpace::default()),
-        Method::PeelLayers(PeelLayers::default()),
-    ];
-    let all = [with_peel(), others.to_vec()].concat();
-    let limits = [with_peel(), others[..6].to_vec()].concat();
+    // The others go the way of one of these: averages that of `stochastic`, squares and cones that of circles and paraboloids.
+    let like = ["hybrid", "weighted", "average", "unsorted", "squares", "cone"];
+    let families = [Family::Discs, Family::Opaque, Family::Soft, Family::OneLayer, Family::Surfaces];
+    let all = with_samples(8, except(&like, of_families(&families)));
+    let limits = [with_peel(), except(&like, of_families(&[Family::Opaque]))].concat();
     [
         each(
             &exact(),

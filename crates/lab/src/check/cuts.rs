@@ -3,35 +3,25 @@
 use glam::{DVec3, Vec3};
 
 use super::discs::roundings;
+use super::lists::{except, of_families, tilted, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, each};
 use pellucid_engine::methods::Frame;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
-use pellucid_engine::scene::{
-    BlendedSplats, Density, DiscShape, Discs, Hybrid, LongLists, Method, Peel, Shells, Soft, Stochastic,
-};
+use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
 
 type Found = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
-    let discs = Discs::default();
-    let oriented = Discs { shape: DiscShape::Oriented, ..discs };
+    let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
     let soft = Soft { density: Density::Softness(0.05), shells: Shells::Fixed(2), ..Soft::default() };
-    let cut = [
-        Method::ABuffer(oriented),
-        Method::LinkedList(oriented),
-        Method::Peel(Peel { discs: oriented, ..Peel::default() }),
-        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
-        Method::Hybrid(Hybrid::default()),
-        Method::Weighted(discs),
-        Method::Average(discs),
-        Method::Unsorted(discs),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-        Method::SoftBase(soft),
-        Method::SoftConcentric(soft),
-        Method::SoftExpress(soft),
-    ];
+    // The runs of `sorted` follow its windows, and opaque splats that are not blended have nothing to cut.
+    let blended = |method: &Method| method.key("blend_depth").is_some();
+    let discs = with_samples(8, except(&["sorted"], of_families(&[Family::Discs])));
+    let discs = discs.into_iter().map(|method| if method.is_exact(true) { tilted(method) } else { method });
+    let splats = Family::Opaque.methods().filter(blended);
+    let spheres = Family::Soft.methods().map(|method| with_soft(method, soft));
+    let cut: Vec<Method> = discs.chain(splats).chain(spheres).collect();
     let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
     [
         each(&cut, "budget", "cut by a memory budget: no byte changes", budget),

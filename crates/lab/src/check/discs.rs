@@ -2,21 +2,11 @@
 
 use glam::Vec3;
 
+use super::lists::{exact, with_peel};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, each};
 use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
-
-/// The methods that keep every fragment.
-pub(super) fn exact() -> Vec<Method> {
-    let discs = Discs::default();
-    vec![Method::ABuffer(discs), Method::LinkedList(discs), Method::Sorted(discs)]
-}
-
-/// And the one that goes through all points once for each layer.
-pub(super) fn with_peel() -> Vec<Method> {
-    [exact(), vec![Method::Peel(Peel::default())]].concat()
-}
 
 /// Methods whose A is exact, whatever they do to colors.
 fn exact_coverage() -> Vec<Method> {

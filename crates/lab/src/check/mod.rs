@@ -7,6 +7,7 @@ mod approximate;
 mod cameras;
 mod cuts;
 mod discs;
+mod lists;
 mod machinery;
 mod moved;
 mod naive;

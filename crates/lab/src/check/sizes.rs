@@ -4,45 +4,25 @@ use std::f64::consts::E;
 
 use glam::{DVec3, Vec3};
 
-use super::discs::{exact, roundings, with_peel};
+use super::discs::roundings;
+use super::lists::{exact, of_families, with_samples};
 use super::naive::over;
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, pixels, pixels_apart};
 use super::{Case, Finding, Stage, Trouble, each};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{
-    BlendedSplats, Density, Discs, Hybrid, Interpolated, Method, OneLayer, ScreenSplats, Shells, Soft, Stochastic,
-};
+use pellucid_engine::scene::{BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, Stochastic};
 
 type Found = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
-    let discs = Discs::default();
     let long = [
         exact(),
         vec![Method::Hybrid(Hybrid::default()), Method::Points, Method::Circles(ScreenSplats::default())],
         vec![Method::Hqs(BlendedSplats::default()), Method::Stochastic(Stochastic::default())],
     ]
     .concat();
-    let one = [
-        Method::Stochastic(Stochastic { samples: 5, ..Stochastic::default() }),
-        Method::Hybrid(Hybrid::default()),
-        Method::Weighted(discs),
-        Method::Average(discs),
-        Method::Unsorted(discs),
-        Method::Points,
-        Method::Squares(ScreenSplats::default()),
-        Method::Circles(ScreenSplats::default()),
-        Method::Paraboloid(Interpolated::default()),
-        Method::Cone(Interpolated::default()),
-        Method::Sphere(ScreenSplats::default()),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-        Method::OneLayer(OneLayer::default()),
-        Method::SoftBase(Soft::default()),
-        Method::SoftConcentric(Soft::default()),
-        Method::SoftExpress(Soft::default()),
-    ];
-    let one = [with_peel(), one.to_vec()].concat();
+    let one = of_families(&[Family::Discs, Family::Opaque, Family::OneLayer, Family::Soft]);
+    let one = with_samples(5, one);
     let spheres = Soft { density: Density::Lambda(1e-6), shells: Shells::Fixed(64), ..Soft::default() };
     let spheres = [Method::SoftBase(spheres), Method::SoftConcentric(spheres)];
     let round =

@@ -1,15 +1,13 @@
 //! The methods of one image formation with their settings, which are compared on a scene.
 
 use super::Skipped;
+pub use super::applicable::settings;
 pub use super::surfaces::Surfaces;
-use super::surfaces::ladder;
-use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::passes::project::Parts;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{
-    self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, Method, OneLayer, Peel,
-    Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, Stochastic,
+    self, Density, DiscShape, Discs, Falloff, Ladder, LongLists, Method, Raster, Shells, Soft, SoftLayout, Spbr,
 };
 
 /// An image that several methods form in different ways.
@@ -44,19 +42,22 @@ impl Formation {
     }
 }
 
+/// How many values of each key are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// What a report shows.
+    Full,
+    /// For a first look and for CI.
+    Quick,
+    /// What is chosen from.
+    Fine,
+}
+
 /// The steps of every ladder, ascending.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ladders {
-    /// `samples` of `stochastic`.
-    pub samples: &'static [u32],
-    /// `k` of `hybrid`.
-    pub k: &'static [u32],
-    /// `layers` of `peel`; all of them come on top.
-    pub layers: &'static [u32],
-    /// `shells` of `soft-concentric`; adaptive ones come on top.
-    pub shells: &'static [u32],
-    /// `ensembles` of `spbr`.
-    pub ensembles: &'static [u32],
+    /// Which values of the keys of methods.
+    pub detail: Detail,
     /// `size` of opaque splats.
     pub sizes: &'static [f64],
     /// `fill` and `occlusion` of `image-space`, both alike.
@@ -70,11 +71,7 @@ pub struct Ladders {
 impl Ladders {
     /// The settings of a report.
     pub const FULL: Self = Self {
-        samples: &[1, 4, 16, 64, 256, 1024],
-        k: &[1, 2, 4, 8, 16, 32],
-        layers: &[1, 2, 4, 8, 16, 32, 64],
-        shells: &[1, 2, 4, 8],
-        ensembles: &[1, 3, 10, 30, 100, 300, 1000],
+        detail: Detail::Full,
         sizes: &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
         iterations: &[0, 1, 2, 4, 8],
         thinning: &[1, 4, 16],
@@ -82,22 +79,32 @@ impl Ladders {
     };
     /// The settings for a first look and for CI.
     pub const QUICK: Self = Self {
-        samples: &[1, 8, 64],
-        k: &[1, 8],
-        layers: &[1, 8],
-        shells: &[1, 4],
-        ensembles: &[1, 10, 100],
+        detail: Detail::Quick,
         sizes: &[0.0, 1.0, 2.0],
         iterations: &[0, 1, 4],
         thinning: &[1, 16],
         shadow_samples: &[1, 5],
     };
+<<<<<<< HEAD
     /// The settings that a choice considers.
     pub const FINE: Self = Self {
         samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
         ensembles: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
         ..Self::FULL
     };
+=======
+    /// What is chosen from.
+    pub const FINE: Self = Self { detail: Detail::Fine, ..Self::FULL };
+
+    /// The values of a key that are compared.
+    pub fn steps(&self, ladder: &Ladder) -> &'static [u32] {
+        match self.detail {
+            Detail::Full => ladder.full,
+            Detail::Quick => ladder.quick,
+            Detail::Fine => ladder.fine,
+        }
+    }
+>>>>>>> refs/heads/table
 }
 
 /// The properties of a scene that decide which settings apply.
@@ -171,18 +178,12 @@ impl Setting {
 
     /// True if the image depends on the seed.
     pub fn is_stochastic(&self) -> bool {
-        matches!(self.method, Method::Stochastic(_) | Method::Spbr(_))
+        self.method.is_sampled()
     }
 
     /// True if the image is exact except for rounding.
     pub fn is_exact(&self, occasion: &Occasion) -> bool {
-        match self.method {
-            Method::ABuffer(_) | Method::LinkedList(_) | Method::Circles(_) => true,
-            Method::SoftBase(soft) => soft.layout == SoftLayout::Precise,
-            Method::Sorted(_) => !occasion.oriented,
-            Method::Peel(peel) => peel.layers == 0,
-            _ => false,
-        }
+        matches!(self.method, Method::Circles(_)) || self.method.is_exact(occasion.oriented)
     }
 
     /// The setting of a ladder.
@@ -233,6 +234,7 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
         .map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
 }
 
+<<<<<<< HEAD
 /// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason.
 pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let (mut settings, mut skipped) = (Vec::new(), Vec::new());
@@ -395,10 +397,13 @@ fn approximate(
     }
 }
 
+=======
+>>>>>>> refs/heads/table
 #[cfg(test)]
 mod tests {
     use super::*;
     use pellucid_engine::scene::MethodChoice;
+    use pellucid_engine::scene::{BlendedSplats, OneLayer, Peel};
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());
@@ -506,6 +511,22 @@ mod tests {
     }
 
     #[test]
+    fn every_method_is_compared_or_skipped_for_a_reason() {
+        let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
+        let surfaces = Surfaces::of(&Method::Points, &Points::default()).unwrap();
+        let formations =
+            [occasion(9).formation, soft, Formation::Ensembles(Spbr::default()), Formation::Surfaces(surfaces)];
+        for formation in formations {
+            let (settings, skipped) = settings(&Occasion { formation, ..occasion(9) }, &Ladders::QUICK);
+            for method in Method::all().iter().map(Method::name) {
+                let is_compared = settings.iter().any(|setting| setting.method.name() == method);
+                let is_skipped = skipped.iter().any(|skipped| skipped.method == method && !skipped.reason.is_empty());
+                assert!(is_compared || is_skipped, "{method}: {formation:?}");
+            }
+        }
+    }
+
+    #[test]
     fn soft_spheres_have_three_models() {
         let settings_for = |density, from_lambda| {
             let formation = Formation::Soft { soft: Soft { density, ..Soft::default() }, from_lambda };
@@ -524,6 +545,7 @@ mod tests {
         assert_eq!(keys, expected);
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
         assert_eq!(exact, [true, false, false, false, false, false]);
+<<<<<<< HEAD
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
         assert_eq!(
             names,
@@ -531,6 +553,11 @@ mod tests {
         );
         // The rows show the converted density rather than the scene's own form.
         let (converted, _) = settings_for(Density::Softness(0.25), true);
+=======
+        assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
+        // What the rows were rendered with, where the scene says something else.
+        let (converted, _) = of(Density::Softness(0.25), true);
+>>>>>>> refs/heads/table
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }
 }
