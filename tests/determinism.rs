@@ -7,13 +7,16 @@ mod common;
 
 use std::collections::HashSet;
 
-use common::{with_device, with_device_that_binds};
-use pellucid::check::{self, Follows, Subject};
+use common::{is_llvmpipe, with_device, with_device_that_binds};
+use pellucid::check::{self, Follows, Lack, Subject};
 use pellucid::gpu::Device;
 use pellucid::image::Image;
 use pellucid::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid::points::Arranged;
 use pellucid::scene::{Discs, Method};
+
+/// Subjects, all of which llvmpipe renders.
+const SUBJECTS: usize = 44;
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
 struct Known {
@@ -33,9 +36,12 @@ fn known(device: &Device) -> Vec<Known> {
         let arranged = subject.arranged();
         match subject.render_arranged(&mut fresh(device), &arranged) {
             Ok(first) => found.push(Known { subject, arranged, first }),
-            Err(error) if check::is_lack(&error) => println!("not applicable: {}: {error}", subject.name),
+            Err(error) if Lack::in_error(&error).is_some() => println!("not applicable: {}: {error}", subject.name),
             Err(error) => panic!("{}: {error}", subject.name),
         }
+    }
+    if is_llvmpipe(device) {
+        assert_eq!(found.len(), SUBJECTS, "llvmpipe renders all of them");
     }
     found
 }

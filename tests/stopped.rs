@@ -3,13 +3,16 @@
 
 mod common;
 
-use common::with_device;
-use pellucid::check::{self, Subject};
+use common::{is_llvmpipe, with_device};
+use pellucid::check::{self, Lack, Subject};
 use pellucid::gpu::{self, Device};
 use pellucid::methods::{Error, Frame, Rendered, Renderer};
 use pellucid::passes::project::DeviceCloud;
 use pellucid::plan;
 use pellucid::points::Arranged;
+
+/// Frames that are stopped on llvmpipe, for all subjects together.
+const STOPS: u64 = 240;
 
 /// Renders on what is there already.
 fn render(
@@ -32,7 +35,7 @@ fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &Subject) 
     let arranged = subject.arranged();
     let first = match subject.render_arranged(renderer, &arranged) {
         Ok(first) => first,
-        Err(error) if check::is_lack(&error) => return Ok(0),
+        Err(error) if Lack::in_error(&error).is_some() => return Ok(0),
         Err(error) => return Err(format!("{error}")),
     };
     for (stops, allowed) in places().enumerate() {
@@ -70,7 +73,10 @@ fn a_frame_that_is_stopped_leaves_nothing_behind() {
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
         println!("{stops} frames were stopped");
-        // Each submits at least once.
+        // Each submits at least once; on llvmpipe, which renders all of them, as often as it was counted.
         assert!(stops >= 28, "{stops}");
+        if is_llvmpipe(device) {
+            assert_eq!(stops, STOPS, "a frame that submits more or less often changes this number");
+        }
     });
 }

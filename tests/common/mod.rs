@@ -37,6 +37,11 @@ pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Dev
     }
 }
 
+/// Whether a device is llvmpipe, whose results the tests know to the last case.
+pub fn is_llvmpipe(device: &Device) -> bool {
+    device.info().name.contains("llvmpipe")
+}
+
 /// A generator with a fixed seed.
 pub fn random(seed: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed)
