@@ -6,12 +6,12 @@ mod common;
 use std::path::PathBuf;
 
 use common::{is_llvmpipe, with_device};
-use pellucid::check::{self, Case, Counts, Verdict};
+use pellucid_lab::check::{self, Case, Counts, Verdict};
 
 /// Cases on llvmpipe, all of which apply there.
 const CASES: usize = 356;
 
-fn run(device: &pellucid::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
+fn run(device: &pellucid_engine::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
     let mut stage = check::stage(device).expect("a stage");
     cases.iter().map(|case| case.run(&mut stage)).collect()
 }
@@ -50,7 +50,7 @@ fn worse(results: &[(&Case, Verdict)]) -> Vec<String> {
 }
 
 fn in_repository(path: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
 
 fn rows(page: &str) -> Vec<&str> {
@@ -65,7 +65,8 @@ fn update(results: &[(&Case, Verdict)]) {
     let start = page.find("| case |").expect("the table's head");
     let rest = page[start..].find("\n\n").map_or("", |end| &page[start + end + 1..]);
     std::fs::write(path, format!("{}{table}{rest}", &page[..start])).expect("written");
-    std::fs::write(in_repository("src/check/released.txt"), check::released_table(results)).expect("written");
+    std::fs::write(in_repository("crates/lab/src/check/released.txt"), check::released_table(results))
+        .expect("written");
 }
 
 #[test]
@@ -113,7 +114,7 @@ fn names_differ() {
 #[test]
 fn every_method_has_hard_cases() {
     let cases = check::cases();
-    for method in pellucid::scene::METHODS {
+    for method in pellucid_engine::scene::METHODS {
         let of = cases.iter().filter(|case| case.name.split('/').next() == Some(*method));
         assert!(*method == "auto" || of.count() > 0, "{method} has none");
     }

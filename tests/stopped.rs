@@ -4,12 +4,12 @@
 mod common;
 
 use common::{is_llvmpipe, with_device};
-use pellucid::check::{self, Lack, Subject};
-use pellucid::gpu::{self, Device};
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::passes::project::DeviceCloud;
-use pellucid::plan;
-use pellucid::points::Arranged;
+use pellucid_engine::gpu::{self, Device};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::plan;
+use pellucid_engine::prepare::Arranged;
+use pellucid_lab::check::{self, Lack, Subject};
 
 /// Frames that are stopped on llvmpipe, for all subjects together.
 const STOPS: u64 = 240;

@@ -1,0 +1,104 @@
+//! `check`: numerically hard cases on a device, each with a known answer and a bound that is derived beside it.
+//!
+//! One list serves the command and the tests. A case knows how far a naive formula would be off, too: it must be beyond the
+//! bound, or the case would notice nothing.
+
+mod approximate;
+mod cameras;
+mod cuts;
+mod discs;
+mod machinery;
+mod moved;
+mod naive;
+mod opaque;
+mod prepared;
+mod released;
+mod same;
+mod shadows;
+mod sizes;
+mod soft;
+mod spbr;
+mod stage;
+mod stochastic;
+mod subjects;
+mod surfaces;
+mod table;
+mod verdict;
+
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods;
+use pellucid_engine::scene::Method;
+
+pub use released::{Regression, regression, released, released_table};
+pub use same::{Difference, difference};
+pub use stage::Stage;
+pub use subjects::{Follows, Subject, subjects};
+pub use table::{Group, groups, markdown};
+use verdict::Trouble;
+pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
+
+/// A hard case.
+pub struct Case {
+    /// Method and case, as in `abuffer/faint-layers`.
+    pub name: String,
+    /// What is rendered or computed, and what is known of the answer.
+    pub about: &'static str,
+    run: Run,
+}
+
+type Run = Box<dyn Fn(&mut Stage) -> Result<Finding, Trouble>>;
+
+/// All cases, family by family. No two have the same name.
+pub fn cases() -> Vec<Case> {
+    let families = [
+        discs::cases(),
+        approximate::cases(),
+        stochastic::cases(),
+        spbr::cases(),
+        soft::cases(),
+        opaque::cases(),
+        surfaces::cases(),
+        shadows::cases(),
+        moved::cases(),
+        cameras::cases(),
+        sizes::cases(),
+        prepared::cases(),
+        cuts::cases(),
+        machinery::cases(),
+    ];
+    families.into_iter().flatten().collect()
+}
+
+/// A case of its own.
+fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Finding, Trouble> + 'static) -> Case {
+    Case { name: name.to_owned(), about, run: Box::new(run) }
+}
+
+/// The same case for each of some methods.
+fn each(
+    methods: &[Method],
+    name: &str,
+    about: &'static str,
+    run: fn(&mut Stage, Method) -> Result<Finding, Trouble>,
+) -> Vec<Case> {
+    let case = |method: &Method| {
+        let method = *method;
+        Case { name: format!("{}/{name}", method.name()), about, run: Box::new(move |stage| run(stage, method)) }
+    };
+    methods.iter().map(case).collect()
+}
+
+impl Case {
+    /// Runs the case.
+    pub fn run(&self, stage: &mut Stage) -> Verdict {
+        (self.run)(stage).into()
+    }
+}
+
+/// A stage on a device.
+///
+/// # Errors
+/// A device that has no memory for the first buffers.
+pub fn stage(device: &Device) -> Result<Stage, methods::Error> {
+    Stage::new(device)
+}
