@@ -140,10 +140,11 @@ fn half_a_disc(stage: &mut Stage) -> Found {
     let is_lid = |p: &&DVec3| p.z == -LID;
     let is_covered = points.bounds().is_some_and(|bounds| {
         let views = lights::views(DOWN, &bounds, resolution);
-        let pixels = |positions: &[DVec3]| views.iter().flat_map(|v| hit(&v.camera, resolution, positions)).collect();
-        let lid: HashSet<[u32; 2]> = pixels(&points.positions.iter().filter(is_lid).copied().collect::<Vec<_>>());
-        let below: Vec<[u32; 2]> = pixels(&[below.position]);
-        below.iter().any(|pixel| lid.contains(pixel))
+        let pixels = |positions: &[DVec3]| -> HashSet<[u32; 2]> {
+            views.iter().flat_map(|view| hit(&view.camera, resolution, positions)).collect()
+        };
+        let lid: Vec<DVec3> = points.positions.iter().filter(is_lid).copied().collect();
+        !pixels(&lid).is_disjoint(&pixels(&[below.position]))
     });
     let naive: f64 = if is_covered { 0.0 } else { 1.0 };
     Ok(Finding { error, bound: errors + border, naive: Computed((naive - 0.5).abs()) })
