@@ -26,6 +26,11 @@ pub fn long_or<T>(long: T, short: T) -> T {
     if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
 }
 
+/// Whether a device is llvmpipe, whose results the tests know to the last case.
+pub fn is_llvmpipe(device: &Device) -> bool {
+    device.info().name.contains("llvmpipe")
+}
+
 /// A generator with a fixed seed.
 pub fn random(seed: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed)

@@ -33,19 +33,23 @@ fn cases_are_run_and_told_as_lines_as_json_and_as_a_table() {
     assert_eq!(lines.len(), 5, "{lines:?}");
     assert!(lines[..4].iter().all(|line| line.ends_with("pass")), "{lines:?}");
     assert!(lines[4].starts_with("4 passed, 0 failed, 0 not applicable on "), "{lines:?}");
+    assert!(lines[..4].iter().all(|line| line.contains("last release    0.00e0")), "{lines:?}");
+    // One record is in its place whatever sorts it.
+    let stated = done(&folder, &["check", "radix/1-records"]);
+    assert!(stated.lines().next().is_some_and(|line| line.contains("naive    stated")), "{stated}");
 
     let json = done(&folder, &["check", "--json", "abuffer/nearly-opaque"]);
     let document: Value = serde_json::from_str(&json).unwrap();
     let keys: Vec<&str> = document.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["device", "passed", "failed", "cases"]);
+    assert_eq!(keys, ["device", "passed", "failed", "not_applicable", "cases"]);
     let case = document["cases"][0].as_object().unwrap();
     let keys: Vec<&str> = case.keys().map(String::as_str).collect();
-    assert_eq!(keys, ["name", "about", "verdict", "error", "bound", "naive"]);
+    assert_eq!(keys, ["name", "about", "verdict", "error", "released", "bound", "naive"]);
     assert_eq!((&case["name"], &case["verdict"]), (&"abuffer/nearly-opaque".into(), &"pass".into()));
     assert!(case["error"].as_f64() <= case["bound"].as_f64() && case["naive"].as_f64() > case["bound"].as_f64());
 
     let table = done(&folder, &["check", "--markdown", "radix/256", "scan/256"]);
     let rows: Vec<&str> = table.lines().collect();
     assert_eq!(rows.len(), 4, "{table}");
-    assert!(rows[2].starts_with("| `256-elements` | `scan` | ") && rows[2].contains(" | 0 | 0 | "), "{table}");
+    assert!(rows[2].starts_with("| `256-elements` | `scan` | ") && rows[2].contains(" | 0 | 0 | 0 | "), "{table}");
 }

@@ -6,6 +6,7 @@
 pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
+pub mod dealing;
 pub mod field;
 pub mod image_space;
 pub mod one_layer;

@@ -169,6 +169,20 @@ fn rendered(device: &Device, points: &Points, method: Method) -> Rendered {
     renderer.render(&mut cloud, &frame(perspective(), [90, 70], method)).expect("renders")
 }
 
+/// Pixels of [`rendered`] of which roundings decide which splats count: some rim is there with slightly larger radii alone, or a depth
+/// lies at the limit of what is blended.
+fn doubtful(points: &Points, tilted: bool, settings: &BlendedSplats) -> Vec<bool> {
+    let shape = if tilted { Shape::Oriented } else { Shape::Disc };
+    let lists = |factor: f32| {
+        let radii = points.radii.iter().map(|radius| radius * factor).collect();
+        let points = Points { radii, ..points.clone() };
+        splats::lists(&perspective(), [90, 70], &points, shape, &settings.splats, |_| true)
+    };
+    let (fewer, more) = (lists(1.0 - 1e-5), lists(1.0 + 1e-5));
+    let is_close = |list: &[splats::Fragment]| splats::margin(list, f64::from(settings.blend_depth)) < 4e-5;
+    fewer.iter().zip(&more).map(|(a, b)| a.len() != b.len() || is_close(b)).collect()
+}
+
 fn times(rendered: &Rendered, name: &str) -> usize {
     rendered.profile.timeline.iter().filter(|(time, _)| time.name == name).count()
 }
@@ -204,9 +218,14 @@ fn only_what_is_there_is_drawn() {
             let solid: Vec<P> = soup.iter().skip(1).step_by(2).copied().collect();
             // Other bounds, and so another origin and order: rims and limits may round the other way.
             let alone = rendered(device, &scene(&solid), opaque).image;
-            let pairs = hidden.image.rgba.iter().zip(&alone.rgba);
-            let off = pairs.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4)).count();
-            assert!(off < 10, "{tilted}: {off} pixels");
+            let far = |pixel: &usize| {
+                hidden.image.rgba[*pixel].iter().zip(alone.rgba[*pixel]).any(|(a, b)| (a - b).abs() > 1e-4)
+            };
+            let off: Vec<usize> = (0..alone.rgba.len()).filter(far).collect();
+            println!("{tilted}: {} pixels off", off.len());
+            let doubtful = doubtful(&scene(&solid), tilted, &settings);
+            assert!(off.iter().all(|pixel| doubtful[*pixel]), "{tilted}: {off:?}");
+            assert!(off.len() < 10, "{tilted}: {off:?}");
             assert_eq!((hidden.facts.splatted, hidden.facts.layered), (1, 0));
             // Only soft points: their first layer before the rest of them, and softness where there is no rest.
             let soft = rendered(device, &fielded(&soup, &vec![1.0; soup.len()]), method(0.5, 0.5));

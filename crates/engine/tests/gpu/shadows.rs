@@ -18,6 +18,7 @@ use pellucid_engine::scene::{
     Shadows,
 };
 use pellucid_testing::*;
+use rand::RngExt;
 use rand::seq::SliceRandom;
 
 /// Straight down onto the scene.
@@ -329,8 +330,14 @@ fn a_light_among_the_points_shines_in_all_directions() {
     });
 }
 
-/// m of all points as the device finds it, and as the reference does with the same lights.
-fn textures(device: &Device, points: &Points, light: Light, shadows: Shadows, seed: u64) -> [Vec<f64>; 2] {
+/// m of all points as the device finds it, and as the reference does with the same lights: of these points, and of others.
+fn textures(
+    device: &Device,
+    points: &Points,
+    light: Light,
+    shadows: Shadows,
+    seed: u64,
+) -> (Vec<f64>, impl Fn(&Points) -> Vec<f64>) {
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("fits");
     let frame = Frame { seed, ..lit_frame(perspective(), [8, 8], light, shadows) };
@@ -343,13 +350,22 @@ fn textures(device: &Device, points: &Points, light: Light, shadows: Shadows, se
     };
     let cameras: Vec<Frames> = (0..casting.samples).map(cameras).collect();
     let distance = f64::from(casting.min_layer_distance);
-    [found.collect(), reference::shadows::shares(&cameras, casting.resolution, points, distance)]
+    let wanted = move |points: &Points| reference::shadows::shares(&cameras, casting.resolution, points, distance);
+    (found.collect(), wanted)
 }
 
-/// How many points have another m.
-fn different(a: &[f64], b: &[f64]) -> usize {
+/// The points moved by a few roundings of float32.
+fn moved(points: &Points, seed: u64) -> Points {
+    let mut r = random(seed);
+    let mut unit = || r.random_range(-1.0..1.0);
+    let moved = |position: &DVec3| *position + 1e-6 * DVec3::new(unit(), unit(), unit());
+    Points { positions: points.positions.iter().map(moved).collect(), ..points.clone() }
+}
+
+/// The points that have another m.
+fn different(a: &[f64], b: &[f64]) -> Vec<usize> {
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-6).count()
+    (0..a.len()).filter(|point| (a[*point] - b[*point]).abs() > 1e-6).collect()
 }
 
 #[test]
@@ -365,16 +381,26 @@ fn the_share_of_each_point_equals_the_reference() {
                 Light::Position(DVec3::new(0.3, 1.2, 0.0)),
             ] {
                 for shadows in [hard(48, 0.1), hard(150, 0.03), AREA, Shadows { min_layer_distance: None, ..AREA }] {
-                    let [found, wanted] = textures(device, &points, light, shadows, 3);
+                    let (found, reference) = textures(device, &points, light, shadows, 3);
+                    let wanted = reference(&points);
                     let lit = wanted.iter().sum::<f64>() / wanted.len() as f64;
                     assert!((0.02..0.98).contains(&lit), "{light:?}: {lit} of the light arrives");
-                    // A point on the border of a pixel, or at the very end of d̃, may fall on its other side.
-                    let off = different(&found, &wanted);
-                    assert!(off <= 6, "{light:?} {shadows:?}, normals {normals}: {off} points");
+                    // A point on the border of a pixel, or at the very end of d̃, may fall on its other side: where the reference
+                    // changes with points that roundings have moved.
+                    let mut off = different(&found, &wanted);
+                    println!("off {}", off.len());
+                    assert!(off.len() <= 6, "{light:?} {shadows:?}, normals {normals}: points {off:?}");
+                    for seed in 0..16 {
+                        if !off.is_empty() {
+                            let doubtful = different(&reference(&moved(&points, seed)), &wanted);
+                            off.retain(|point| !doubtful.contains(point));
+                        }
+                    }
+                    assert!(off.is_empty(), "{light:?} {shadows:?}, normals {normals}: points {off:?}");
                     // The comparison can fail.
                     let distance = shadows.min_layer_distance.unwrap_or(0.035);
                     let other = Shadows { min_layer_distance: Some(3.0 * distance), ..shadows };
-                    let changed = different(&found, &textures(device, &points, light, other, 3)[1]);
+                    let changed = different(&found, &textures(device, &points, light, other, 3).1(&points)).len();
                     assert!(changed > 30, "{light:?} {shadows:?}, normals {normals}: {changed} points");
                 }
             }

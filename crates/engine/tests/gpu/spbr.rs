@@ -12,7 +12,7 @@ use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::reference::spbr as reference;
+use pellucid_engine::reference::{Picture, spbr as reference};
 use pellucid_engine::scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -84,11 +84,11 @@ fn mean_alpha(image: &Image) -> f64 {
     image.rgba.iter().map(|c| f64::from(c[3])).sum::<f64>() / image.rgba.len() as f64
 }
 
-/// Asserts a mean of A: within four standard errors of independent pixels and ensembles, and half a percent.
+/// Asserts a mean of A: within four standard errors of so many independent samples, those of pixels and ensembles.
 #[track_caller]
 fn assert_alpha(image: &Image, alpha: f64, samples: f64, what: &str) {
     let found = mean_alpha(image);
-    let bound = 4.0 * (alpha * (1.0 - alpha) / samples).sqrt() + 0.005 * alpha;
+    let bound = 4.0 * (alpha * (1.0 - alpha) / samples).sqrt();
     println!("{what}: {found:.5} for {alpha:.5}, bound {bound:.5}");
     assert!((found - alpha).abs() < bound, "{what}: {found} for {alpha}, bound {bound}");
 }
@@ -201,6 +201,29 @@ fn mixture(seed: u64) -> Dealt {
     dealt(&clouds)
 }
 
+/// Pixels that roundings decide: those that differ between references of points that were moved by a few roundings of float32.
+fn doubtful(wanted: &Made, list: &Dealt, render: impl Fn(&Dealt) -> Made, camera: &Camera) -> Vec<bool> {
+    let mut doubtful = vec![false; wanted.0.rgba.len()];
+    for seed in 0..16 {
+        let mut r = random(seed);
+        let mut unit = || r.random_range(-1.0..1.0);
+        let mut moved = list.clone();
+        for position in &mut Arc::make_mut(&mut moved.points).positions {
+            *position += 1e-6 * position.distance(camera.eye) * DVec3::new(unit(), unit(), unit());
+        }
+        let other = render(&moved);
+        for (pixel, doubtful) in doubtful.iter_mut().enumerate() {
+            *doubtful |= (other.0.depth[pixel] - wanted.0.depth[pixel]).abs() > 1e-5
+                || other.0.rgba[pixel] != wanted.0.rgba[pixel]
+                || other.1[pixel] != wanted.1[pixel];
+        }
+    }
+    doubtful
+}
+
+/// An image of the reference, and the standard errors of its colors.
+type Made = (Picture, Vec<DVec3>);
+
 #[test]
 fn images_are_those_of_the_reference() {
     with_device(|device| {
@@ -223,8 +246,10 @@ fn images_are_those_of_the_reference() {
             ] {
                 let frame = Frame { seed: 11, ..frame(camera, SIZE, method) };
                 let found = render_on(&mut renderer, &list, &frame);
-                let (wanted, errors) = reference::render(&camera, SIZE, &list, &colors, &rule, 11);
-                let mut wrong = 0;
+                let render = |list: &Dealt| reference::render(&camera, SIZE, list, &colors, &rule, 11);
+                let made = render(&list);
+                let (wanted, errors) = &made;
+                let mut wrong = Vec::new();
                 for (i, (a, b)) in found.image.rgba.iter().zip(&wanted.rgba).enumerate() {
                     let apart = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
                     let stderr = found.image.stderr.as_ref().expect("asked for")[i];
@@ -236,15 +261,22 @@ fn images_are_those_of_the_reference() {
                     let (depth, far) = (f64::from(found.image.depth[i]), wanted.depth[i]);
                     let deep = depth != far && (depth - far).abs() > 1e-5;
                     let off = !(apart < 1e-5 && error < 1e-4) || deep;
-                    if off && wrong < 4 {
+                    if off {
                         println!("pixel {i}: {a:?} {b:?}, depth {depth} {far}, error {error}");
+                        wrong.push(i);
                     }
-                    wrong += usize::from(off);
                 }
                 let drawn: f64 = wanted.counts.iter().map(|n| f64::from(*n)).sum();
-                println!("{distance} {perspective} {}: {wrong} pixels, {drawn} points on pixels", method.name());
-                // Rounding decides otherwise now and then on which pixel a point falls, or whether it is drawn.
-                assert!(wrong <= 4, "{wrong} pixels of {method:?}, {distance}, {perspective}");
+                println!("{distance} {perspective} {}: {wrong:?}, {drawn} points on pixels", method.name());
+                // Rounding decides otherwise now and then on which pixel a point falls, or whether it is drawn: the reference
+                // says on which pixels it may.
+                assert!(wrong.len() <= 4, "{wrong:?} of {method:?}, {distance}, {perspective}");
+                if !wrong.is_empty() {
+                    let doubtful = doubtful(&made, &list, render, &camera);
+                    println!("{} pixels are doubtful", doubtful.iter().filter(|doubtful| **doubtful).count());
+                    wrong.retain(|pixel| !doubtful[*pixel]);
+                    assert!(wrong.is_empty(), "pixels {wrong:?} of {method:?}, {distance}, {perspective}");
+                }
             }
         }
     });

@@ -10,8 +10,11 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{Discs, Method, MethodChoice};
-use pellucid_lab::check::{self, Follows, Subject};
-use pellucid_testing::{long_or, with_device, with_device_that_binds};
+use pellucid_lab::check::{self, Follows, Lack, Subject};
+use pellucid_testing::{is_llvmpipe, long_or, with_device, with_device_that_binds};
+
+/// Subjects, all of which llvmpipe renders.
+const SUBJECTS: usize = 44;
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
 struct Known {
@@ -31,9 +34,12 @@ fn known(device: &Device) -> Vec<Known> {
         let arranged = subject.arranged();
         match subject.render_arranged(&mut fresh(device), &arranged) {
             Ok(first) => found.push(Known { subject, arranged, first }),
-            Err(error) if check::is_lack(&error) => println!("not applicable: {}: {error}", subject.name),
+            Err(error) if Lack::in_error(&error).is_some() => println!("not applicable: {}: {error}", subject.name),
             Err(error) => panic!("{}: {error}", subject.name),
         }
+    }
+    if is_llvmpipe(device) {
+        assert_eq!(found.len(), SUBJECTS, "llvmpipe renders all of them");
     }
     found
 }

@@ -3,8 +3,11 @@
 
 use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{Error, Renderer};
-use pellucid_lab::check::{self, Subject};
-use pellucid_testing::with_device;
+use pellucid_lab::check::{self, Lack, Subject};
+use pellucid_testing::{is_llvmpipe, with_device};
+
+/// Frames that are stopped on llvmpipe, for all subjects together.
+const STOPS: u64 = 240;
 
 /// The first submissions one by one, then fewer and fewer of them.
 fn places() -> impl Iterator<Item = u64> {
@@ -16,7 +19,7 @@ fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &Subject) 
     let arranged = subject.arranged();
     let first = match subject.render_arranged(renderer, &arranged) {
         Ok(first) => first,
-        Err(error) if check::is_lack(&error) => return Ok(0),
+        Err(error) if Lack::in_error(&error).is_some() => return Ok(0),
         Err(error) => return Err(format!("{error}")),
     };
     for (stops, allowed) in places().enumerate() {
@@ -54,7 +57,10 @@ fn a_frame_that_is_stopped_leaves_nothing_behind() {
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
         println!("{stops} frames were stopped");
-        // Each submits at least once.
+        // Each submits at least once; on llvmpipe, which renders all of them, as often as it was counted.
         assert!(stops >= 28, "{stops}");
+        if is_llvmpipe(device) {
+            assert_eq!(stops, STOPS, "a frame that submits more or less often changes this number");
+        }
     });
 }

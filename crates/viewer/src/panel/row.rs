@@ -73,10 +73,6 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
     .inner
 }
 
-<<<<<<< HEAD
-/// The switch before a control, if it has one. The flag is true if it is on.
-fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start: &Setting) -> (bool, Option<Edit>) {
-=======
 /// The switch before a control, if it has one; whether it is on.
 fn switch(
     ui: &mut Ui,
@@ -86,7 +82,6 @@ fn switch(
     start: &Setting,
     about: &str,
 ) -> (bool, Option<Edit>) {
->>>>>>> refs/heads/table
     let (mut on, radio) = match presence {
         Presence::Always => return (true, None),
         Presence::Optional { on, .. } => (*on, false),

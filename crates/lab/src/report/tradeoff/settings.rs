@@ -85,14 +85,6 @@ impl Ladders {
         thinning: &[1, 16],
         shadow_samples: &[1, 5],
     };
-<<<<<<< HEAD
-    /// The settings that a choice considers.
-    pub const FINE: Self = Self {
-        samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
-        ensembles: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
-        ..Self::FULL
-    };
-=======
     /// What is chosen from.
     pub const FINE: Self = Self { detail: Detail::Fine, ..Self::FULL };
 
@@ -104,7 +96,6 @@ impl Ladders {
             Detail::Fine => ladder.fine,
         }
     }
->>>>>>> refs/heads/table
 }
 
 /// The properties of a scene that decide which settings apply.
@@ -234,171 +225,6 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
         .map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
 }
 
-<<<<<<< HEAD
-/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason.
-pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
-    let (mut settings, mut skipped) = (Vec::new(), Vec::new());
-    match occasion.formation {
-        Formation::Discs(discs) => {
-            exact(occasion, discs, &mut settings, &mut skipped);
-            peel(occasion, discs, ladders, &mut settings, &mut skipped);
-            approximate(occasion, discs, ladders, &mut settings, &mut skipped);
-            let soft = Soft::default();
-            let other = [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)];
-            let reason = "draws soft spheres, another image formation";
-            skipped.extend(other.map(|method| Setting::single(method, "").skipped(reason)));
-        }
-        Formation::Ensembles(spbr) => {
-            let step = |ensembles: &u32| {
-                let method = Method::Spbr(Spbr { ensembles: *ensembles, ..spbr });
-                Setting::step(method, ("ensembles", *ensembles), "")
-            };
-            settings.extend(ladders.ensembles.iter().map(step));
-            let reason = "its opacity depends on the number of ensembles: there is no one image to compare them with";
-            skipped.push(Setting::single(Method::SpbrSimplified(Default::default()), "").skipped(reason));
-            let reason = "draws discs that cover each other, each with the opacity that spbr gives to their surface";
-            skipped.push(Setting::single(Method::ABuffer(Discs::default()), "").skipped(reason));
-            let reason = "draws soft spheres, another image formation";
-            skipped.push(Setting::single(Method::SoftBase(Soft::default()), "").skipped(reason));
-        }
-        Formation::Soft { soft, from_lambda } => {
-            let mut all = self::soft(soft, from_lambda, ladders);
-            if soft.modulation.is_some() {
-                // The one setting whose events have no room for W.
-                let reason = "has no room for what method.modulation needs";
-                let packed = |s: &mut Setting| s.method.soft().is_some_and(|soft| soft.layout == SoftLayout::Paper);
-                skipped.extend(all.extract_if(.., packed).map(|setting| setting.skipped(reason)));
-            }
-            settings.extend(all);
-            let reason = "draws opaque discs, another image formation";
-            skipped.push(Setting::single(Method::Circles(ScreenSplats::default()), "").skipped(reason));
-        }
-        Formation::Surfaces(surfaces) => return ladder::settings(&surfaces, ladders),
-    }
-    for opaque in [
-        Method::Points,
-        Method::Squares(ScreenSplats::default()),
-        Method::Paraboloid(Interpolated::default()),
-        Method::Cone(Interpolated::default()),
-        Method::Sphere(ScreenSplats::default()),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-    ] {
-        let reason = "draws opaque points of another shape: its image is not meant to be the same";
-        skipped.push(Setting::single(opaque, "").skipped(reason));
-    }
-    let reason = "draws one transparent layer, another image formation";
-    skipped.push(Setting::single(Method::OneLayer(OneLayer::default()), "").skipped(reason));
-    (settings, skipped)
-}
-
-/// The three models of soft transparency, all with the same softness.
-fn soft(soft: Soft, from_lambda: bool, ladders: &Ladders) -> Vec<Setting> {
-    let rest = match soft.density {
-        Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
-        _ => String::new(),
-    };
-    let text = |own: &str| format!("{own} {rest}").trim().to_owned();
-    let paper = Soft { layout: SoftLayout::Paper, ..soft };
-    let shells = |count: &u32| {
-        let method = Method::SoftConcentric(Soft { shells: Shells::Fixed(*count), ..soft });
-        Setting::step(method, ("shells", *count), &rest)
-    };
-    let mut settings = vec![
-        Setting::single(Method::SoftBase(soft), &rest),
-        Setting::single(Method::SoftBase(paper), &text("method.layout=paper")),
-    ];
-    settings.extend(ladders.shells.iter().map(shells));
-    settings.extend([
-        Setting::single(Method::SoftConcentric(soft), &text("method.shells=adaptive")),
-        Setting::single(Method::SoftExpress(soft), &rest),
-    ]);
-    settings
-}
-
-fn exact(occasion: &Occasion, discs: Discs, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let max_list = occasion.max_list;
-    let hardware = Discs { raster: Raster::Hardware, ..discs };
-    let in_place = Discs { long_lists: LongLists::InPlace, ..discs };
-    settings.push(Setting::single(Method::ABuffer(discs), ""));
-    settings.push(Setting::single(Method::ABuffer(hardware), "method.raster=hardware"));
-    let in_place = Setting::single(Method::ABuffer(in_place), "method.long_lists=in-place");
-    if max_list > LOCAL_LENGTH {
-        settings.push(in_place);
-    } else {
-        skipped.push(in_place.skipped(format!("the longest list has {max_list} fragments: none is long")));
-    }
-    settings.push(Setting::single(Method::LinkedList(discs), ""));
-    settings.push(Setting::single(Method::Sorted(discs), ""));
-    // Without the clamp of opaque splats the image is that of the A-buffer.
-    let unclamped = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
-    let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={:e}", f32::MAX));
-    if !occasion.opaque {
-        skipped.push(circles.skipped("draws opaque discs, and not all of this scene are"));
-    } else if occasion.oriented {
-        skipped.push(circles.skipped("draws discs that face the screen, and those of this scene don't"));
-    } else {
-        settings.push(circles);
-    }
-}
-
-/// Adds a ladder; steps beyond the longest list change nothing any more.
-fn climb(
-    occasion: &Occasion,
-    ladder: impl Iterator<Item = Setting>,
-    settings: &mut Vec<Setting>,
-    skipped: &mut Vec<Skipped>,
-) {
-    let mut reached = false;
-    for setting in ladder {
-        if reached {
-            let longest = occasion.max_list;
-            skipped.push(setting.skipped(format!("the longest list has {longest} fragments: the step before has all")));
-        } else {
-            reached = setting.step.is_some_and(|(_, value)| value >= f64::from(occasion.max_list));
-            settings.push(setting);
-        }
-    }
-}
-
-fn peel(occasion: &Occasion, discs: Discs, ladders: &Ladders, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let step = |layers: &u32| Setting::step(Method::Peel(Peel { discs, layers: *layers }), ("layers", *layers), "");
-    climb(occasion, ladders.layers.iter().map(step), settings, skipped);
-    let all = Setting::single(Method::Peel(Peel { discs, layers: 0 }), "");
-    settings.push(Setting { effort: Some(occasion.max_list.into()), ..all });
-}
-
-fn approximate(
-    occasion: &Occasion,
-    discs: Discs,
-    ladders: &Ladders,
-    settings: &mut Vec<Setting>,
-    skipped: &mut Vec<Skipped>,
-) {
-    let hybrid = |k: &u32| Setting::step(Method::Hybrid(Hybrid { discs, k: *k }), ("k", *k), "");
-    climb(occasion, ladders.k.iter().map(hybrid), settings, skipped);
-    // The rasteriser takes samples in a way of its own.
-    let ways = [
-        (Raster::Auto, true, ""),
-        (Raster::Auto, false, "method.alpha_correction=false"),
-        (Raster::Hardware, true, "method.raster=hardware"),
-    ];
-    for (raster, alpha_correction, rest) in ways {
-        let stochastic = |samples: &u32| {
-            let discs = Discs { raster, ..discs };
-            let method = Method::Stochastic(Stochastic { discs, samples: *samples, alpha_correction });
-            // Samples are drawn in groups of four.
-            Setting { effort: Some(samples.div_ceil(4).into()), ..Setting::step(method, ("samples", *samples), rest) }
-        };
-        settings.extend(ladders.samples.iter().map(stochastic));
-    }
-    for method in [Method::Weighted(discs), Method::Average(discs), Method::Unsorted(discs)] {
-        settings.push(Setting::single(method, ""));
-    }
-}
-
-=======
->>>>>>> refs/heads/table
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -545,19 +371,9 @@ mod tests {
         assert_eq!(keys, expected);
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
         assert_eq!(exact, [true, false, false, false, false, false]);
-<<<<<<< HEAD
-        let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(
-            names,
-            ["circles", "points", "squares", "paraboloid", "cone", "sphere", "hqs", "splats", "one-layer"]
-        );
-        // The rows show the converted density rather than the scene's own form.
-        let (converted, _) = settings_for(Density::Softness(0.25), true);
-=======
         assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
         // What the rows were rendered with, where the scene says something else.
         let (converted, _) = of(Density::Softness(0.25), true);
->>>>>>> refs/heads/table
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }
 }

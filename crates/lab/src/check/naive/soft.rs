@@ -1,20 +1,12 @@
-//! What everybody writes first, in float32 on the host: what the cases must tell from what the device does.
+//! Soft spheres and discs by their formulas as they are printed.
+
+use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::stage::Dot;
+use crate::check::stage::Dot;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::Ray;
-
-/// Over with the product of 1 − α.
-pub fn over(dots: &[Dot]) -> [f32; 4] {
-    let (mut color, mut rest) = (Vec3::ZERO, 1f32);
-    for dot in dots {
-        color += dot.color * (dot.opacity * rest);
-        rest *= 1.0 - dot.opacity;
-    }
-    [color.x, color.y, color.z, 1.0 - rest]
-}
 
 /// Soft spheres (Seemann et al. 2018) as they are written down: the ray by b² − c, Eq. 5 to 7 with a difference of two
 /// antiderivatives and of their logarithms, sums of colors and weights that are added to and taken from, 1 − exp(−x).
@@ -49,8 +41,9 @@ impl Soft {
             let center = camera.to_view(dot.position).as_vec3() - origin;
             let middle = center.dot(direction);
             let squared = center.dot(center) - middle * middle;
-            let half = (dot.radius * dot.radius - squared).sqrt();
-            if half > 0.0 {
+            let discriminant = dot.radius * dot.radius - squared;
+            if discriminant >= 0.0 {
+                let half = discriminant.sqrt();
                 let distance = squared.max(0.0).sqrt();
                 spheres.push(Sphere { middle, half, distance, radius: dot.radius, color: dot.color });
             }
@@ -103,4 +96,9 @@ impl Sphere {
         };
         antiderivative(to) - antiderivative(from)
     }
+}
+
+/// The profile of a soft disc (Eq. 19 without λ) at a distance from its centre.
+pub fn disc(distance: f32, radius: f32) -> f32 {
+    ((PI * distance / radius).cos() + 1.0) / 2.0
 }
