@@ -7,9 +7,9 @@ use std::path::Path;
 
 use common::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 use glam::Vec3;
-use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
-use pellucid::passes::scan::{self, Scan, ScanPush};
-use pellucid::scene::{Discs, Method};
+use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
+use pellucid_engine::passes::scan::{self, Scan, ScanPush};
+use pellucid_engine::scene::{Discs, Method};
 
 /// Uploads, reads all and a part.
 fn assert_round_trip<T: GpuType + PartialEq + std::fmt::Debug>(device: &Device, content: &[T]) {
@@ -109,6 +109,45 @@ fn allocations_are_reported_by_name_until_they_are_gone() {
         drop(kept);
         assert_eq!(names(), [""; 0]);
         assert!(device.peak_bytes() >= 4080, "the peak stays");
+    });
+}
+
+/// Layers before 1.3.243 race with whoever frees a command buffer (CONTRIBUTING.md), and two recorders must not share a pool.
+#[test]
+fn command_buffers_are_used_again_and_never_shared() {
+    with_device(|device| {
+        let buffer = device.buffer::<u32>("numbers", 64, Memory::Device).expect("fits");
+        for round in 0..50 {
+            let mut recorder = device.recorder().expect("a recorder");
+            assert_eq!(device.idle_command_buffers(), 0, "the one there is, in use");
+            recorder.fill("fill", buffer.all(), round).expect("recorded");
+            recorder.submit("fill").expect("submitted");
+            assert_eq!(device.idle_command_buffers(), 1);
+        }
+        // One that is given up while it records is whole again.
+        let mut given_up = device.recorder().expect("a recorder");
+        given_up.fill("fill", buffer.all(), 7).expect("recorded");
+        drop(given_up);
+        // Two at a time, on two threads, each record and submit for themselves.
+        let barrier = std::sync::Barrier::new(2);
+        std::thread::scope(|scope| {
+            for word in [1u32, 2] {
+                let barrier = &barrier;
+                scope.spawn(move || {
+                    let own = device.buffer::<u32>("own", 1000, Memory::Device).expect("fits");
+                    for _ in 0..20 {
+                        barrier.wait();
+                        let mut recorder = device.recorder().expect("a recorder");
+                        barrier.wait();
+                        recorder.fill("fill", own.all(), word).expect("recorded");
+                        recorder.submit("fill").expect("submitted");
+                        assert_eq!(own.read(0, 1000).expect("readable"), [word; 1000]);
+                    }
+                });
+            }
+        });
+        assert_eq!(device.idle_command_buffers(), 2);
+        assert_eq!(buffer.read(0, 1).expect("readable"), [49]);
     });
 }
 

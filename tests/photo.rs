@@ -4,12 +4,12 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::color::decode_srgb;
-use pellucid::io::photo::{Heights, Photo};
-use pellucid::io::{Error, Hints, load, load_with};
-use pellucid::scene::{self, Overrides, Scene};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::photo::{Heights, Photo};
+use pellucid_engine::io::{Error, Hints, load, load_with};
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::{self, Overrides, Scene};
 use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 use tiff::encoder::{TiffEncoder, colortype};
@@ -46,7 +46,7 @@ fn flat(folder: &TempDir, name: &str, side: u32) -> PathBuf {
 }
 
 fn read(path: &Path, photo: Option<&Photo>) -> Result<Cloud, Error> {
-    load_with(path, Hints { photo, ..Hints::default() }, &ProgressBar::hidden())
+    load_with(path, Hints { photo, ..Hints::default() }, &Progress::hidden())
 }
 
 #[track_caller]
@@ -103,7 +103,7 @@ fn jpeg_is_read_to_its_precision() {
     assert_eq!(cloud.len(), 24 * 16);
     let wanted = Vec3::new(200.0, 100.0, 50.0);
     for color in cloud.colors.unwrap() {
-        let encoded = Vec3::from_array(color.to_array().map(pellucid::color::encode_srgb)) * 255.0;
+        let encoded = Vec3::from_array(color.to_array().map(pellucid_engine::color::encode_srgb)) * 255.0;
         // One quantisation step of the encoder, and rounding to and from YCbCr.
         assert!(encoded.distance(wanted) < 6.0, "{encoded}");
     }
@@ -361,7 +361,7 @@ fn keys_of_the_scene() {
         heights: Some(Heights { path: folder.path().join("ramp.png"), scale: 0.1 }),
     };
     assert_eq!((&scene.clouds[0].photo, scene.warnings.len()), (&Some(wanted), 0));
-    let progress = ProgressBar::hidden();
+    let progress = Progress::hidden();
     let clouds = scene::load_clouds(&scene, &progress).unwrap();
     let points = scene::assemble(&scene, clouds, false, &progress).unwrap();
     let bounds = points.bounds().unwrap();
@@ -386,7 +386,7 @@ fn keys_of_the_scene() {
     assert_eq!(scene.clouds[0].photo.as_ref().unwrap().origin, Some(DVec3::splat(5.0)));
     let ply = folder.path().join("cloud.ply");
     let cloud = Cloud { positions: vec![DVec3::ZERO], ..Cloud::default() };
-    pellucid::io::ply::write(&ply, &cloud).unwrap();
+    pellucid_engine::io::ply::write(&ply, &cloud).unwrap();
     assert!(load(&ply, &progress).is_ok());
     let photo = Photo::default();
     let hints = Hints { photo: Some(&photo), ..Hints::default() };

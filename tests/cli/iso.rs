@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid::io;
+use pellucid_engine::io;
 
 use crate::{assert_refused, folder, inside, run};
 
@@ -22,7 +22,7 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
         let [a, b] = ["a", "b"].map(|of| fs::read(inside(&folder, &format!("{of}/{name}"))).unwrap());
         assert!(a == b, "{name}");
     }
-    let load = |name: &str| io::load(&inside(&folder, name), &indicatif::ProgressBar::hidden()).unwrap();
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
     let [outer, inner] = ["a/surface-1.ply", "a/surface-2.ply"].map(load);
     assert!(outer.len() + inner.len() == 500 && outer.len() > inner.len());
     // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the surface lies
@@ -33,6 +33,24 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
     }
     let (code, plan, _) = run(&folder, &["plan", "a/scene.toml", "-q"]);
     assert!(code == 0 && plan.contains("on "), "{plan}");
+}
+
+#[test]
+fn without_a_volume_there_are_surfaces_of_an_orbital() {
+    let folder = folder();
+    assert_eq!(run(&folder, &["scene", "iso", "--set", "points=3000", "-o", "a"]), (0, String::new(), String::new()));
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
+    let surfaces = ["a/surface-1.ply", "a/surface-2.ply", "a/surface-3.ply"].map(load);
+    assert_eq!(surfaces.iter().map(|cloud| cloud.len()).sum::<usize>(), 3000);
+    // Density is equal above and below the nucleus, and none where lobes and ring would meet.
+    for cloud in &surfaces {
+        let above = cloud.positions.iter().filter(|p| p.y > 0.0).count();
+        // Five standard deviations of a fair coin.
+        let spread = 2.5 * (cloud.len() as f64).sqrt();
+        assert!((above as f64 - cloud.len() as f64 / 2.0).abs() < spread, "{above} of {}", cloud.len());
+        assert!(cloud.positions.iter().all(|p| (p.y.abs() / p.length() - 1.0 / 3f64.sqrt()).abs() > 0.01));
+    }
+    assert_eq!(run(&folder, &["plan", "a/scene.toml", "-q"]).0, 0);
 }
 
 #[test]
@@ -50,13 +68,16 @@ fn wrong_volumes_are_refused() {
     refused(&["--volume", "b_2x2x2_uint8.raw", "--dims", "2x2"], 2, &["2x2", "64x64x64"]);
     refused(&["--volume", "b_2x2x2_uint8.raw", "--type", "float16"], 2, &["float16", "float32"]);
     refused(&["--volume", "b_2x2x2_uint8.raw", "--set", "layers=3"], 2, &["layers", "surfaces"]);
-    refused(&[], 2, &["--volume FILE"]);
+    // The built-in volume goes from 0 to 1.
+    refused(&["--values", "2"], 2, &["value 2", "from 0"]);
+    refused(&["--dims", "2x2x2"], 2, &["--volume"]);
     assert_refused(
         &folder,
         &["scene", "tori", "-o", "new", "--volume", "b_2x2x2_uint8.raw"],
         2,
-        &["belongs to", "iso"],
+        &["belong to", "iso"],
     );
+    assert_refused(&folder, &["scene", "tori", "-o", "new", "--values", "1"], 2, &["belong to", "iso"]);
     let (code, list, _) = run(&folder, &["scene", "--list"]);
     assert!(code == 0 && list.lines().any(|line| line.starts_with("iso ") && line.contains("points=")), "{list}");
 }

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::prepare::field::Field;
-use pellucid::scene::Scene;
-use pellucid::{io, scene};
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::Scene;
+use pellucid_engine::{io, scene};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
@@ -16,7 +16,7 @@ use tempfile::TempDir;
 use crate::{assert_refused, done, folder, has_device, inside, run};
 
 fn load(path: &Path) -> Cloud {
-    io::load(path, &ProgressBar::hidden()).unwrap()
+    io::load(path, &Progress::hidden()).unwrap()
 }
 
 /// A text PLY with colors, alpha, a few normals, classes and a property; some points coincide.
@@ -115,12 +115,12 @@ fn the_hash_is_the_documented_one() {
 }
 
 /// The points of a frame of one cloud under a soft method.
-fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid::points::Points {
+fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid_engine::points::Points {
     let text = format!("[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"{cloud}\"\n{keys}");
     let scene = Scene::from_toml(&text, &inside(folder, "s.toml")).unwrap();
-    let clouds = scene::load_clouds(&scene, &ProgressBar::hidden()).unwrap();
+    let clouds = scene::load_clouds(&scene, &Progress::hidden()).unwrap();
     assert_eq!(scene::notes(&scene, &clouds, true), [""; 0], "{keys}");
-    scene::assemble(&scene, clouds, true, &ProgressBar::hidden()).unwrap()
+    scene::assemble(&scene, clouds, true, &Progress::hidden()).unwrap()
 }
 
 #[test]
@@ -166,9 +166,9 @@ fn other_neighbors_or_fields_are_computed_anew_with_a_note() {
         let text = format!("[method]\nname = \"one-layer\"\n[[cloud]]\npath = \"b.ply\"\n{keys}");
         let of = |text: &str| Scene::from_toml(text, &inside(&folder, "s.toml")).unwrap();
         let assembled = |scene: &Scene| {
-            let clouds = scene::load_clouds(scene, &ProgressBar::hidden()).unwrap();
+            let clouds = scene::load_clouds(scene, &Progress::hidden()).unwrap();
             let notes = scene::notes(scene, &clouds, true);
-            (scene::assemble(scene, clouds, true, &ProgressBar::hidden()).unwrap(), notes)
+            (scene::assemble(scene, clouds, true, &Progress::hidden()).unwrap(), notes)
         };
         let (points, notes) = assembled(&of(&text));
         assert!(notes[0].ends_with(note), "{notes:?}");
@@ -216,8 +216,8 @@ fn the_vertical_of_surveys_is_kept() {
         up: UpAxis::Z,
         ..Cloud::default()
     };
-    let request = pellucid::prepare::Request::default();
-    let prepared = pellucid::prepare::prepared(source.clone(), &request, &ProgressBar::hidden()).unwrap();
+    let request = pellucid_engine::prepare::Request::default();
+    let prepared = pellucid_engine::prepare::prepared(source.clone(), &request, &Progress::hidden()).unwrap();
     let path = inside(&folder, "a.ply");
     io::ply::write_prepared(&path, &prepared).unwrap();
     let back = load(&path);

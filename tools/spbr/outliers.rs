@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
-use indicatif::ProgressBar;
-use pellucid::Result;
-use pellucid::camera::{Camera, Projection};
-use pellucid::points::Points;
-use pellucid::scene::{self, Brightness, Method, Scene, SpbrSimplified, procedural};
+use pellucid_engine::Result;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
+use pellucid_engine::scene::{self, Brightness, Method, Scene, SpbrSimplified, procedural};
 use rand::RngExt;
 
 use super::chart::{self, Row};
@@ -26,7 +26,7 @@ const ENSEMBLES: [u32; 13] = [1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 75, 100, 150];
 pub fn measure(stage: &mut Stage, scale: f64, folder: &Path) -> Result<()> {
     let side = (SIDE * scale).round() as u32;
     let (points, is_stray) = garden((POINTS * scale * scale).round(), stage.seed)?;
-    let bounds = points.bounds().unwrap_or(pellucid::cloud::Bounds { min: DVec3::ZERO, max: DVec3::ONE });
+    let bounds = points.bounds().unwrap_or(pellucid_engine::cloud::Bounds { min: DVec3::ZERO, max: DVec3::ONE });
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let projection = Projection::Orthographic { height: 0.8 * diagonal };
     let eye = center + diagonal * DVec3::new(0.4, -0.7, 0.35);
@@ -60,7 +60,7 @@ fn garden(count: f64, seed: u64) -> Result<(Points, Vec<bool>)> {
     let generated = procedural::build("garden", &[("points".to_owned(), count)], seed).map_err(scene::Error::from)?;
     let scene = Scene::from_toml(&generated.scene_toml, "garden".as_ref())?;
     let clouds = scene::take_generated(&scene, &generated)?;
-    let mut points = scene::assemble(&scene, clouds, false, &ProgressBar::hidden())?;
+    let mut points = scene::assemble(&scene, clouds, false, &Progress::hidden())?;
     let mut random = random(seed);
     let Some(bounds) = points.bounds() else { return Ok((points, Vec::new())) };
     let is_stray: Vec<_> = (0..points.len()).map(|_| random.random::<f64>() < MOVED).collect();

@@ -1,0 +1,255 @@
+//! Cameras of other programs: nerfstudio's `transforms.json`, and COLMAP's models as text or binary files.
+//!
+//! Both become a [`CameraPath`] of one key for each picture, without a target. This program's camera is a pinhole with
+//! square pixels whose principal point is the picture's centre; what of a camera is different is left out with a warning.
+
+mod binary;
+mod colmap;
+mod lines;
+mod nerfstudio;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use glam::{DMat3, DQuat, DVec3};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::path::{CameraPath, Error, Key, MAX_KEYS, Problem};
+use crate::image::MAX_SIDE;
+
+/// Bytes of a text that is read at once, at most.
+const MAX_BYTES: u64 = 1 << 28;
+
+/// What a path was given as.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// Key frames of this program.
+    Path(CameraPath),
+    /// Cameras of another one.
+    Cameras(Cameras),
+}
+
+/// Pictures' cameras, in the order of nerfstudio's file or of COLMAP's names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cameras {
+    /// At least one.
+    views: Vec<View>,
+    /// Width and height in pixels of the pictures; of the first, if they differ.
+    size: Option<[u32; 2]>,
+    /// What is left out or deserves attention, one sentence each.
+    warnings: Vec<String>,
+}
+
+/// One of them: eye in world units, rotation from the camera's axes (x right, y up, −z forward) to the world's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct View {
+    eye: DVec3,
+    turn: DQuat,
+    angle: Angle,
+}
+
+/// Full angle in radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Angle {
+    Vertical(f64),
+    /// Of a picture whose size the file doesn't say.
+    Horizontal(f64),
+}
+
+impl Cameras {
+    /// The cameras as keys, for pictures of this size.
+    pub fn path(&self, size: [u32; 2]) -> CameraPath {
+        let aspect = f64::from(size[1]) / f64::from(size[0]);
+        let key = |view: &View| {
+            let DQuat { x, y, z, w } = view.turn;
+            let fov_y = match view.angle {
+                Angle::Vertical(angle) => angle,
+                Angle::Horizontal(angle) => 2.0 * ((0.5 * angle).tan() * aspect).atan(),
+            };
+            let orientation = Some([w, x, y, z]);
+            Key { orientation, fov_y: Some(fov_y.to_degrees()), ..Key::at(view.eye.to_array()) }
+        };
+        CameraPath { size: self.size, ..CameraPath::new(self.views.iter().map(key).collect()) }
+    }
+}
+
+impl Source {
+    /// Reads a file or a folder: key frames, nerfstudio's JSON (by its `frames`), or a COLMAP model (a folder, or one of its
+    /// files, or the folder above `sparse/0`).
+    ///
+    /// # Errors
+    /// What can't be read, damaged files, a file or folder that is none of these.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        if let Some(folder) = colmap::model(path) {
+            return Ok(Self::Cameras(colmap::read(&folder)?));
+        }
+        let json = path.join("transforms.json");
+        match path.is_dir() {
+            true if json.is_file() => Self::read_json(&json),
+            true => Err(content(
+                path,
+                "this folder holds neither a transforms.json nor cameras and images of COLMAP (.bin or .txt)",
+            )),
+            false => Self::read_json(path),
+        }
+    }
+
+    fn read_json(path: &Path) -> Result<Self, Error> {
+        let text = read_text(path)?;
+        let Kind { keys, frames } = serde_json::from_str(&text).map_err(|error| super::path::syntax(path, &error))?;
+        match (keys, frames) {
+            (None, None) => {
+                Err(content(path, "has neither keys (a camera path) nor frames (transforms.json of nerfstudio)"))
+            }
+            (None, Some(_)) => Ok(Self::Cameras(nerfstudio::read(&text, path)?)),
+            (Some(_), _) => Ok(Self::Path(CameraPath::from_json(&text, path)?)),
+        }
+    }
+
+    /// Width and height in pixels, if the file says.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        match self {
+            Self::Path(path) => path.size,
+            Self::Cameras(cameras) => cameras.size,
+        }
+    }
+
+    /// What deserves attention, one sentence each.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Path(_) => &[],
+            Self::Cameras(cameras) => &cameras.warnings,
+        }
+    }
+
+    /// The path for pictures of this size.
+    pub fn path(&self, size: [u32; 2]) -> CameraPath {
+        match self {
+            Self::Path(path) => path.clone(),
+            Self::Cameras(cameras) => cameras.path(size),
+        }
+    }
+}
+
+/// Whether a file is one of cameras, by its name and what lies beside it: JSON, a folder, or a part of a COLMAP model.
+pub fn is_cameras(path: &Path) -> bool {
+    let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    json || path.is_dir() || colmap::model(path).is_some()
+}
+
+/// What tells the two kinds of JSON apart.
+#[derive(Deserialize)]
+struct Kind {
+    keys: Option<IgnoredAny>,
+    frames: Option<IgnoredAny>,
+}
+
+/// A camera as the files give it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Intrinsics {
+    /// Focal lengths in pixels.
+    focal: [f64; 2],
+    /// Principal point in pixels.
+    center: Option<[f64; 2]>,
+    /// Width and height in pixels.
+    size: [f64; 2],
+    /// Whether the lens bends straight lines.
+    distorted: bool,
+}
+
+impl Intrinsics {
+    /// Checks the numbers; a phrase about what is wrong.
+    fn check(&self) -> Result<(), String> {
+        if self.size.iter().any(|side| !(*side >= 1.0 && *side <= f64::from(MAX_SIDE))) {
+            let [width, height] = self.size;
+            return Err(format!("the picture's sides must be from 1 to {MAX_SIDE} pixels, not {width} × {height}"));
+        }
+        if self.focal.iter().any(|focal| !(*focal > 0.0 && focal.is_finite())) {
+            return Err(format!("focal lengths must be positive, not {} and {}", self.focal[0], self.focal[1]));
+        }
+        Ok(())
+    }
+
+    fn angle(&self) -> Angle {
+        Angle::Vertical(2.0 * (0.5 * self.size[1] / self.focal[1]).atan())
+    }
+
+    /// Whole pixels; [`Intrinsics::check`] has bounded them.
+    fn pixels(&self) -> [u32; 2] {
+        self.size.map(|side| side.round() as u32)
+    }
+}
+
+/// What all pictures' intrinsics deserve to be said of, one sentence each.
+fn warnings(all: &[Intrinsics]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut warn = |count: usize, what: &str| {
+        if count > 0 {
+            warnings.push(format!("of {count} of {} cameras {what}", all.len()));
+        }
+    };
+    let count = |is: fn(&Intrinsics) -> bool| all.iter().filter(|camera| is(camera)).count();
+    warn(count(|camera| camera.distorted), "the lens distortion is left out: lines stay straight");
+    // A thousandth is a pixel at the edge of a picture of 2000.
+    let square = |camera: &Intrinsics| (camera.focal[0] / camera.focal[1] - 1.0).abs() <= 1e-3;
+    warn(
+        all.iter().filter(|camera| !square(camera)).count(),
+        "the focal lengths differ along x and y: the one along y counts",
+    );
+    let off = |camera: &Intrinsics| {
+        let center = camera.center.unwrap_or(camera.size.map(|side| 0.5 * side));
+        (0..2).map(|axis| (center[axis] - 0.5 * camera.size[axis]).abs()).fold(0.0, f64::max)
+    };
+    let most = all.iter().map(off).fold(0.0, f64::max);
+    warn(
+        all.iter().filter(|camera| off(camera) > 0.5).count(),
+        &format!("the principal point is not the picture's centre, by up to {most:.1} pixels: it is taken to be"),
+    );
+    let sizes = all.iter().map(Intrinsics::pixels);
+    if let Some([width, height]) = sizes.clone().next()
+        && sizes.clone().any(|size| size != [width, height])
+    {
+        warnings.push(format!("the pictures differ in size: all are made as large as the first, {width} × {height}"));
+    }
+    warnings
+}
+
+/// A rotation by its columns, which may have a common length; `None` if they aren't orthogonal or not right-handed.
+fn rotation(columns: [DVec3; 3]) -> Option<DQuat> {
+    let unit = columns.map(|column| column.normalize_or_zero());
+    let matrix = DMat3::from_cols_array_2d(&unit.map(|column| column.to_array()));
+    // Files of six digits are off by 1e-6.
+    let off = matrix.transpose() * matrix - DMat3::IDENTITY;
+    let most = off.to_cols_array().iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+    (most < 1e-3 && matrix.determinant() > 0.0).then(|| DQuat::from_mat3(&matrix).normalize())
+}
+
+/// Coordinates that a path takes.
+fn is_place(point: DVec3) -> bool {
+    point.is_finite() && point.abs().max_element() <= 1e75
+}
+
+fn check_count(path: &Path, count: usize, what: &str) -> Result<(), Error> {
+    match count {
+        0 => Err(content(path, format!("holds no {what}"))),
+        1..=MAX_KEYS => Ok(()),
+        _ => Err(content(path, format!("holds {count} {what}; a path has at most {MAX_KEYS}"))),
+    }
+}
+
+fn content(path: &Path, problem: impl Into<String>) -> Error {
+    Error::Content { path: path.to_owned(), problem: Problem::whole(problem) }
+}
+
+fn read_text(path: &Path) -> Result<String, Error> {
+    let failed = |source| Error::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(failed)?;
+    let mut text = String::new();
+    let read = file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
+    if read as u64 > MAX_BYTES {
+        return Err(content(path, format!("has more than {}", bytesize::ByteSize(MAX_BYTES))));
+    }
+    Ok(text)
+}

@@ -1,0 +1,139 @@
+//! A point cloud as a file holds it: float64 positions and named columns, in the file's order.
+
+pub mod field;
+pub mod shadow_texture;
+
+use glam::{DVec3, Vec3};
+
+use field::Field;
+use shadow_texture::ShadowTexture;
+
+/// Names of a classification, in lower case.
+pub const CLASSIFICATION_NAMES: [&str; 6] =
+    ["classification", "scalar_classification", "class", "scalar_class", "label", "scalar_label"];
+/// Names of an intensity, in lower case.
+pub const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
+
+/// Which axis of a file points up; decides the automatic camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UpAxis {
+    /// Models (PLY): +Y is up.
+    #[default]
+    Y,
+    /// Surveys and scans (all other point clouds): +Z is up.
+    Z,
+}
+
+/// A cloud of finite points. Every optional column is as long as `positions`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Cloud {
+    /// Positions in the file's units, float64 up to the camera-relative subtraction.
+    pub positions: Vec<DVec3>,
+    /// Linear RGB; 8- and 16-bit file colors are sRGB-decoded on load.
+    pub colors: Option<Vec<Vec3>>,
+    /// The file's own alpha in [0, 1]; multiplies the scene's opacity.
+    pub alphas: Option<Vec<f32>>,
+    /// Unit normals; `Vec3::ZERO` where a point has none (missing, zero or non-finite in the file).
+    pub normals: Option<Vec<Vec3>>,
+    /// The file's own radii in file units, finite and at least 0.
+    pub radii: Option<Vec<f32>>,
+    /// LAS classification codes, or an integer property of that name.
+    pub classification: Option<Vec<u8>>,
+    /// Intensity as stored (LAS: 0–65535), of E57 from 0 to 1.
+    pub intensity: Option<Vec<f32>>,
+    /// Every other scalar property, by the name the file gives it.
+    pub scalars: Vec<(String, Vec<f32>)>,
+    /// Points that the file holds but that were dropped because a coordinate is not finite.
+    pub non_finite: usize,
+    /// The file's vertical.
+    pub up: UpAxis,
+    /// What `pellucid prepare` stored with the points, if they are still those for which it was computed.
+    pub prepared: Option<Prepared>,
+    /// What was odd in the file but did not keep it from being read, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// What `pellucid prepare` stored with a cloud (docs/prepared-clouds.md).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// K of the radii and of an uncertainty field.
+    pub neighbors: usize,
+    /// Whether the cloud's radii are those of Eq. 20, and not the source's own.
+    pub estimated_radii: bool,
+    /// What the field is.
+    pub field: Field,
+    /// F of each point, in [0, 1].
+    pub values: Vec<f32>,
+    /// The light of each point, if it was asked for.
+    pub shadows: Option<ShadowTexture>,
+}
+
+impl Cloud {
+    /// The radii of the points themselves, not those of Eq. 20 that were stored with them.
+    pub fn own_radii(&self) -> Option<&[f32]> {
+        self.radii.as_deref().filter(|_| !self.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii))
+    }
+
+    /// Number of finite points.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// True if no finite point is left.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Smallest and largest corner of the finite points; `None` for an empty cloud.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.positions.iter().copied())
+    }
+}
+
+/// An axis-aligned box in world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: DVec3,
+    /// Largest corner.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The box of some points, or `None` if there are none.
+    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+        points.into_iter().fold(None, |bounds: Option<Self>, p| {
+            Some(match bounds {
+                None => Self { min: p, max: p },
+                Some(b) => Self { min: b.min.min(p), max: b.max.max(p) },
+            })
+        })
+    }
+
+    /// The smallest box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The middle of the box.
+    pub fn center(&self) -> DVec3 {
+        0.5 * self.min + 0.5 * self.max
+    }
+
+    /// Length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        (self.max - self.min).length()
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, lo: f64, hi: f64| if i >> bit & 1 == 0 { lo } else { hi };
+            DVec3::new(
+                pick(0, self.min.x, self.max.x),
+                pick(1, self.min.y, self.max.y),
+                pick(2, self.min.z, self.max.z),
+            )
+        })
+    }
+}

@@ -1,0 +1,55 @@
+//! What a measurement belongs to: the same picture on the same device, by the same program.
+
+use glam::Vec3;
+
+use crate::gpu::DeviceInfo;
+use crate::methods::Frame;
+use crate::points::Points;
+use crate::prepare::Arranged;
+
+/// A hash of what decides the image and the time of a frame whatever its method: points, what is known of their clouds, camera, size, shading, color
+/// space, background, memory budget, factors and seed; device and driver; the program's version. In hexadecimal digits.
+///
+/// Of the method only what `formation` says counts.
+pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
+    let Frame {
+        camera,
+        size,
+        shading,
+        color,
+        method: _,
+        memory_budget,
+        fragments: _,
+        stop,
+        seed,
+        max_error: _,
+        spread: _,
+        ensembles: _,
+        shadows,
+        factors,
+    } = frame;
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    let Points { positions, colors, opacities, radii, normals, file_order, fields } = arranged.points();
+    let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
+    add(bytemuck::cast_slice(&coordinates));
+    add(bytemuck::cast_slice(colors));
+    add(bytemuck::cast_slice(opacities));
+    add(bytemuck::cast_slice(radii));
+    add(bytemuck::cast_slice(normals.as_deref().unwrap_or_default()));
+    add(bytemuck::cast_slice(file_order));
+    add(bytemuck::cast_slice(fields));
+    // Debug output of floats is exact.
+    let surfaces = arranged.surfaces();
+    let settings = format!(
+        "{camera:?} {size:?} {shading:?} {color:?} {memory_budget:?} {stop:?} {seed} {shadows:?} {factors:?} {background:?} {surfaces:?}"
+    );
+    let program = format!("{} {} {}", env!("CARGO_PKG_VERSION"), device.name, device.driver);
+    for text in [&settings, formation, &program] {
+        add(text.as_bytes());
+    }
+    hasher.finalize().to_hex().to_string()
+}

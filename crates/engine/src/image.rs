@@ -1,0 +1,62 @@
+//! The rendered image: linear, float32, before and after the background.
+
+use glam::Vec3;
+
+/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// What a method yields: premultiplied linear color without background, coverage and depth, row 0 at the top.
+///
+/// With `color = "encoded"` the colors are encoded (sRGB) values; whoever writes the file decodes or encodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Premultiplied R, G, B and A = 1 − T per pixel, row by row.
+    pub rgba: Vec<[f32; 4]>,
+    /// z of the first fragment with α > 0, +inf where there is none.
+    pub depth: Vec<f32>,
+    /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
+    pub fragments: Option<Vec<u32>>,
+    /// Layers that were blended on each pixel, of methods that peel, if they were asked for (`--aov`).
+    pub layers: Option<Vec<u32>>,
+    /// Standard error of the composed R, G and B of stochastic methods, without the background's share, if it was asked
+    /// for (`--aov`).
+    pub stderr: Option<Vec<[f32; 3]>>,
+}
+
+impl Image {
+    /// Standard error of the whole image, if that of its pixels was found: root mean square over pixels and R, G, B.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.stderr.as_deref().map(|errors| mean_square(errors).sqrt())
+    }
+
+    /// The image over a background: C + (1 − A)·background.
+    pub fn composed(&self, background: Vec3) -> Vec<[f32; 3]> {
+        self.rgba.iter().map(|pixel| Self::over(*pixel, background)).collect()
+    }
+
+    /// A premultiplied pixel over a background.
+    pub fn over([r, g, b, a]: [f32; 4], background: Vec3) -> [f32; 3] {
+        (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()
+    }
+}
+
+/// Linear RGB, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearImage {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// As many as width × height.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Mean of the squares of all values; 0 of none.
+pub fn mean_square(values: &[[f32; 3]]) -> f64 {
+    let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
+    squares / (values.len().max(1) * 3) as f64
+}

@@ -1,0 +1,276 @@
+//! Point-cloud files, and pictures that stand for clouds.
+
+pub(crate) mod bitmap;
+mod channel;
+mod columns;
+pub(crate) mod decoder;
+mod e57;
+mod las;
+mod number;
+mod pcd;
+pub mod photo;
+pub mod ply;
+mod text;
+pub mod volume;
+
+use std::fs::File;
+use std::io::{BufReader, ErrorKind, Read, Seek};
+use std::path::{Path, PathBuf};
+
+use crate::progress::Progress;
+
+use crate::cloud::Cloud;
+use photo::Photo;
+pub use text::ColumnNames;
+
+/// Points between two steps of a progress bar.
+const PROGRESS_STEP: u64 = 1 << 16;
+
+/// First bytes of a file that are looked at to find its format.
+const START: u64 = 512;
+
+/// Why a file could not be read or written. Every message starts with the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no such file.
+    #[error("{}: no such file", path.display())]
+    Missing {
+        /// The file asked for.
+        path: PathBuf,
+    },
+    /// The path names a folder.
+    #[error("{}: a folder, not a point cloud", path.display())]
+    Folder {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The system refused to open or read the file.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file has no bytes at all.
+    #[error("{}: empty file (0 bytes)", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Neither the first bytes nor the extension belong to a known format.
+    #[error("{}: not a point cloud in a known format (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, or a table of numbers as XYZ, CSV and TXT have) nor a picture (PNG, JPEG, TIFF); it starts with {start:?}", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// Its first few bytes, as text.
+        start: String,
+    },
+    /// A point cloud was given a place that only pictures have.
+    #[error("{}: `photo` places a picture (PNG, JPEG, TIFF) in the world, but this is a point cloud; use `translate` and `scale`", path.display())]
+    NoPicture {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is whole but no point is left to draw.
+    #[error("{}: cloud without points{}", path.display(), non_finite_note(*.non_finite))]
+    NoPoints {
+        /// The file.
+        path: PathBuf,
+        /// Points dropped for a coordinate that is not finite.
+        non_finite: usize,
+    },
+    /// The file ends before what its header announces: truncated, or the header lies.
+    #[error("{}: truncated file or wrong header: {what}", path.display())]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// What was announced and what is there, in bytes or points.
+        what: String,
+    },
+    /// A place in the file breaks the rules of its format.
+    #[error("{}: {place}: {cause}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Line, byte, point or part of the file.
+        place: String,
+        /// What is wrong there.
+        cause: String,
+    },
+    /// The points lack a coordinate.
+    #[error("{}: element `vertex` has no property `{missing}`, only {found}", path.display())]
+    MissingProperty {
+        /// The file.
+        path: PathBuf,
+        /// The coordinate.
+        missing: &'static str,
+        /// The properties there are.
+        found: String,
+    },
+    /// The file could not be written; whatever stood there before is untouched.
+    #[error("{}: not written: {source}{}", path.display(), crate::atomic::remedy(source))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+fn non_finite_note(count: usize) -> String {
+    if count == 0 { String::new() } else { format!(" (all {count} have a coordinate that is not finite)") }
+}
+
+/// What is known of a file besides its bytes.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Hints<'a> {
+    /// Where a picture stands.
+    pub photo: Option<&'a Photo>,
+    /// What the columns of a text file are.
+    pub columns: Option<&'a ColumnNames>,
+}
+
+/// Reads a point cloud, of a format in docs/formats.md that is told by the first bytes, else by the extension; or a picture
+/// (PNG, JPEG, TIFF) as a plane of points at the origin.
+///
+/// The bar's length is set to the number of points, or an estimate of it, and its position follows them.
+///
+/// # Errors
+/// If the file is missing, of no known format, damaged or without a finite point. Memory follows what the file holds,
+/// not what its header claims.
+pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
+    load_with(path, Hints::default(), progress)
+}
+
+/// As [`load`]; a picture stands where `hints` say, and the columns of a text file are what they say. Names of columns for
+/// a file that names them itself have no effect, which is one of its warnings.
+///
+/// # Errors
+/// Those of [`load`], if there is a place of a picture for a file that is none, or if the columns aren't as many as there
+/// are names.
+pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
+    let mut source = Source::open(path)?;
+    let start = source.peek()?;
+    let path = source.path.clone();
+    let format = Format::of(&source, &start);
+    if hints.photo.is_some() && !matches!(format, Ok(Format::Picture)) {
+        return Err(Error::NoPicture { path });
+    }
+    let format = format?;
+    let mut cloud = match format {
+        Format::Picture => photo::read(source, hints.photo.unwrap_or(&Photo::default()), progress)?,
+        Format::Las => las::read(&mut source, progress)?,
+        Format::Ply => ply::read(&mut source, progress)?,
+        Format::E57 => e57::read(&mut source, progress)?,
+        Format::Pcd => pcd::read(&mut source, progress)?,
+        Format::Text(kind) => text::read(&mut source, &start, kind, hints.columns, progress)?,
+    };
+    if cloud.is_empty() {
+        return Err(Error::NoPoints { path, non_finite: cloud.non_finite });
+    }
+    if hints.columns.is_some() && !matches!(format, Format::Text(_)) {
+        cloud.warnings.push("names of columns have no effect: they are for text files".to_owned());
+    }
+    Ok(cloud)
+}
+
+/// A format of files.
+#[derive(Clone, Copy)]
+enum Format {
+    Picture,
+    Las,
+    Ply,
+    E57,
+    Pcd,
+    Text(text::Kind),
+}
+
+impl Format {
+    /// The format of a file that starts so: by the first bytes, else by the extension, else as a table if there are numbers.
+    fn of(source: &Source, start: &[u8]) -> Result<Self, Error> {
+        let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let expected = match extension.as_str() {
+            _ if bitmap::is_bitmap(start) => return Ok(Self::Picture),
+            _ if start.starts_with(b"LASF") => return Ok(Self::Las),
+            _ if start.starts_with(b"ply") => return Ok(Self::Ply),
+            _ if start.starts_with(e57::MAGIC) => return Ok(Self::E57),
+            _ if pcd::is_pcd(start) || extension == "pcd" => return Ok(Self::Pcd),
+            "ply" => "ply",
+            "las" | "laz" => "LASF",
+            "e57" => "ASTM-E57",
+            "png" => "\\x89PNG",
+            "jpg" | "jpeg" => "\\xff\\xd8\\xff",
+            "tif" | "tiff" => "II*\\0",
+            other => match text::Kind::of_extension(other) {
+                Some(kind) => return Ok(Self::Text(kind)),
+                None if text::looks_like_one(start) => return Ok(Self::Text(text::Kind::Table)),
+                None => "",
+            },
+        };
+        let start = String::from_utf8_lossy(&start[..start.len().min(8)]).into_owned();
+        if expected.is_empty() {
+            return Err(Error::UnknownFormat { path: source.path.clone(), start });
+        }
+        Err(source.malformed("byte 0", format!("expected `{expected}`, found {start:?}")))
+    }
+}
+
+/// Whether a file's extension is one that point clouds have.
+pub fn is_cloud(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")
+        || text::Kind::of_extension(&extension).is_some()
+}
+
+/// An open file with what error messages and size checks need.
+struct Source {
+    reader: BufReader<File>,
+    path: PathBuf,
+    /// Length in bytes.
+    len: u64,
+}
+
+impl Source {
+    fn open(path: &Path) -> Result<Self, Error> {
+        let owned = path.to_path_buf();
+        let file = match File::open(path) {
+            Ok(file) => file,
+            Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::Missing { path: owned }),
+            Err(source) => return Err(Error::Read { path: owned, source }),
+        };
+        let metadata = match file.metadata() {
+            Ok(metadata) => metadata,
+            Err(source) => return Err(Error::Read { path: owned, source }),
+        };
+        if metadata.is_dir() {
+            return Err(Error::Folder { path: owned });
+        }
+        // A pipe or a device has no length to check claims against.
+        if metadata.len() == 0 {
+            return Err(Error::Empty { path: owned });
+        }
+        Ok(Self { reader: BufReader::with_capacity(1 << 20, file), path: owned, len: metadata.len() })
+    }
+
+    /// The file's first few bytes; the reader is back at its start afterwards.
+    fn peek(&mut self) -> Result<Vec<u8>, Error> {
+        let mut start = Vec::new();
+        let read = self.reader.by_ref().take(START).read_to_end(&mut start);
+        read.and_then(|_| self.reader.rewind()).map_err(|e| self.read_error(e))?;
+        Ok(start)
+    }
+
+    fn read_error(&self, source: std::io::Error) -> Error {
+        Error::Read { path: self.path.clone(), source }
+    }
+
+    fn malformed(&self, place: impl Into<String>, cause: impl Into<String>) -> Error {
+        Error::Malformed { path: self.path.clone(), place: place.into(), cause: cause.into() }
+    }
+
+    fn truncated(&self, what: impl Into<String>) -> Error {
+        Error::Truncated { path: self.path.clone(), what: what.into() }
+    }
+}

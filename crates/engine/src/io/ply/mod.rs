@@ -1,0 +1,153 @@
+//! PLY files: text and both binary orders, any scalar type, any other elements.
+//!
+//! Properties of a vertex are known by the names common tools use; its lists and all other elements are skipped.
+//!
+//! | column | names (any case) | values |
+//! |---|---|---|
+//! | position | `x y z` | any type, world units |
+//! | normal | `nx ny nz`, `normal_x normal_y normal_z`, `normalx normaly normalz` | normalised |
+//! | color | `red green blue`, `r g b`, `diffuse_red diffuse_green diffuse_blue` | sRGB-encoded: `ushort` of 65535, floats of 1 (as other tools write them), other integers of 255 |
+//! | color | `linear_red linear_green linear_blue` | linear |
+//! | alpha | `alpha`, `diffuse_alpha` | integers as colors; floats as they are |
+//! | radius | `radius` | negative and non-finite values count as 0 |
+//! | classification | `classification`, `class`, `label`, and these after `scalar_` | integers in 0–255, else a scalar |
+//! | intensity | `intensity`, `scalar_intensity` | as stored |
+//!
+//! Values out of range are clamped, a color that is not a number is 0. Normals and colors need all three properties;
+//! otherwise, and for any other name, a property is a scalar column of its own name. What `pellucid prepare` adds is told
+//! by a comment (docs/prepared-clouds.md). Vertices that are Gaussian splats are told by their properties (`splats`).
+
+mod header;
+mod payload;
+mod prepared;
+mod splats;
+mod write;
+
+use crate::progress::Progress;
+use ply_rs_bw::ply::Encoding;
+
+use super::columns::{Column, Columns, FullScale};
+use super::{Error, PROGRESS_STEP, Source};
+use crate::cloud::Cloud;
+use header::{Element, Kind};
+use splats::Splats;
+pub use write::{write, write_prepared, write_to};
+
+/// Reads the vertices of a PLY file.
+pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
+    let header = header::read(source)?;
+    let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
+        let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();
+        return Err(source.malformed("header", format!("no element `vertex`, only [{}]", names.join(", "))));
+    };
+    let vertex = &header.elements[at];
+    let scalars = vertex.scalars();
+    let splats = Splats::of(&scalars);
+    let named = splats.as_ref().map_or(&scalars, Splats::columns);
+    let mut columns = Columns::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
+        path: source.path.clone(),
+        missing,
+        found: vertex.names(),
+    })?;
+    let text = header.encoding == Encoding::Ascii;
+    check_claim(source, &header.elements[..=at], header.len, text)?;
+    progress.set_length(vertex.count);
+    let mut row = Vec::with_capacity(vertex.properties.len());
+    let mut splat = Vec::new();
+    let mut take = |row: &[f64], index: u64| {
+        match &splats {
+            None => columns.push(row),
+            Some(splats) => columns.push(splats.convert(row, &mut splat)),
+        }
+        if (index + 1).is_multiple_of(PROGRESS_STEP) {
+            progress.inc(PROGRESS_STEP);
+        }
+    };
+    if text {
+        let mut lines = payload::Lines::after_header(&header);
+        for element in &header.elements[..at] {
+            lines.skip(source, element)?;
+        }
+        for index in 0..vertex.count {
+            lines.read(source, vertex, index, &mut row)?;
+            take(&row, index);
+        }
+    } else {
+        let binary = payload::Binary { little_endian: header.encoding == Encoding::BinaryLittleEndian };
+        for element in &header.elements[..at] {
+            binary.skip(source, element)?;
+        }
+        for index in 0..vertex.count {
+            binary.read(source, vertex, index, &mut row)?;
+            take(&row, index);
+        }
+    }
+    progress.set_position(vertex.count);
+    let mut cloud = columns.finish();
+    prepared::recognize(&mut cloud, &header.comments);
+    if splats.is_some() {
+        cloud.warnings.push(splats::NOTE.to_owned());
+    }
+    Ok(cloud)
+}
+
+/// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.
+fn check_claim(source: &Source, elements: &[Element], header_len: u64, text: bool) -> Result<(), Error> {
+    let mut left = source.len.saturating_sub(header_len);
+    for element in elements {
+        let least = if text { element.least_text() } else { element.least_bytes() };
+        // The last line of a text needs no line end.
+        let room = left + u64::from(text);
+        if let Some(possible) = room.checked_div(least).filter(|&possible| possible < element.count) {
+            return Err(source.truncated(format!(
+                "the header announces {} × element `{}` of at least {least} bytes each, but the {left} bytes left hold at \
+                 most {possible}",
+                element.count, element.name,
+            )));
+        }
+        left -= (least * element.count).min(left);
+    }
+    Ok(())
+}
+
+impl Element {
+    /// Bytes of one binary record with all its lists empty.
+    fn least_bytes(&self) -> u64 {
+        self.properties.iter().map(|p| header::size(p.kind.first())).sum()
+    }
+
+    /// Bytes of the shortest line: a digit and a separator for each value.
+    fn least_text(&self) -> u64 {
+        2 * self.properties.len() as u64
+    }
+
+    /// The properties that are no lists.
+    fn scalars(&self) -> Vec<Column> {
+        let scalar = |p: &header::Property| Some(Column::new(&p.name, p.kind.scalar()?.clone()));
+        self.properties.iter().filter_map(scalar).collect()
+    }
+
+    /// The scalar properties, for messages.
+    fn names(&self) -> String {
+        let names: Vec<_> = self.properties.iter().filter(|p| p.kind.scalar().is_some()).map(|p| &*p.name).collect();
+        format!("[{}]", names.join(", "))
+    }
+}
+
+impl Kind {
+    /// The type, unless it is a list.
+    fn scalar(&self) -> Option<&header::ScalarType> {
+        match self {
+            Self::Scalar(scalar) => Some(scalar),
+            Self::List { .. } => None,
+        }
+    }
+
+    /// The type of the first value: of a list its count.
+    fn first(&self) -> &header::ScalarType {
+        match self {
+            Self::Scalar(scalar) => scalar,
+            Self::List { count, .. } => count,
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What `pellucid prepare` stores in a PLY file: the properties `radius`, `field` and perhaps `lit`, and one comment that says
+//! what they are and of which points (docs/prepared-clouds.md).
+
+use serde::{Deserialize, Serialize};
+
+use crate::cloud::field::Field;
+use crate::cloud::shadow_texture::{ShadowTexture, Spelled};
+use crate::cloud::{Cloud, Prepared, UpAxis};
+
+/// The property that holds F.
+pub(super) const FIELD: &str = "field";
+
+/// The property that holds m, the last one.
+pub(super) const LIT: &str = "lit";
+
+/// The first word of the comment.
+const WORD: &str = "pellucid-prepared";
+
+/// Version of the format.
+const VERSION: u64 = 1;
+
+/// The comment's JSON.
+#[derive(Serialize, Deserialize)]
+struct Claim {
+    version: u64,
+    up: Up,
+    neighbors: usize,
+    radius: Radius,
+    field: Field,
+    /// [`content`] of the points; empty while it is computed.
+    content: String,
+    /// What `lit` is; absent while `content` is computed, since readers before it don't know it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shadows: Option<ShadowClaim>,
+}
+
+/// What the comment says of `lit`.
+#[derive(Serialize, Deserialize)]
+struct ShadowClaim {
+    #[serde(flatten)]
+    casting: Spelled,
+    /// [`shadow_content`]; empty while it is computed.
+    content: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Up {
+    Y,
+    Z,
+}
+
+#[derive(Serialize, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum Radius {
+    /// By Eq. 20.
+    Estimated,
+    /// As in the source.
+    Own,
+}
+
+/// The comment of a prepared cloud.
+pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
+    let Some(prepared) = &cloud.prepared else { return Ok(None) };
+    let mut claim = Claim {
+        version: VERSION,
+        up: match cloud.up {
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+        },
+        neighbors: prepared.neighbors,
+        radius: if prepared.estimated_radii { Radius::Estimated } else { Radius::Own },
+        field: prepared.field.clone(),
+        content: String::new(),
+        shadows: None,
+    };
+    let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
+    claim.content = content(cloud, &prepared.values, lit, &claim)?;
+    if let Some(texture) = &prepared.shadows {
+        let mut shadows = ShadowClaim { casting: Spelled::from(&texture.casting), content: String::new() };
+        shadows.content = shadow_content(&shadows, &claim.content)?;
+        claim.shadows = Some(shadows);
+    }
+    Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
+}
+
+/// Finds the comment and, if the points are those it speaks of, moves the field into [`Cloud::prepared`]; else says why
+/// not and drops the field, and radii that are not the points' own.
+pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
+    let ours = |(line, text): &(u64, String)| Some((*line, text.strip_prefix(WORD)?.trim().to_owned()));
+    let Some((line, text)) = comments.iter().find_map(ours) else { return };
+    let mut claim = match read(&text) {
+        Ok(claim) => claim,
+        Err(why) => {
+            cloud.warnings.push(format!("line {line}: {why}; what `pellucid prepare` stored is not used as such"));
+            return;
+        }
+    };
+    let (claimed, shadows) = (std::mem::take(&mut claim.content), claim.shadows.take());
+    cloud.up = match claim.up {
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
+    };
+    let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
+    let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
+    let whole = values.len() == cloud.len() && values.iter().all(|value| (0.0..=1.0).contains(value));
+    // `lit` is among the scalars there.
+    let unchanged = whole && content(cloud, &values, None, &claim).is_ok_and(|content| content == claimed);
+    let at = cloud.scalars.iter().rposition(|(name, _)| name == LIT).filter(|_| shadows.is_some());
+    let lit = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
+    if unchanged {
+        let shadows = shadows.and_then(|shadows| {
+            let texture = texture(shadows, lit, cloud.len(), &claimed);
+            if texture.is_none() {
+                cloud.warnings.push(format!("line {line}: what is said of `lit` was changed: shadows are cast anew"));
+            }
+            texture
+        });
+        let (neighbors, estimated_radii) = (claim.neighbors, claim.radius == Radius::Estimated);
+        cloud.prepared = Some(Prepared { neighbors, estimated_radii, field: claim.field, values, shadows });
+        return;
+    }
+    if claim.radius == Radius::Estimated {
+        cloud.radii = None;
+    }
+    cloud.warnings.push(format!(
+        "line {line}: the points were changed since `pellucid prepare`: radii and field are computed anew (prepare them \
+         again)"
+    ));
+}
+
+/// What `lit` is, if it is what the comment says.
+fn texture(mut claim: ShadowClaim, lit: Vec<f32>, len: usize, content: &str) -> Option<ShadowTexture> {
+    let claimed = std::mem::take(&mut claim.content);
+    let whole = lit.len() == len && lit.iter().all(|m| (0.0..=1.0).contains(m));
+    let same = whole && shadow_content(&claim, content).is_ok_and(|content| content == claimed);
+    same.then(|| ShadowTexture { casting: (&claim.casting).into(), lit })
+}
+
+fn read(text: &str) -> Result<Claim, String> {
+    let unreadable = |error: serde_json::Error| format!("the comment `{WORD}` can't be read ({error})");
+    let value: serde_json::Value = serde_json::from_str(text).map_err(unreadable)?;
+    match value.get("version").and_then(serde_json::Value::as_u64) {
+        Some(version) if version > VERSION => {
+            return Err(format!("prepared in format {version}, of which this version knows only {VERSION}"));
+        }
+        Some(VERSION) => {}
+        _ => return Err(format!("the comment `{WORD}` names no version of the format")),
+    }
+    let claim: Claim = serde_json::from_value(value).map_err(unreadable)?;
+    if claim.neighbors == 0 || claim.neighbors > 65_535 {
+        return Err(format!("the comment `{WORD}` claims {} neighbors", claim.neighbors));
+    }
+    Ok(claim)
+}
+
+/// A hash of what was computed and of what it depends on: the comment itself, positions, normals, radii, field, classes,
+/// intensity and scalars, of which `lit` is the last one, but not colors and opacities, which may be changed.
+fn content(cloud: &Cloud, values: &[f32], lit: Option<&[f32]>, claim: &Claim) -> std::io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    add(serde_json::to_string(claim)?.as_bytes());
+    // In the byte order of the machine, which is that of the file on all that have Vulkan.
+    add(bytemuck::cast_slice(&cloud.positions));
+    add(bytemuck::cast_slice(cloud.normals.as_deref().unwrap_or_default()));
+    add(bytemuck::cast_slice(cloud.radii.as_deref().unwrap_or_default()));
+    add(bytemuck::cast_slice(values));
+    add(cloud.classification.as_deref().unwrap_or_default());
+    add(bytemuck::cast_slice(cloud.intensity.as_deref().unwrap_or_default()));
+    for values in cloud.scalars.iter().map(|(_, values)| values.as_slice()).chain(lit) {
+        add(bytemuck::cast_slice(values));
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// A hash of what the comment says of `lit` and, by the hash of all points, of `lit` itself.
+fn shadow_content(claim: &ShadowClaim, content: &str) -> std::io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    for text in [&*serde_json::to_string(claim)?, content] {
+        hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}

@@ -1,0 +1,250 @@
+//! Tables of numbers: XYZ, CSV, TXT and their like, and PTS, which announces how many points follow.
+
+use crate::progress::Progress;
+
+use super::lines::{Delimiter, Lines, comment};
+use super::names::{ColumnNames, Layout, by_values, of_scanners};
+use crate::cloud::Cloud;
+use crate::io::columns::{Columns, FullScale};
+use crate::io::number::number;
+use crate::io::{Error, PROGRESS_STEP, Source};
+
+/// Bytes of the shortest line of a point: three digits, each with something behind it.
+pub(super) const LEAST_LINE: u64 = 6;
+
+/// Reads a table. `pts`: columns without names are those of a PTS file.
+pub(super) fn read(
+    source: &mut Source,
+    pts: bool,
+    given: Option<&ColumnNames>,
+    progress: &Progress,
+) -> Result<Cloud, Error> {
+    let mut lines = Lines::new(source);
+    let mut line = String::new();
+    let Some(head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
+    progress.set_length(lines.source.len / (line.len() as u64 + 1));
+    let mut table = Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block, points: 0 };
+    let mut row = Vec::new();
+    loop {
+        if comment(&line).is_none() && !table.begins_block(&lines, &line)? {
+            head.delimiter.row(&line, head.columns, &mut row).map_err(|fault| lines.wrong(fault))?;
+            table.rows.push(&row);
+            table.points += 1;
+            if table.points.is_multiple_of(PROGRESS_STEP) {
+                progress.inc(PROGRESS_STEP);
+            }
+        }
+        if !lines.next(&mut line)? {
+            break;
+        }
+    }
+    let warning = table.check_block(&lines)?;
+    progress.set_length(table.points);
+    progress.set_position(table.points);
+    let mut cloud = table.rows.finish(&lines, head.columns, pts)?;
+    cloud.warnings.extend(warning);
+    Ok(cloud)
+}
+
+/// What comes before the first point.
+struct Head {
+    delimiter: Delimiter,
+    columns: usize,
+    names: Option<Vec<String>>,
+    block: Option<Block>,
+}
+
+/// A number of points that a line announces.
+struct Block {
+    line: u64,
+    announced: u64,
+    /// Points before it.
+    start: u64,
+}
+
+impl Head {
+    /// Reads up to the first line of numbers, which is then in `line`; `None` if there is none.
+    fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
+        let (mut remark, mut header, mut block) = (None, None, None);
+        loop {
+            if !lines.next(line)? {
+                return Ok(None);
+            }
+            if let Some(text) = comment(line) {
+                remark = Some(text.to_owned());
+            } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
+                block = Some(Block::new(lines, announced)?);
+            } else if header.is_none() && !is_numbers(line) {
+                header = Some((lines.number, Delimiter::of(line).names(line)));
+                check_names(lines, header.as_ref(), given)?;
+            } else {
+                break;
+            }
+        }
+        let delimiter = Delimiter::of(line);
+        let mut row = Vec::new();
+        delimiter.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
+        let columns = match (given, &header) {
+            (Some(given), _) => {
+                expect(lines, row.len(), given.as_slice().len(), "names are given for", " (name a column to skip `-`)")?
+            }
+            (None, Some((number, names))) => {
+                expect(lines, row.len(), names.len(), &format!("line {number} names"), "")?
+            }
+            (None, None) => row.len(),
+        };
+        if columns < 3 {
+            return Err(lines.malformed(format!("expected at least 3 values (x y z), found {columns}")));
+        }
+        let names = given.map(|given| given.as_slice().to_vec());
+        let names = names.or(header.map(|(_, names)| names)).or_else(|| of_remark(&remark?, columns));
+        Ok(Some(Self { delimiter, columns, names, block }))
+    }
+}
+
+/// Checks that a header has the coordinates, unless the user names the columns.
+fn check_names(lines: &Lines, header: Option<&(u64, Vec<String>)>, given: Option<&ColumnNames>) -> Result<(), Error> {
+    let Some((_, names)) = header.filter(|_| given.is_none()) else { return Ok(()) };
+    let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    match ["x", "y", "z"].into_iter().find(|name| !has(name)) {
+        None => Ok(()),
+        Some(missing) => {
+            let found: String = names.join(", ").chars().take(100).collect();
+            Err(lines.malformed(format!("no column `{missing}`, only [{found}]; --columns names them")))
+        }
+    }
+}
+
+/// Checks the number of values; a name may be there for values that are missing at the end of a line.
+fn expect(lines: &Lines, found: usize, wanted: usize, who: &str, help: &str) -> Result<usize, Error> {
+    if found == wanted || (3..wanted).contains(&found) && found + 1 == wanted {
+        return Ok(wanted);
+    }
+    Err(lines.malformed(format!("{found} values, but {who} {wanted} columns{help}")))
+}
+
+/// The columns that a comment before the first line names, if it does.
+fn of_remark(remark: &str, columns: usize) -> Option<Vec<String>> {
+    let names = Delimiter::of(remark).names(remark);
+    let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    (names.len() == columns && ["x", "y", "z"].iter().all(|name| has(name))).then_some(names)
+}
+
+/// The number of a line that has nothing else.
+fn count(line: &str) -> Option<u64> {
+    line.parse().ok()
+}
+
+fn is_numbers(line: &str) -> bool {
+    Delimiter::of(line).numbers(line, &mut Vec::new()).is_ok()
+}
+
+impl Block {
+    fn new(lines: &Lines, announced: u64) -> Result<Self, Error> {
+        // The last line needs no end.
+        let left = lines.source.len.saturating_sub(lines.read) + 1;
+        if announced > left / LEAST_LINE {
+            return Err(lines.source.truncated(format!(
+                "line {} announces {announced} points, but the {} bytes after it hold at most {}",
+                lines.number,
+                left - 1,
+                left / LEAST_LINE
+            )));
+        }
+        Ok(Self { line: lines.number, announced, start: 0 })
+    }
+}
+
+/// Points that are read, and what was said of their number.
+struct Table {
+    rows: Rows,
+    block: Option<Block>,
+    points: u64,
+}
+
+impl Table {
+    /// Whether a line announces the points of a next scan; only after all those of the one before.
+    fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
+        let Some(block) = &self.block else { return Ok(false) };
+        if self.points - block.start != block.announced {
+            return Ok(false);
+        }
+        let Some(announced) = count(line) else { return Ok(false) };
+        self.block = Some(Block { start: self.points, ..Block::new(lines, announced)? });
+        Ok(true)
+    }
+
+    /// Fails if points are missing; says so if there are more.
+    fn check_block(&self, lines: &Lines) -> Result<Option<String>, Error> {
+        let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
+        let found = self.points - start;
+        if found < announced {
+            let what = format!(
+                "the file ends at line {} after {found} of the {announced} points that line {line} announces",
+                lines.number
+            );
+            return Err(lines.source.truncated(what));
+        }
+        let more = format!("line {line} announces {announced} points, but {found} follow; all of them are read");
+        Ok((found > announced).then_some(more))
+    }
+}
+
+/// Rows as they come: to columns if these are known, else kept until all values are.
+enum Rows {
+    Known { columns: Box<Columns>, at: Vec<usize>, row: Vec<f64> },
+    Kept(Vec<f64>),
+}
+
+impl Rows {
+    fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
+        let Some(names) = names else { return Ok(Self::Kept(Vec::new())) };
+        let Layout { columns, at } = Layout::of(names);
+        let columns = Columns::new(&columns, FullScale::Measured)
+            .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
+        Ok(Self::Known { columns: Box::new(columns), at, row: Vec::new() })
+    }
+
+    fn push(&mut self, values: &[f64]) {
+        match self {
+            Self::Known { columns, at, row } => {
+                row.clear();
+                row.extend(at.iter().map(|&at| values[at]));
+                columns.push(row);
+            }
+            Self::Kept(kept) => kept.extend_from_slice(values),
+        }
+    }
+
+    fn finish(self, lines: &Lines, columns: usize, pts: bool) -> Result<Cloud, Error> {
+        match self {
+            Self::Known { columns, .. } => Ok(columns.finish()),
+            Self::Kept(kept) => {
+                let names = if pts { of_scanners(columns) } else { None };
+                let names = names.unwrap_or_else(|| by_values(columns, &kept));
+                let mut rows = Self::new(lines, Some(&names))?;
+                kept.chunks_exact(columns).for_each(|row| rows.push(row));
+                drop(kept);
+                rows.finish(lines, columns, pts)
+            }
+        }
+    }
+}
+
+/// Whether the first bytes of a file are those of a table: a line of three numbers or more, if need be after comments and
+/// a count.
+pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
+    if start.contains(&0) {
+        return false;
+    }
+    let text = String::from_utf8_lossy(start);
+    // The last line may go on.
+    let whole = text.rfind('\n').map_or(&*text, |end| &text[..end]);
+    let mut lines = whole.lines().map(str::trim).filter(|line| !line.is_empty() && comment(line).is_none());
+    let first = lines.next().unwrap_or_default();
+    let line = if count(first).is_some() { lines.next().unwrap_or_default() } else { first };
+    let delimiter = Delimiter::of(line);
+    let fields = delimiter.names(line);
+    // The last field of a line that goes on may be half a number.
+    fields.len() >= 3 && fields.iter().take(3).all(|field| number(field).is_some())
+}

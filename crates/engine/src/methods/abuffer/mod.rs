@@ -1,0 +1,497 @@
+//! `abuffer`: exact order-independent transparency (MCTB12): count, scan, store, sort and blend.
+//!
+//! Each pixel's fragments lie together in one buffer of 8 bytes per fragment: depth key and index of the splat. Lists of up
+//! to [`LOCAL_LENGTH`] fragments are sorted and blended by one invocation, in registers or in a local array, each class of
+//! lengths by its own kernel. Longer ones are sorted in runs of that length, merged pairwise between two buffers, blended
+//! run by run and composed, so that no invocation loops longer than a run, however long the list is. Or, if asked for, one
+//! invocation sorts each of them in place, which takes half the memory and bounds their length ([`in_place_length`]).
+//!
+//! Everything but the store serves `linked-list` too ([`Storing`]): one set of buffers, whichever method a frame takes.
+
+mod blend;
+mod passes;
+
+pub use blend::{
+    CLASSES, class_variant, in_place_length, is_network, least_bytes, lower_bound, ordered_variant, record_nothing,
+    resolve_variant, sort_runs_variant,
+};
+pub use passes::*;
+
+use crate::progress::Progress;
+
+use super::bands::{self, Band, Budget, Window};
+use super::linked_list::{self, LinkedList};
+use super::renderer::{Facts, Target, Timeline};
+use super::soft::{self, Interior, Spheres};
+use super::{Error, Outcome};
+use crate::gpu::{self, Buffer, Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Variant};
+use crate::passes::bin::OrderedTiles;
+use crate::passes::compose::Cut;
+use crate::passes::project::Footprint;
+use crate::passes::raster::{Chunk, Raster};
+use crate::passes::scan::Scan;
+use crate::scene::{DiscShape, Discs, LongLists};
+use blend::{Blender, Stored};
+
+/// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.
+pub const LOCAL_LENGTH: u32 = 256;
+/// Pixels of one invocation of `abuffer/measure`.
+const MEASURE_RUN: u64 = 64;
+/// Bytes of a fragment: depth key and splat index.
+pub const FRAGMENT_BYTES: u64 = 8;
+/// Bytes of a fragment of a list that is stored in order: the splat's rank.
+pub const RANK_BYTES: u64 = 4;
+/// Bytes per pixel of a window: count, offset, their share of the scan's levels, and place in the work list.
+pub const PIXEL_BYTES: u64 = 13;
+
+/// The footprint of a disc's shape.
+pub fn footprint(shape: DiscShape) -> Footprint {
+    match shape {
+        DiscShape::Flat => Footprint::Disc,
+        DiscShape::Oriented => Footprint::Oriented,
+    }
+}
+
+/// Buffers of the A-buffer, kept from frame to frame.
+pub struct ABuffer {
+    counts: Kept<u32>,
+    offsets: Kept<u32>,
+    scan: Option<Scan>,
+    overflow: Buffer<u32>,
+    lengths: Buffer<Lengths>,
+    summary: Buffer<u32>,
+    fragments: Kept<[u32; 2]>,
+    /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
+    spare: Kept<[u32; 2]>,
+    /// What packed events of spheres carry, at their fragments' slots.
+    records: Kept<[u32; 4]>,
+    /// Spheres of each pixel, where they have several events, and what was found in them.
+    spheres: Kept<u32>,
+    sphere_lengths: Buffer<Lengths>,
+    linked: LinkedList,
+    blender: Blender,
+}
+
+/// How fragments get to their pixels' ranges of the buffer.
+#[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "there is one for each window, passed on by reference")]
+pub enum Storing<'a> {
+    /// Each into a slot that its pixel hands out.
+    Slots,
+    /// Tile by tile, in the order of blending: flat discs alone have one.
+    Ordered(OrderedTiles<'a>),
+    /// Through linked lists: `linked-list`.
+    Links,
+    /// Events of soft spheres, into slots as they come.
+    Spheres(Spheres<'a>),
+}
+
+impl<'a> Storing<'a> {
+    fn spheres(&self) -> Option<&Spheres<'a>> {
+        match self {
+            Self::Spheres(spheres) => Some(spheres),
+            _ => None,
+        }
+    }
+}
+
+/// What count and scan found in a window.
+#[derive(Debug, Clone, Copy)]
+struct Counted {
+    overflow: bool,
+    total: u32,
+    lengths: Lengths,
+    /// As the last two, but a sphere counts once, however many events it has.
+    spheres: u32,
+    most_spheres: u32,
+}
+
+impl Counted {
+    fn note(&self, bands: &[Band], facts: &mut Facts) {
+        facts.bands += bands.len() as u64;
+        facts.fragments += u64::from(self.spheres);
+        facts.max_list = facts.max_list.max(self.most_spheres);
+        facts.max_events = facts.max_events.max(self.lengths.longest);
+    }
+}
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// The projected cloud and who visits its pixels.
+    pub raster: Raster<'a>,
+    /// Shape, falloff, and how long lists are sorted.
+    pub discs: Discs,
+    /// How fragments are stored.
+    pub storing: Storing<'a>,
+    /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
+    pub stop: (u32, f32),
+    /// The memory that may be used, without what tiles take.
+    pub budget: Budget,
+    /// Counts finished pixels.
+    pub progress: &'a Progress,
+}
+
+/// What the stages before blending yield, for tests and inspection.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Lists {
+    /// Prefix sums of the list lengths: one more than pixels.
+    pub offsets: Vec<u32>,
+    /// Depth key and splat index of each fragment, in the order of arrival within a list.
+    pub fragments: Vec<[u32; 2]>,
+}
+
+impl ABuffer {
+    /// No buffers but the small ones yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            counts: Kept::new("fragment counts", Memory::Device),
+            offsets: Kept::new("fragment offsets", Memory::Device),
+            scan: None,
+            overflow: device.buffer("scan overflow", 1, Memory::Device)?,
+            lengths: device.buffer("list lengths", 1, Memory::Device)?,
+            summary: device.buffer("fragment summary", 6, Memory::Readback)?,
+            fragments: Kept::new("fragments", Memory::Device),
+            spare: Kept::new("spare fragments", Memory::Device),
+            records: Kept::new("event records", Memory::Device),
+            spheres: Kept::new("sphere counts", Memory::Device),
+            sphere_lengths: device.buffer("sphere lengths", 1, Memory::Device)?,
+            linked: LinkedList::new(device)?,
+            blender: Blender::new(device)?,
+        })
+    }
+
+    /// Counts, then stores, sorts and blends band by band into the target.
+    pub fn render(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: &Target,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let bands = self.plan_bands(device, job, &counted)?;
+        self.reserve_fragments(device, job, &bands, &counted)?;
+        counted.note(&bands, facts);
+        let records = if Need::of(job, &counted).records { self.records.get().bytes() } else { 0 };
+        facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
+        let cut = Cut::new(device, job.raster.cloud.len())?;
+        let stored = Stored {
+            cut,
+            offsets: self.offsets.get().all(),
+            fragments: self.fragments.get().all(),
+            spare: Need::of(job, &counted).spare.then(|| self.spare.get().all()),
+            records: self.records.get().all(),
+        };
+        for (i, band) in bands.iter().enumerate() {
+            let mut recorder = device.recorder()?;
+            if i == 0 {
+                record_nothing(&mut recorder, target, job.raster.window)?;
+            }
+            if band.fragments > 0 {
+                self.record_store(&mut recorder, job, band, &counted)?;
+                self.blender.record(&mut recorder, job, stored, target, band, &counted)?;
+            }
+            if i + 1 == bands.len() {
+                let pixels = bands::pixels(job.raster.window);
+                if let Some(spheres) = job.storing.spheres() {
+                    spheres.record_compose(&mut recorder, target, pixels)?;
+                }
+                target.record_read_back(&mut recorder, pixels)?;
+            }
+            timeline.add(recorder.submit("abuffer/store and blend")?);
+            job.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
+        }
+        Ok(Outcome::Done)
+    }
+
+    /// Counts and plans the bands; stores nothing.
+    pub fn survey(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        let bands = self.plan_bands(device, job, &counted)?;
+        counted.note(&bands, facts);
+        Ok(Outcome::Done)
+    }
+
+    /// Counts the lists of a window for a method that renders without them.
+    pub fn tally(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let counted = self.count(device, job, timeline)?;
+        if counted.overflow {
+            return Ok(Outcome::Overflow);
+        }
+        counted.note(&[], facts);
+        Ok(Outcome::Done)
+    }
+
+    /// Fragment counts of every pixel of the window, in its order; what the last count left, read from the prefix sums.
+    pub fn read_counts(&self, window: Window) -> Result<Vec<u32>, Error> {
+        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        Ok(offsets.windows(2).map(|w| w[1] - w[0]).collect())
+    }
+
+    /// Spheres of every pixel of the window, in its order, as [`Self::read_counts`].
+    pub fn read_spheres(&self, window: Window, interior: Interior) -> Result<Vec<u32>, Error> {
+        if interior.counted() {
+            return Ok(self.spheres.get().read(0, bands::pixels(window))?);
+        }
+        Ok(self.read_counts(window)?.into_iter().map(|events| events / 2).collect())
+    }
+
+    /// Count, scan and store of a window that fits as one band, without sorting or blending.
+    pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<Lists, Error> {
+        let mut timeline = Timeline::default();
+        let counted = self.count(device, job, &mut timeline)?;
+        let pixels = bands::pixels(job.raster.window);
+        let band = Band::whole(job.raster.window, u64::from(counted.total));
+        self.reserve_fragments(device, job, &[band], &counted)?;
+        let mut recorder = device.recorder()?;
+        self.record_store(&mut recorder, job, &band, &counted)?;
+        recorder.submit("abuffer/store")?;
+        Ok(Lists {
+            offsets: self.offsets.get().read(0, pixels + 1)?,
+            fragments: self.fragments.get().read(0, u64::from(counted.total))?,
+        })
+    }
+
+    fn count(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Counted, Error> {
+        let pixels = bands::pixels(job.raster.window);
+        self.counts.reserve(device, pixels + 1)?;
+        self.offsets.reserve(device, pixels + 1)?;
+        // A smaller one is freed before a larger one is made.
+        let kept = self.scan.take().filter(|s| s.capacity() > pixels);
+        let scan = &*self.scan.insert(match kept {
+            Some(scan) => scan,
+            None => Scan::new(device, pixels + 1)?,
+        });
+        let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
+        self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
+        let (counts, offsets) = (self.counts.get(), self.offsets.get());
+
+        let mut recorder = device.recorder()?;
+        recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
+        recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
+        recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
+        let whole = Band::whole(job.raster.window, 0);
+        if let Storing::Ordered(tiles) = job.storing {
+            let counts = counts.all();
+            let view = job.raster.cloud.view();
+            tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
+        } else if let Some(spheres) = job.storing.spheres() {
+            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            job.raster.record_tiles(&mut recorder)?;
+            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
+        } else {
+            job.raster.record_tiles(&mut recorder)?;
+            job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
+        }
+        let measure =
+            Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN))).push(&CountPush { count: pixels as u32 });
+        if counted.is_some() {
+            let run = measure.clone().variant(measure_variant(0));
+            recorder.run(&Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() }, &run)?;
+        }
+        let measure = measure.variant(measure_variant(LOCAL_LENGTH));
+        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure)?;
+        scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
+        if !matches!(job.storing, Storing::Links) {
+            // From here on the counts are the cursors that hand out slots.
+            recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
+        }
+        recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
+        recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
+        recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
+        if counted.is_some() {
+            recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
+        }
+        timeline.add(recorder.submit("abuffer/count and scan")?);
+        let words = self.summary.mapped_slice();
+        let (longest, total) = (words[1], words[3]);
+        let [most_spheres, spheres] = match job.storing.spheres() {
+            Some(spheres) if spheres.kind.interior.counted() => [words[4], words[5]],
+            Some(_) => [longest / 2, total / 2],
+            None => [longest, total],
+        };
+        let lengths = Lengths { longest, in_long_lists: words[2] };
+        Ok(Counted { overflow: words[0] != 0, lengths, total, spheres, most_spheres })
+    }
+
+    /// Fragments that fit at a time: within the budget, and within a binding.
+    fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
+        let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
+        let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
+        let need = Need::of(job, counted);
+        let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
+        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
+    }
+
+    fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
+        let window = job.raster.window;
+        let (length, most) = (counted.lengths.longest, in_place_length());
+        if job.discs.long_lists == LongLists::InPlace && length > most {
+            return Err(Error::ListTooLong { length, most });
+        }
+        let capacity = Self::capacity(device, job, counted);
+        if u64::from(counted.total) <= capacity {
+            return Ok(vec![Band::whole(window, u64::from(counted.total))]);
+        }
+        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        bands::bands(&offsets, capacity).map_err(|_| {
+            let (pixel, length) = bands::longest(&offsets);
+            let [x, y] = bands::place(window, pixel);
+            let need = Need::of(job, counted);
+            let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
+            if bytes > limit {
+                let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
+                return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
+            }
+            let each = need.bytes();
+            let needed = u64::from(length) * each;
+            Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
+        })
+    }
+
+    fn reserve_fragments(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        bands: &[Band],
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
+        // What an earlier frame left may be more than this one's budget allows.
+        let limit = Self::capacity(device, job, counted).max(most);
+        let need = Need::of(job, counted);
+        // What this frame does not need goes first, since the budget is for all of it.
+        if !need.spare {
+            self.spare.release();
+        }
+        if !need.links {
+            self.linked.release();
+        }
+        // In records of eight bytes.
+        let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
+        self.fragments.reserve_within(device, records(most), records(limit))?;
+        if need.records {
+            self.records.reserve_within(device, most, limit)?;
+        } else {
+            // Bound, but not looked at.
+            self.records.release();
+            self.records.reserve(device, 1)?;
+        }
+        if need.spare {
+            self.spare.reserve_within(device, most, limit)?;
+        }
+        if need.links {
+            self.linked.reserve(device, most, limit)?;
+        }
+        let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
+        let events = if need.segments { [most, limit] } else { [0, 0] };
+        self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
+        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
+    }
+
+    /// Records a band's fragments to their pixels' ranges.
+    fn record_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        band: &Band,
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let (counts, fragments) = (self.counts.get().all(), self.fragments.get().all());
+        match job.storing {
+            Storing::Slots => {
+                job.raster.record(recorder, band, |chunk: Chunk<'a>| Store { chunk, cursors: counts, fragments })?;
+            }
+            Storing::Spheres(spheres) => {
+                let to = (fragments, self.records.get().all());
+                spheres.record_store(recorder, &job.raster, band, counts, to)?;
+            }
+            Storing::Ordered(tiles) => {
+                let view = job.raster.cloud.view();
+                tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
+                    tiles,
+                    cursors: counts,
+                    ranks: fragments.cast(),
+                })?;
+            }
+            Storing::Links => {
+                let (offsets, nodes) = (self.offsets.get().all(), self.spare.get().all());
+                let through = linked_list::Through { offsets, heads: counts, nodes, fragments };
+                return Ok(self.linked.record(recorder, &job.raster, through, band, counted.lengths.longest)?);
+            }
+        }
+        let [start, end] = band.pixels.map(u64::from);
+        let (ends, next) =
+            (self.counts.get().slice(start, end - start), self.offsets.get().slice(start + 1, end - start));
+        let name = match job.storing {
+            Storing::Spheres(_) => "soft/store",
+            _ => "abuffer/store",
+        };
+        Ok(recorder.agree(name, "pixel", ends, Expected::Words(next))?)
+    }
+}
+
+/// What a window's fragments need beside the fragment buffer.
+#[derive(Clone, Copy)]
+struct Need {
+    /// Bytes of a fragment itself: ordered lists hold only ranks.
+    fragment: u64,
+    /// Room for the fragments once more.
+    spare: bool,
+    /// Links of nodes.
+    links: bool,
+    /// Records of long lists and their runs.
+    runs: bool,
+    /// Optical depths of segments.
+    segments: bool,
+    /// What packed events carry.
+    records: bool,
+}
+
+impl Need {
+    fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
+        let links = matches!(job.storing, Storing::Links);
+        let sorted = matches!(job.storing, Storing::Ordered(_));
+        let runs = !sorted && counted.lengths.in_long_lists > 0;
+        let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
+        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
+        let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
+        let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
+        Self { fragment, spare, links, runs, segments, records }
+    }
+
+    /// Bytes for each fragment of a band, those in the fragment buffer included.
+    fn bytes(self) -> u64 {
+        let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
+        let links = if self.links { linked_list::LINK_BYTES } else { 0 };
+        let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
+        let records = if self.records { soft::RECORD_BYTES } else { 0 };
+        self.fragment + spare + links + segments + records + u64::from(self.runs)
+    }
+}
+
+/// The variant of `abuffer/measure`: lists longer than `long` are long.
+pub fn measure_variant(long: u32) -> Variant {
+    Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
+}

@@ -1,0 +1,301 @@
+//! Shadow textures: one share of light for each point, found once for a light and kept with the cloud (Dobrev et al. 2010,
+//! Section 6).
+//!
+//! For each light that stands for an area the points' smallest depths are found per pixel of a square image, holes in its
+//! surfaces filled, and all points compared with it: whoever lies more than d̃ / |n_z| behind loses that light. Counts are
+//! whole numbers, so that neither chunks nor the order of lights show.
+
+pub mod lights;
+
+use crate::progress::Progress;
+
+use super::renderer::Timeline;
+use super::{Error, Frame, points};
+use crate::cloud::shadow_texture::Casting;
+use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
+use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
+use crate::scene::{Light, ShadingModel};
+use crate::{gpu_struct, pass};
+use lights::LightView;
+
+gpu_struct! {
+    /// Push constants: points of the chunk, and the number of lights.
+    pub struct SharePush {
+        count: u32,
+        lights: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of the filter.
+    pub struct FillPush {
+        columns: u32,
+        rows: u32,
+        apart: f32,
+    }
+}
+
+gpu_struct! {
+    /// What `shadows/lit` knows of a light beside its camera.
+    pub struct LightFrame {
+        apart: f32,
+        face: u32,
+    }
+}
+
+pass! {
+    /// Every light reaches every point.
+    pub Start(SharePush) = "shadows/start" {
+        normals: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// The nearest depths of a light's image.
+    pub Nearest(points::PointsPush) = "shadows/nearest" {
+        places: Shared<PlacesGroup>,
+        nearest: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Holes in its surfaces closed.
+    pub Fill(FillPush) = "shadows/fill" {
+        nearest: Read<[u32; 4]>,
+        depths: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// What lies behind loses the light.
+    pub Lit(points::PointsPush) = "shadows/lit" {
+        places: Shared<PlacesGroup>,
+        normals: ReadWrite<[f32; 4]>,
+        depths: Read<f32>,
+        light: Uniform<LightFrame>,
+    }
+}
+
+pass! {
+    /// Counts of lights to shares.
+    pub Share(SharePush) = "shadows/share" {
+        normals: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// The passes, in the order of their first run.
+pub const PASSES: [&str; 6] =
+    ["shadows/start", "shadows/clear", "shadows/nearest", "shadows/fill", "shadows/lit", "shadows/share"];
+
+/// Rows of pixels of one invocation of `shadows/fill`.
+const FILL_ROWS: u64 = 8;
+
+/// Device bytes of a pixel of a light's image: the nearest depth, and what the filter makes of it.
+const PIXEL_BYTES: u64 = 8;
+
+/// The variant of `shadows/start` for a cloud with or without normals.
+pub fn start_variant(normals: bool) -> Variant {
+    Variant::plain().with("NORMALS", u32::from(normals))
+}
+
+/// The variant of `shadows/fill`.
+pub fn fill_variant() -> Variant {
+    Variant::plain().with("RUN", FILL_ROWS as u32)
+}
+
+/// The variant of `shadows/nearest`.
+pub fn walk_variant() -> Variant {
+    Variant::plain().with("RUN", points::RUN as u32)
+}
+
+/// The variant of `shadows/lit`, with one image of a light or with six.
+pub fn lit_variant(cube: bool) -> Variant {
+    walk_variant().with("CUBE", u32::from(cube))
+}
+
+/// Why a frame has no shadows; `None` if it has.
+pub fn refusal(frame: &Frame) -> Option<String> {
+    if frame.shadows.is_none() {
+        Some("no shadows asked for".to_owned())
+    } else if !frame.method.takes_shadows() {
+        Some(format!("method {} takes no shadows", frame.method.name()))
+    } else if frame.shading.model == ShadingModel::None {
+        Some("no shading asked for: there is no light that could be missing".to_owned())
+    } else if frame.shading.light == Light::Headlight {
+        Some("a headlight casts no shadows".to_owned())
+    } else {
+        None
+    }
+}
+
+/// What the shadows of a frame of a cloud are; `None` if it has none.
+pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
+    let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && !cloud.is_empty())?;
+    Casting::new(frame.shading.light, &shadows, frame.seed, cloud.diagonal())
+}
+
+/// Images of the scene that a casting takes: one for each light, or six.
+pub fn image_count(casting: &Casting, cloud: &DeviceCloud) -> u64 {
+    views(casting, cloud).map(|views| views.len() as u64).sum()
+}
+
+/// The images of each light.
+fn views(casting: &Casting, cloud: &DeviceCloud) -> impl Iterator<Item = Vec<LightView>> + use<> {
+    let (casting, bounds) = (*casting, cloud.bounds());
+    (0..casting.samples).map(move |i| lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution))
+}
+
+/// Pixels of a row in memory: four of them are read at a time.
+fn pitch(resolution: u32) -> u64 {
+    u64::from(resolution).next_multiple_of(4)
+}
+
+/// Device bytes of a light's images.
+fn image_bytes(resolution: u32) -> u64 {
+    pitch(resolution) * u64::from(resolution) * PIXEL_BYTES
+}
+
+/// Refuses images that no binding holds, or that don't fit the budget.
+fn check(resolution: u32, binding: u64, budget: u64) -> Result<(), Error> {
+    let fits = |resolution| image_bytes(resolution) <= budget.min(binding.saturating_mul(2));
+    if fits(resolution) {
+        return Ok(());
+    }
+    let largest = (1..resolution).rev().find(|smaller| fits(*smaller)).unwrap_or(0);
+    let needed = image_bytes(resolution);
+    Err(Error::ShadowImage { resolution, needed, budget, binding, largest })
+}
+
+/// Makes the shadow texture of a cloud that is on the device. `how` is that of any frame: nothing of it shows.
+pub fn cast(
+    device: &Device,
+    cloud: &mut DeviceCloud,
+    (casting, how): (&Casting, &Projecting),
+    budget: u64,
+    progress: &Progress,
+    timeline: &mut Timeline,
+) -> Result<(), Error> {
+    let resolution = casting.resolution;
+    check(resolution, device.limits().binding_bytes, budget)?;
+    cloud.reserve_shares(device)?;
+    let pixels = pitch(resolution) * u64::from(resolution);
+    let image = LightImage {
+        nearest: device.buffer("nearest to a light", pixels, Memory::Device)?,
+        depths: device.buffer("depths from a light", pixels, Memory::Device)?,
+        resolution,
+    };
+    let mut frame = device.buffer("light", 1, Memory::Upload)?;
+    let push = |count: u64| SharePush { count: count as u32, lights: casting.samples };
+    let mut recorder = device.recorder()?;
+    for (first, count) in cloud.chunks() {
+        let start = Start { normals: cloud.normals.slice(first, count) };
+        let run = Run::new(Dispatch::Invocations(count)).push(&push(count));
+        recorder.run(&start, &run.variant(start_variant(cloud.has_normals())))?;
+    }
+    timeline.add(recorder.submit("shadows/start")?);
+    progress.set_length(u64::from(casting.samples));
+    progress.set_position(0);
+    for views in views(casting, cloud) {
+        for view in views {
+            frame.write(&[LightFrame { apart: casting.min_layer_distance, face: view.face.unwrap_or(0) }]);
+            let window = [0, 0, pitch(resolution) as u32, resolution];
+            cloud.set_view(&view.camera, [resolution; 2], window, how);
+            let mut recorder = device.recorder()?;
+            image.record(&mut recorder, cloud, casting, &frame, view.face.is_some())?;
+            timeline.add(recorder.submit("shadows/lit")?);
+        }
+        progress.inc(1);
+    }
+    if casting.samples > 1 {
+        let mut recorder = device.recorder()?;
+        for (first, count) in cloud.chunks() {
+            let share = Share { normals: cloud.normals.slice(first, count) };
+            recorder.run(&share, &Run::new(Dispatch::Invocations(count)).push(&push(count)))?;
+        }
+        timeline.add(recorder.submit("shadows/share")?);
+    }
+    cloud.set_casting(*casting);
+    Ok(())
+}
+
+/// A light's image.
+struct LightImage {
+    nearest: Buffer<u32>,
+    depths: Buffer<f32>,
+    resolution: u32,
+}
+
+impl LightImage {
+    /// Records the image through the cloud's view, and what it keeps from the points.
+    fn record<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        cloud: &'a DeviceCloud,
+        casting: &Casting,
+        light: &'a Buffer<LightFrame>,
+        cube: bool,
+    ) -> Result<(), Error> {
+        let walk = |chunk: usize, (first, count): (u64, u64)| {
+            let push = points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
+            Run::new(points::nearest_dispatch(count)).push(&push)
+        };
+        recorder.fill("shadows/clear", self.nearest.all(), u32::MAX)?;
+        for (chunk, range) in cloud.chunks().enumerate() {
+            let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: self.nearest.all() };
+            recorder.run(&nearest, &walk(chunk, range).variant(walk_variant()))?;
+        }
+        let fill = Fill { nearest: self.nearest.all().cast(), depths: self.depths.all().cast() };
+        let (columns, rows) = (pitch(self.resolution) / 4, u64::from(self.resolution));
+        let push = FillPush { columns: columns as u32, rows: self.resolution, apart: casting.min_layer_distance };
+        let invocations = columns * rows.div_ceil(FILL_ROWS);
+        recorder.run(&fill, &Run::new(Dispatch::Invocations(invocations)).push(&push).variant(fill_variant()))?;
+        for (chunk, range) in cloud.chunks().enumerate() {
+            let lit = Lit {
+                places: cloud.places(range.0, range.1),
+                normals: cloud.normals.slice(range.0, range.1),
+                depths: self.depths.all(),
+                light: light.all(),
+            };
+            recorder.run(&lit, &walk(chunk, range).variant(lit_variant(cube)))?;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes that one of the passes must at least read and write in its `runs`, for `points` points and a light's image of
+/// `resolution` pixels squared.
+pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: u32) -> Option<u64> {
+    let pixels = pitch(resolution) * u64::from(resolution);
+    // A run is one chunk's.
+    let walks = runs / chunks.max(1);
+    match name {
+        "shadows/start" | "shadows/share" => Some(points * 32),
+        "shadows/clear" => Some(runs * pixels * 4),
+        // Position, and the pixel read and written.
+        "shadows/nearest" => Some(walks * points * (32 + 8)),
+        "shadows/fill" => Some(runs * pixels * 8),
+        // Position, normal and depth; who is in the dark is not known.
+        "shadows/lit" => Some(walks * points * (32 + 16 + 4)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_that_does_not_fit_names_one_that_would() {
+        let (plenty, mebibyte) = (u64::MAX, 1 << 20);
+        assert!(check(1024, plenty, plenty).is_ok());
+        assert!(check(1024, 4 * mebibyte, 8 * mebibyte).is_ok());
+        // 4 bytes a pixel in each of two bindings.
+        for (binding, budget) in [(4 * mebibyte - 1, plenty), (plenty, 8 * mebibyte - 1)] {
+            match check(1024, binding, budget) {
+                Err(Error::ShadowImage { largest: 1023, .. }) => assert!(check(1023, binding, budget).is_ok()),
+                other => panic!("{other:?}"),
+            }
+        }
+        assert!(matches!(check(64, plenty, 0), Err(Error::ShadowImage { largest: 0, .. })));
+    }
+}

@@ -1,0 +1,364 @@
+//! `stochastic`: multi-sample stochastic transparency of the discs of `abuffer` (Enderton, Sintorn, Shirley, Luebke 2011).
+//!
+//! Each fragment covers random samples of its pixel ([`crate::random`]); a sample holds the nearest fragment that covers
+//! it, and a fragment counts in the samples that hold nothing nearer. No order of fragments is needed, but two passes over
+//! the splats for each few strata of four samples. What a stratum says is one of many independent estimates, whose spread
+//! tells the standard error.
+//!
+//! Reference: [`crate::reference::stochastic`].
+
+pub mod hardware;
+mod tiles;
+
+pub use tiles::{Accumulate, StochasticPush, Visibility, tile_variant};
+
+use crate::progress::Progress;
+
+use super::abuffer::record_nothing;
+use super::bands::{self, Budget, Window};
+use super::renderer::{Facts, Target, Timeline};
+use super::{Error, Outcome};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::image;
+use crate::passes::bin::{self, Bin, Bins};
+use crate::random::{STRATA_OF_A_CALL, STRATUM};
+use crate::scene::Stochastic;
+use crate::{gpu_struct, pass};
+
+/// Most strata that go through the splats together.
+pub const MOST_STRATA: u32 = 4;
+/// Samples of the first round where an error is asked for: the spread of four strata tells how many it takes.
+pub const FIRST_SAMPLES: u32 = 16;
+
+gpu_struct! {
+    /// Push constants of `stochastic/gather`; the shader says what the members are.
+    pub struct GatherPush {
+        pixels: u32,
+        before: u32,
+        left: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `stochastic/resolve`: pixels of the window, and samples of each.
+    pub struct ResolvePush {
+        pixels: u32,
+        samples: u32,
+    }
+}
+
+pass! {
+    /// A run's strata added to those before.
+    pub Gather(GatherPush) = "stochastic/gather" {
+        sums: Read<[f32; 4]>,
+        image: ReadWrite<[f32; 4]>,
+        spread: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// Sums to color, A and standard error.
+    pub Resolve(ResolvePush) = "stochastic/resolve" {
+        exact: Read<f32>,
+        image: ReadWrite<[f32; 4]>,
+        spread: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// Some strata that go through the splats together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Batch {
+    /// Samples of the strata before; whole strata.
+    pub before: u32,
+    /// Samples to take, at most those of the strata.
+    pub left: u32,
+    /// Strata that the kernels hold: whole calls of the random numbers, the last ones perhaps for nothing.
+    pub strata: u32,
+}
+
+/// What every pass must know about the settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    /// Whether A is exact and color scaled by it: alpha correction.
+    pub exact: bool,
+    /// Whether the standard error is asked for.
+    pub spread: bool,
+}
+
+impl Kind {
+    /// A variant with the overrides of both.
+    pub fn of(self, variant: Variant) -> Variant {
+        variant.with("SPREAD", u32::from(self.spread)).with("EXACT", u32::from(self.exact))
+    }
+
+    /// Vectors of `sums` for each pixel, of so many strata.
+    fn sums(self, strata: u32) -> u64 {
+        if self.spread { 1 + u64::from(strata) } else { 1 }
+    }
+}
+
+/// The variant of `stochastic/gather`.
+pub fn gather_variant(kind: Kind, strata: u32) -> Variant {
+    kind.of(Variant::plain()).each("stratum", strata)
+}
+
+/// The variant of `stochastic/resolve`.
+pub fn resolve_variant(kind: Kind) -> Variant {
+    kind.of(Variant::plain())
+}
+
+/// The batches that make up so many samples.
+pub fn batches(samples: u32) -> impl Iterator<Item = Batch> {
+    (0..samples).step_by((MOST_STRATA * STRATUM) as usize).map(move |before| {
+        let left = (samples - before).min(MOST_STRATA * STRATUM);
+        Batch { before, left, strata: left.div_ceil(STRATUM).next_multiple_of(STRATA_OF_A_CALL) }
+    })
+}
+
+/// Bytes that a pass must at least read and write for so many pixels of `samples` each; `splat` bytes of a splat, its color
+/// and record aside.
+pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: u64, splat: u64) -> Option<u64> {
+    let runs = batches(samples).count() as u64;
+    let strata: u64 = batches(samples).map(|b| u64::from(b.strata)).sum();
+    // Keys and indices; sums of each run and, for the spread, of each stratum.
+    let (held, sums) = (pixels * strata * 32, pixels * 16 * (runs + if kind.spread { strata } else { 0 }));
+    let exact = if kind.exact { pixels * 4 } else { 0 };
+    let walks = runs * (facts.tile_entries * 4 + facts.visible * (splat - 4 + 16 + 8));
+    let spread = if kind.spread { pixels * 32 } else { 0 };
+    match name {
+        "stochastic/visibility" => Some(walks + held),
+        // Depths are read but for the first run.
+        "stochastic/accumulate" => Some(walks + held + sums + exact + pixels * 4 * (2 * runs - 1)),
+        "stochastic/gather" => Some(sums + (pixels * 16 + spread) * (2 * runs - 1)),
+        "stochastic/resolve" => Some(pixels * 32 + exact + spread),
+        _ => None,
+    }
+}
+
+/// Device bytes per pixel of a window, without the tiles.
+pub fn pixel_bytes(spread: bool) -> u64 {
+    let kind = Kind { exact: true, spread };
+    // Keys and indices held by the samples, sums, exact A; Q, S and X of the spread.
+    16 * (2 * u64::from(MOST_STRATA) + kind.sums(MOST_STRATA)) + 4 + if spread { 32 } else { 0 }
+}
+
+/// Pixels of a window whose buffers fit a binding, and a quarter of the budget.
+pub fn window_pixels(budget: Budget, bytes_per_pixel: u64, spread: bool) -> u64 {
+    let widest = u64::from(MOST_STRATA) + u64::from(spread);
+    budget.window_pixels(bytes_per_pixel).min(budget.binding / 16 / widest).max(1)
+}
+
+/// Samples of the next round of a frame whose standard errors are to fall to `most` (root mean square over pixels and R, G,
+/// B), from those of a round with `samples`; `None` where they have, or where there are `limit` samples already.
+///
+/// Rounds begin anew: what stands in a window's buffers is gone when the next window is rendered, and whether one window or
+/// many make up the frame must not change it. Since errors fall as 1/√samples, the second round is mostly the last.
+pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) -> Option<u32> {
+    let mean = image::mean_square(errors);
+    if samples >= limit || mean.sqrt() <= f64::from(most) {
+        return None;
+    }
+    // 5% more, so that chance seldom asks for a third round; casting saturates, and NaN is 0.
+    let wanted = (1.05 * f64::from(samples) * mean / f64::from(most).powi(2)).min(f64::from(limit)) as u32;
+    let batch = MOST_STRATA * STRATUM;
+    Some(wanted.next_multiple_of(batch).max(samples + batch).min(limit))
+}
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// What is binned.
+    pub bin: bin::Job<'a>,
+    /// Discs, samples, correction.
+    pub settings: Stochastic,
+    /// Seed of the masks.
+    pub seed: u64,
+    /// Whether the standard error is asked for.
+    pub spread: bool,
+    /// Says how far the samples are.
+    pub progress: &'a Progress,
+}
+
+impl WindowJob<'_> {
+    fn kind(&self) -> Kind {
+        Kind { exact: self.settings.alpha_correction, spread: self.spread }
+    }
+
+    fn pixels(&self) -> u64 {
+        bands::pixels(self.bin.raster.window)
+    }
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Sampler {
+    keys: Kept<[u32; 4]>,
+    indices: Kept<[u32; 4]>,
+    sums: Kept<[f32; 4]>,
+    exact: Kept<f32>,
+    spread: Kept<[f32; 4]>,
+    attachments: hardware::Attachments,
+}
+
+impl Sampler {
+    /// No buffers yet.
+    pub fn new() -> Self {
+        Self {
+            keys: Kept::new("sample depths", Memory::Device),
+            indices: Kept::new("sample splats", Memory::Device),
+            sums: Kept::new("sample sums", Memory::Device),
+            exact: Kept::new("exact alpha", Memory::Device),
+            spread: Kept::new("sample spread", Memory::Device),
+            attachments: hardware::Attachments::default(),
+        }
+    }
+
+    /// Renders a window into the target.
+    pub fn render(
+        &mut self,
+        bins: &mut Bins,
+        device: &Device,
+        job: &WindowJob<'_>,
+        target: &Target,
+        timeline: &mut Timeline,
+        facts: &mut Facts,
+    ) -> Result<Outcome, Error> {
+        let mut recorder;
+        match bins.bin(device, &job.bin, timeline, facts)? {
+            Bin::TooLarge => return Ok(Outcome::Overflow),
+            Bin::Nothing => {
+                self.spread.reserve(device, if job.spread { job.pixels() } else { 1 })?;
+                recorder = device.recorder()?;
+                record_nothing(&mut recorder, target, job.bin.raster.window)?;
+                recorder.fill("image/clear", self.spread.get().all(), 0)?;
+            }
+            Bin::Done(binned) => {
+                facts.bands += 1;
+                self.reserve(device, job)?;
+                for batch in batches(job.settings.samples) {
+                    recorder = device.recorder()?;
+                    self.record_tiles(&mut recorder, job, bins.tiles(binned), batch, target)?;
+                    self.record_gather(&mut recorder, job, batch, target)?;
+                    timeline.add(recorder.submit("stochastic/visibility and accumulate")?);
+                    job.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                }
+                recorder = device.recorder()?;
+                self.record_resolve(&mut recorder, job, target)?;
+            }
+        }
+        target.record_read_back(&mut recorder, job.pixels())?;
+        timeline.add(recorder.submit("stochastic/resolve")?);
+        Ok(Outcome::Done)
+    }
+
+    /// The standard error of every pixel of the window, in its order; what the last one rendered with it left.
+    pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
+        let errors = self.spread.get().read(0, bands::pixels(window))?;
+        Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    }
+
+    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        self.attachments.release();
+        let pixels = job.pixels();
+        let strata = batches(job.settings.samples).map(|b| b.strata).max().unwrap_or(0);
+        self.keys.reserve(device, pixels * u64::from(strata))?;
+        self.indices.reserve(device, pixels * u64::from(strata))?;
+        self.reserve_sums(device, job)
+    }
+
+    /// What both ways of going through the splats fill.
+    fn reserve_sums(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        let (pixels, Kind { exact, spread }) = (job.pixels(), job.kind());
+        let strata = batches(job.settings.samples).map(|b| b.strata).max().unwrap_or(0);
+        self.sums.reserve(device, pixels * job.kind().sums(strata))?;
+        self.exact.reserve(device, if exact { pixels } else { 1 })?;
+        self.spread.reserve(device, if spread { 2 * pixels } else { 1 })?;
+        Ok(())
+    }
+
+    fn record_gather<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        batch: Batch,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
+        let push = GatherPush { pixels: job.pixels() as u32, before: batch.before, left: batch.left };
+        let variant = gather_variant(job.kind(), batch.strata);
+        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;
+        Ok(())
+    }
+
+    fn record_resolve<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
+        let push = ResolvePush { pixels: job.pixels() as u32, samples: job.settings.samples };
+        let variant = resolve_variant(job.kind());
+        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;
+        Ok(())
+    }
+}
+
+impl Default for Sampler {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_take_as_many_samples_as_the_error_wants() {
+        let errors = [[0.1, 0.1, 0.1], [0.1, 0.1, 0.1]];
+        assert_eq!(more_samples(16, 4096, &errors, 0.1001), None);
+        // A third of the error: nine times the samples, 5% more, in whole batches of 16.
+        assert_eq!(more_samples(16, 4096, &errors, 0.1 / 3.0), Some(160));
+        assert_eq!(more_samples(16, 4096, &errors, 0.0999), Some(32), "at least a batch more");
+        assert_eq!(more_samples(16, 100, &errors, 0.001), Some(100));
+        assert_eq!(more_samples(16, 100, &errors, 0.0), Some(100));
+        assert_eq!(more_samples(100, 100, &errors, 0.001), None);
+        assert_eq!(more_samples(4, 4, &[[f32::INFINITY; 3]], 0.1), None);
+        // Root mean square: one pixel of two has all of the error.
+        assert_eq!(more_samples(16, 4096, &[[0.1, 0.0, 0.0], [0.0; 3]], 0.0409), None);
+        assert_eq!(more_samples(16, 4096, &[[0.1, 0.0, 0.0], [0.0; 3]], 0.0408), Some(32));
+    }
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { visible: 5, tile_entries: 20, ..Facts::default() };
+        let of = |name, samples, exact, spread| {
+            least_bytes(name, samples, Kind { exact, spread }, &facts, 10, 20).expect("a pass of stochastic")
+        };
+        // Of each pixel two strata; of each splat 16 bytes, color and record.
+        assert_eq!(of("stochastic/visibility", 8, false, false), 20 * 4 + 5 * 40 + 10 * 64);
+        assert_eq!(of("stochastic/accumulate", 8, true, false), 920 + 10 * (16 + 4 + 4));
+        // With the spread, the sums of the two strata, too.
+        assert_eq!(of("stochastic/accumulate", 8, false, true), 920 + 10 * (48 + 4));
+        assert_eq!(of("stochastic/gather", 8, true, false), 10 * (16 + 16));
+        assert_eq!(of("stochastic/gather", 8, true, true), 10 * (48 + 16 + 32));
+        assert_eq!(of("stochastic/resolve", 8, true, true), 10 * (32 + 4 + 32));
+        assert_eq!(least_bytes("sorted/blend", 8, Kind { exact: true, spread: false }, &facts, 10, 20), None);
+    }
+
+    #[test]
+    fn batches_take_every_sample_once() {
+        for samples in [1, 3, 4, 5, 8, 9, 12, 16, 17, 64, 1023, 4096] {
+            let mut next = 0;
+            for batch in batches(samples) {
+                assert_eq!(batch.before, next);
+                assert!(batch.left <= batch.strata * STRATUM && batch.strata <= MOST_STRATA, "{batch:?}");
+                assert_eq!(batch.before % (STRATUM * STRATA_OF_A_CALL), 0, "random numbers begin with whole calls");
+                next += batch.left;
+            }
+            assert_eq!(next, samples);
+        }
+        let small: Vec<u32> = [1, 4, 8, 9].iter().flat_map(|n| batches(*n).map(|b| b.strata)).collect();
+        assert_eq!(small, [2, 2, 2, 4]);
+    }
+}

@@ -1,0 +1,98 @@
+//! Points on the device that change where they are: only columns that are others go there again, into the same buffers.
+
+use super::{Column, DeviceCloud, fields_and_radii, most, most_of_colors};
+use crate::gpu::{Device, Error};
+use crate::points::{Changes, Points};
+use crate::prepare::Arranged;
+
+impl DeviceCloud {
+    /// Lets go of the list of a cloud that was dealt, so that it can be changed in place, until [`Self::follow`] brings it back.
+    pub fn let_go(&mut self) {
+        self.host = None;
+    }
+
+    /// Brings the cloud up to what its points are by now: as many as were uploaded, in the same places. What depends on a column
+    /// that changed is found anew; shadows stay, unless points with normals traded places. After an error nothing can be rendered until the
+    /// same changes were brought once more.
+    ///
+    /// # Errors
+    /// No memory for a field that was not there before, or the device failed.
+    pub fn follow(&mut self, device: &Device, arranged: &Arranged, changes: Changes) -> Result<(), Error> {
+        let points = arranged.points();
+        if let Arranged::Dealt(dealt) = arranged {
+            self.host = Some(dealt.points.clone());
+            for (placed, surface) in
+                self.surfaces.iter_mut().flatten().zip(&dealt.surfaces).filter(|_| changes.opacities)
+            {
+                placed.renew_opacities(points, surface);
+            }
+        }
+        self.measure(points, changes);
+        if changes.fields {
+            self.renew_positions(points);
+        }
+        // Points that were dealt may not be there yet.
+        if self.points_hi.len() == self.len {
+            self.upload_changes(device, points, changes)?;
+        }
+        Ok(())
+    }
+
+    /// What is known of all points, but for their positions.
+    fn measure(&mut self, points: &Points, changes: Changes) {
+        if changes.opacities {
+            self.most_opacity = most(&points.opacities);
+        }
+        if changes.colors {
+            self.most_color = most_of_colors(&points.colors);
+        }
+        if changes.radii {
+            self.most_radius = most(&points.radii);
+        }
+        if changes.radii || changes.fields || changes.order {
+            self.fields_and_radii = fields_and_radii(points);
+            self.parts = None;
+        }
+    }
+
+    /// Only points with a field are put into order along the axes. Orders are of places, whose positions stay.
+    fn renew_positions(&mut self, points: &Points) {
+        self.has_fields = !points.fields.is_empty();
+        if !self.has_fields {
+            (self.positions, self.orders) = (Vec::new(), [None, None, None]);
+        } else if self.positions.is_empty() {
+            self.positions.clone_from(&points.positions);
+        }
+    }
+
+    fn upload_changes(&mut self, device: &Device, points: &Points, changes: Changes) -> Result<(), Error> {
+        let upload = |column: Column, buffer| column.upload(points, self.origin, buffer);
+        if changes.radii || changes.order {
+            upload(Column::High, &self.points_hi)?;
+        }
+        if changes.opacities || changes.order {
+            upload(Column::Low, &self.points_lo)?;
+        }
+        if changes.colors || changes.order {
+            upload(Column::Color, &self.point_colors)?;
+        }
+        // Shares of light depend on position and normal: without normals those of traded places are the same.
+        if changes.order && self.has_normals {
+            upload(Column::Normal, &self.normals)?;
+            self.casting = None;
+        }
+        if changes.fields || (changes.order && self.has_fields) {
+            self.upload_fields(device, points)?;
+        }
+        Ok(())
+    }
+
+    fn upload_fields(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
+        if self.fields.len() == points.fields.len() as u64 {
+            self.fields.upload(&points.fields)
+        } else {
+            self.fields = device.upload("fields", &points.fields)?;
+            Ok(())
+        }
+    }
+}

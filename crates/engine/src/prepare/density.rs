@@ -1,0 +1,245 @@
+//! How many points a surface has for each unit of its area, by counting spheres (Tanaka et al. 2016, Section 3.2.1).
+//!
+//! The paper counts the points in spheres of radius R, a fiftieth of the diagonal of the points' box, around points chosen
+//! at random, and divides the mean by the area πR² of a great circle. That is exact on planes and on spheres alike (a ball
+//! of radius R cuts πR² out of any sphere), but for four things, which are mended here.
+//!
+//! * **The centre** is a point itself and would always be counted: it is not. Among points that keep their distance, as
+//!   those of a thinned cloud, one is missing around it then, and among points that were measured twice there is one too
+//!   many: the same number for each radius, so that a third radius tells it.
+//! * **Rims.** A sphere that reaches over a rim holds too few points. Over a flat piece of area A and perimeter P the mean
+//!   count is ρ(πr² − 2Pr³/3A) (the slope of the covariogram: Matheron, "Random Sets and Integral Geometry", 1975), so what
+//!   is missing is proportional to r, and two radii tell what is missing, whatever the outline.
+//! * **Other surfaces and thickness.** Two sheets nearer than R count as one; a rough surface whose points scatter by more
+//!   than r is no surface to so small a sphere. On a surface the count grows as r², so of R and its halves that radius is
+//!   taken where it does (the correlation dimension of Grassberger and Procaccia, 1983, is 2), with a malus for small
+//!   counts. Sheets that no radius tells apart count as one, as in the paper, and points that fill a volume have no area:
+//!   their density is that of the sphere of radius R, about as the paper has it.
+//! * **Points in rows** of a grid lie in a sphere by whole rows. A point at distance d counts 2(1 − d²/r²) instead of 1,
+//!   which is the mean over all spheres up to that area and twice as large, so that no row comes in all at once.
+//!
+//! Where there are few points, R is doubled up to three times, and more than 1000 centres are taken where that is cheap.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use crate::progress::Progress;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::cloud::Bounds;
+
+/// Diagonals of the box to a sphere's radius.
+const DIAGONAL: f64 = 50.0;
+/// Centres that are always taken, if there are so many points.
+const CENTERS: usize = 1000;
+/// Pairs of a point and a centre, near or not, for which more centres are taken.
+const CHEAP_PAIRS: usize = 2_000_000_000;
+/// Pairs that are measured at most: beyond, only some of the points are counted.
+const MAX_PAIRS: u64 = 400_000_000;
+/// Points that a radius of a fiftieth is meant for; with a quarter of that it is doubled, up to [`MAX_DOUBLINGS`] times.
+const MANY: usize = 40_000;
+/// See [`MANY`].
+const MAX_DOUBLINGS: u32 = 3;
+/// Radii that are looked at, each half of the one before.
+const RADII: usize = 16;
+/// Points that one thread counts at a time.
+const BLOCK: usize = 1 << 14;
+
+/// Points for each unit of area (world units squared) of the surface on which they lie; 0 if fewer than two of them differ
+/// or no two are near each other. Finite.
+///
+/// `shuffled` are finite positions in random order: the first ones serve as centres, and where counting all would take long
+/// the first ones are counted.
+pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
+    let Some(frame) = Frame::of(shuffled) else { return 0.0 };
+    let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
+    let grid = Grid::of(&frame, &shuffled[..centers]);
+    let counted = grid.affordable(&frame, shuffled).max(centers);
+    let bands = grid.count(&frame, &shuffled[..counted], progress);
+    progress.inc((shuffled.len() - counted) as u64);
+    // For one centre, if all points were counted.
+    let weight = (shuffled.len() - 1) as f64 / ((counted - 1) as f64 * centers as f64);
+    let density = extrapolate(&bands, centers, weight) / frame.radius / frame.radius;
+    density.min(f64::MAX)
+}
+
+/// Coordinates in which the largest sphere has radius 1 and all are at least 0.
+struct Frame {
+    min: DVec3,
+    /// The largest radius in world units.
+    radius: f64,
+    /// Cells of side 1 along each axis.
+    cells: [usize; 3],
+}
+
+impl Frame {
+    /// `None` if no two points differ.
+    fn of(points: &[DVec3]) -> Option<Self> {
+        let bounds = Bounds::of(points.iter().copied())?;
+        let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
+        // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.
+        let part = f64::from(1 << doublings) / DIAGONAL;
+        let sides = bounds.max * part - bounds.min * part;
+        let largest = sides.max_element();
+        if largest <= 0.0 {
+            return None;
+        }
+        let radius = largest * (sides / largest).length();
+        let mut frame = Self { min: bounds.min, radius, cells: [1; 3] };
+        // At most 50 of them: the box's sides are no longer than its diagonal.
+        frame.cells = frame.local(bounds.max).to_array().map(|side| side as usize + 1);
+        (radius.is_finite() && radius > 0.0).then_some(frame)
+    }
+
+    fn local(&self, p: DVec3) -> DVec3 {
+        // Halved first, as the sides may be beyond float64.
+        (0.5 * p - 0.5 * self.min) / self.radius * 2.0
+    }
+
+    fn cell(&self, local: DVec3) -> usize {
+        let [x, y, z] = self.at(local);
+        (z * self.cells[1] + y) * self.cells[0] + x
+    }
+
+    fn at(&self, local: DVec3) -> [usize; 3] {
+        let local = local.to_array();
+        std::array::from_fn(|axis| (local[axis] as usize).min(self.cells[axis] - 1))
+    }
+
+    /// The cells along an axis that a sphere around a point of cell `at` meets.
+    fn around(&self, at: usize, axis: usize) -> Range<usize> {
+        at.saturating_sub(1)..(at + 2).min(self.cells[axis])
+    }
+}
+
+/// What was counted between two radii: pairs, and the sum of d² in the frame's coordinates.
+#[derive(Clone, Copy, Default)]
+struct Band {
+    pairs: u64,
+    squares: f64,
+}
+
+/// The centres whose spheres may reach into each cell.
+struct Grid {
+    centers: Vec<DVec3>,
+    /// For each cell where its centres begin in `members`, and their number behind the last.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Grid {
+    fn of(frame: &Frame, centers: &[DVec3]) -> Self {
+        let centers: Vec<DVec3> = centers.iter().map(|&p| frame.local(p)).collect();
+        let cells = |center: DVec3| {
+            let [x, y, z] = frame.at(center);
+            let (columns, rows, slabs) = (frame.around(x, 0), frame.around(y, 1), frame.around(z, 2));
+            let [width, height, _] = frame.cells;
+            slabs.flat_map(move |z| {
+                let columns = columns.clone();
+                rows.clone().flat_map(move |y| columns.clone().map(move |x| (z * height + y) * width + x))
+            })
+        };
+        let mut starts = vec![0u32; frame.cells.iter().product::<usize>() + 1];
+        centers.iter().for_each(|&center| cells(center).for_each(|cell| starts[cell + 1] += 1));
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut members = vec![0; starts[starts.len() - 1] as usize];
+        let mut next = starts.clone();
+        for (index, &center) in centers.iter().enumerate() {
+            for cell in cells(center) {
+                members[next[cell] as usize] = index as u32;
+                next[cell] += 1;
+            }
+        }
+        Self { centers, starts, members }
+    }
+
+    fn members(&self, cell: usize) -> Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    /// How many of the points can be counted within [`MAX_PAIRS`].
+    fn affordable(&self, frame: &Frame, points: &[DVec3]) -> usize {
+        let pairs: u64 = points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum();
+        match pairs {
+            0..=MAX_PAIRS => points.len(),
+            _ => (points.len() as u128 * u128::from(MAX_PAIRS) / u128::from(pairs)) as usize,
+        }
+    }
+
+    /// Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all nearer
+    /// ones too. The same sums whatever the number of cores.
+    fn count(&self, frame: &Frame, points: &[DVec3], progress: &Progress) -> [Band; RADII] {
+        let count = |(block, points): (usize, &[DVec3])| {
+            let mut bands = [Band::default(); RADII];
+            for (i, &point) in points.iter().enumerate() {
+                let local = frame.local(point);
+                for &center in &self.members[self.members(frame.cell(local))] {
+                    let squared = self.centers[center as usize].distance_squared(local);
+                    if squared < 1.0 && center as usize != block * BLOCK + i {
+                        let band = &mut bands[band_of(squared)];
+                        band.pairs += 1;
+                        band.squares += squared;
+                    }
+                }
+            }
+            progress.inc(points.len() as u64);
+            bands
+        };
+        let blocks: Vec<[Band; RADII]> = points.par_chunks(BLOCK).enumerate().map(count).collect();
+        let mut all = [Band::default(); RADII];
+        for bands in blocks {
+            for (sum, band) in all.iter_mut().zip(bands) {
+                sum.pairs += band.pairs;
+                sum.squares += band.squares;
+            }
+        }
+        all
+    }
+}
+
+/// The band of a squared distance below 1.
+fn band_of(squared: f64) -> usize {
+    // ⌊log₂ d²⌋, below 0.
+    let exponent = (squared.to_bits() >> 52) as i32 - 1023;
+    (((-1 - exponent) / 2) as usize).min(RADII - 1)
+}
+
+/// Points for each unit of area in the frame's coordinates; 0 if there are no pairs.
+fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
+    // For each radius 2⁻ʲ: pairs within it, and what they say of the density.
+    let mut within = Band::default();
+    let mut seen = [(0.0, 0.0); RADII];
+    for j in (0..RADII).rev() {
+        within.pairs += bands[j].pairs;
+        within.squares += bands[j].squares;
+        // 1 / r².
+        let per_area = f64::from(1u32 << (2 * j));
+        let count = 2.0 * (within.pairs as f64 - within.squares * per_area);
+        seen[j] = (within.pairs as f64, weight * count.max(0.0) * per_area / PI);
+    }
+    let mut best = (f64::INFINITY, seen[0].1);
+    for (j, seen) in seen.windows(3).enumerate() {
+        let [(_, whole), (pairs, half), (_, quarter)] = [seen[0], seen[1], seen[2]];
+        if pairs == 0.0 || half == 0.0 {
+            break;
+        }
+        // By how much the exponent of r differs from 2. What rims take is made up for but for its square.
+        let missing = (whole / half).log2();
+        let off = if missing < 0.0 { missing * missing } else { missing };
+        // Of a circle's lattice points the last third of the digits is left to chance (Gauss's circle problem); of random
+        // ones the square root.
+        let chance = (pairs / centers as f64).powf(-2.0 / 3.0) + 2.0 / pairs.sqrt();
+        if off + chance < best.0 {
+            // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than no
+            // rim, and no more than the centre itself can be missing, which counts 2.
+            let most = 2.0 * weight * centers as f64 * f64::from(1u32 << (2 * j)) / PI;
+            let own = (((half - whole) - 2.0 * (quarter - half)) / 21.0).min(most);
+            let rim = (2.0 * (half - whole) + 6.0 * own).max(0.0);
+            best = (off + chance, (whole + rim + own).max(0.0));
+        }
+    }
+    best.1
+}

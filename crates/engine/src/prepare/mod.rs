@@ -1,0 +1,148 @@
+//! What is computed once for a cloud: radii, normals, the scalar field, the order of its points, and their orders along the
+//! axes.
+
+mod arranged;
+pub mod axes;
+mod density;
+pub mod ensembles;
+pub mod layer_distance;
+mod morton;
+mod neighbors;
+mod normal;
+pub mod order;
+pub mod radius;
+pub(crate) mod ties;
+pub mod uncertainty;
+
+use glam::Vec3;
+
+use crate::cloud::field::{self, Field};
+use crate::cloud::{Cloud, Prepared};
+use crate::progress::Progress;
+pub use arranged::Arranged;
+
+/// K of Eq. 20 and 21 if nobody says.
+pub const DEFAULT_NEIGHBORS: usize = 24;
+
+/// What is to be known of each point of a cloud.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Request {
+    /// K; by default that of a prepared file, else [`DEFAULT_NEIGHBORS`].
+    pub neighbors: Option<usize>,
+    /// What F is, in the file's coordinates; by default what it is in a prepared file, else uncertainty.
+    pub field: Option<Field>,
+    /// Whether radii are wanted.
+    pub radii: bool,
+    /// Whether F is wanted.
+    pub fields: bool,
+    /// Whether normals are wanted, estimated ones where the file has none.
+    pub normals: bool,
+}
+
+/// What was found, in the order of the cloud; not more than was asked for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    /// The file's own radii, else those of Eq. 20, in the file's units.
+    pub radii: Option<Vec<f32>>,
+    /// F in [0, 1].
+    pub fields: Option<Vec<f32>>,
+    /// Unit normals, zero where a point has none.
+    pub normals: Option<Vec<Vec3>>,
+}
+
+impl Request {
+    /// K for this cloud.
+    pub fn neighbors_of(&self, cloud: &Cloud) -> usize {
+        let prepared = cloud.prepared.as_ref().map(|prepared| prepared.neighbors);
+        self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
+    }
+
+    /// What F is of this cloud.
+    pub fn field_of(&self, cloud: &Cloud) -> Field {
+        let prepared = cloud.prepared.as_ref().map(|prepared| &prepared.field);
+        self.field.as_ref().or(prepared).cloned().unwrap_or_default()
+    }
+
+    /// The radii that the file has and that serve.
+    fn stored_radii<'a>(&self, cloud: &'a Cloud) -> Option<&'a [f32]> {
+        let other_k = |k| k != self.neighbors_of(cloud);
+        let radii = cloud.radii.as_deref();
+        radii.filter(|_| !cloud.prepared.as_ref().is_some_and(|p| p.estimated_radii && other_k(p.neighbors)))
+    }
+
+    /// The field that the file has, if it is the one that is wanted.
+    fn stored_field<'a>(&self, cloud: &'a Cloud) -> Option<&'a [f32]> {
+        let prepared = cloud.prepared.as_ref()?;
+        let same_k = prepared.field != Field::Uncertainty || prepared.neighbors == self.neighbors_of(cloud);
+        (prepared.field == self.field_of(cloud) && same_k).then_some(&prepared.values)
+    }
+
+    /// What a prepared file has and this request can't use, one sentence each.
+    pub fn notes(&self, cloud: &Cloud) -> Vec<String> {
+        let Some(prepared) = &cloud.prepared else { return Vec::new() };
+        let (had, wanted) = (prepared.neighbors, self.neighbors_of(cloud));
+        let mut notes = Vec::new();
+        if self.radii && cloud.radii.is_some() && self.stored_radii(cloud).is_none() {
+            notes.push(format!("prepared with {had} neighbors, not {wanted}: radii are computed anew"));
+        }
+        if self.fields && self.stored_field(cloud).is_none() {
+            let (field, asked) = (&prepared.field, self.field_of(cloud));
+            notes.push(if *field == asked {
+                format!("prepared with {had} neighbors, not {wanted}: the field is computed anew")
+            } else {
+                format!("prepared for field {:?}, not {:?} as asked: computed anew", field.name(), asked.name())
+            });
+        }
+        notes
+    }
+}
+
+/// Finds what is asked for, all that needs neighbors in one visit of them. What a prepared file holds is not computed
+/// again.
+///
+/// # Errors
+/// If the cloud lacks what its field is made of.
+pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Found, field::Error> {
+    let k = request.neighbors_of(cloud);
+    let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
+    let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
+    let mut normals = cloud.normals.clone().filter(|_| request.normals);
+    if request.fields && fields.is_none() {
+        fields = request.field_of(cloud).of(cloud)?;
+    }
+    let lacks_normals = request.normals && normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO));
+    if lacks_normals || (request.fields && fields.is_none()) {
+        let surface = uncertainty::estimate(&cloud.positions, cloud.normals.as_deref(), k, progress);
+        radii = radii.or(Some(surface.radii).filter(|_| request.radii));
+        fields = fields.or(Some(surface.fields).filter(|_| request.fields));
+        normals = Some(surface.normals).filter(|_| request.normals);
+    }
+    if request.radii && radii.is_none() {
+        radii = Some(radius::estimate(&cloud.positions, k, progress));
+    }
+    Ok(Found { radii, fields, normals })
+}
+
+/// The cloud with radii and field, and with normals if they are asked for, ready for
+/// [`write_prepared`](crate::io::ply::write_prepared). A shadow texture that it has stays, unless normals are others.
+///
+/// # Errors
+/// If the cloud lacks what its field is made of.
+pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
+    let request = Request { radii: true, fields: true, ..request.clone() };
+    let found = find(&cloud, &request, progress)?;
+    // What is lit depends on normals.
+    let same_normals = found.normals.is_none() || found.normals == cloud.normals;
+    let shadows = cloud.prepared.as_mut().and_then(|prepared| prepared.shadows.take()).filter(|_| same_normals);
+    cloud.prepared = Some(Prepared {
+        neighbors: request.neighbors_of(&cloud),
+        estimated_radii: cloud.own_radii().is_none(),
+        field: request.field_of(&cloud),
+        values: found.fields.unwrap_or_default(),
+        shadows,
+    });
+    cloud.radii = found.radii;
+    // Normals that are all zero are none, as in a file.
+    cloud.normals = found.normals.or(cloud.normals).filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO));
+    Ok(cloud)
+}

@@ -1,0 +1,230 @@
+//! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
+
+use crate::progress::Progress;
+use glam::{DVec3, Vec3};
+
+use super::error::Error;
+use super::procedural::Generated;
+use super::settings::{CloudSettings, Scene};
+use crate::cloud::shadow_texture::{Casting, ShadowTexture};
+use crate::cloud::{Cloud, UpAxis};
+use crate::points::Points;
+use crate::prepare::Arranged;
+use crate::prepare::ensembles;
+use crate::{io, prepare};
+
+/// Reads the scene's cloud files, in the scene's order.
+///
+/// # Errors
+/// The first file that can't be read.
+pub fn load_clouds(scene: &Scene, progress: &Progress) -> Result<Vec<Cloud>, io::Error> {
+    let load = |cloud: &CloudSettings| {
+        progress.reset();
+        progress.set_message(format!("reading {}", cloud.path.display()));
+        io::load_with(&cloud.path, cloud.hints(), progress)
+    };
+    scene.clouds.iter().map(load).collect()
+}
+
+/// The clouds of a generated scene, looked up by name (with or without the extension) instead of on the disk.
+///
+/// # Errors
+/// A path that is not the name of any generated cloud.
+pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>, Error> {
+    let find = |settings: &CloudSettings| {
+        let path = &settings.path;
+        let is = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
+        let missing = || Error::Usage(format!("{}: the built-in scene has no such cloud", path.display()));
+        generated.clouds.iter().find(|(name, _)| is(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
+    };
+    scene.clouds.iter().map(find).collect()
+}
+
+/// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
+pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
+    let surveys = clouds.iter().filter(|cloud| cloud.up == UpAxis::Z).count();
+    if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
+}
+
+/// What prepared clouds hold that the scene can't use, one sentence each.
+pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
+    let of = |(settings, cloud): (&CloudSettings, &Cloud)| {
+        let path = settings.path.display().to_string();
+        let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
+        notes.into_iter().map(move |note| format!("{path}: {note}"))
+    };
+    scene.clouds.iter().zip(clouds).flat_map(of).collect()
+}
+
+/// The shadow texture that is stored with the scene's cloud, if it is the one that the scene wants; else why it isn't, one
+/// sentence, if there is any. `seed` is that of the frame.
+pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<ShadowTexture>, Option<String>) {
+    let stored = |cloud: &Cloud| cloud.prepared.as_ref().and_then(|prepared| prepared.shadows.clone());
+    let with_settings = scene.clouds.iter().zip(clouds);
+    let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
+    let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
+    let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    let wanted = Casting::new(scene.shading.light, &shadows, seed, diagonal);
+    let other = wanted.map(|wanted| texture.casting.differences(&wanted)).unwrap_or_default();
+    let why = if clouds.len() > 1 {
+        "stored for this cloud by itself".to_owned()
+    } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
+        "stored for the cloud where it is in its file".to_owned()
+    } else if wanted.is_none() || !other.is_empty() {
+        format!("stored for other settings ({})", other.join(", "))
+    } else {
+        return (Some(texture), None);
+    };
+    (None, Some(format!("{}: shadows {why}: cast anew", settings.path.display())))
+}
+
+/// What a scene wants to know of a cloud's points.
+pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
+    prepare::Request {
+        neighbors: settings.neighbors,
+        field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
+        radii: radii && settings.radius.is_none(),
+        fields,
+        normals: false,
+    }
+}
+
+/// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
+///
+/// Positions become scale·p + translate in float64; those that are not finite then are dropped. Colors stay linear,
+/// whatever the scene's color space; clouds without color are white. A radius is the scene's, else the file's times
+/// `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
+/// them. F is there if the method
+/// asks for it. Neighbors and fields are found in the cloud's own coordinates, before `scale` and `translate` round them:
+/// that is what a prepared file holds.
+///
+/// # Errors
+/// No point is left, or a cloud lacks what its field is made of.
+pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
+    let mut points = Points::default();
+    for (settings, cloud) in scene.clouds.iter().zip(clouds) {
+        let request = request(settings, needs_radii, scene.method.needs_field());
+        points.append(transformed(settings, cloud, &request, progress)?);
+    }
+    if points.is_empty() {
+        return Err(no_points(scene));
+    }
+    Ok(prepare::order::canonical(points))
+}
+
+/// All points of the scene as its method wants them: as [`assemble`] has them, or dealt to ensembles by `seed`, with neither
+/// radii nor F. Clouds of which no point is left are left out of the latter. `progress` shows how far it is.
+///
+/// # Errors
+/// As of [`assemble`].
+pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
+    if !scene.method.is_dealt() {
+        return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
+    }
+    let each = scene.clouds.iter().zip(clouds);
+    let placed = each.map(|(settings, cloud)| transformed(settings, cloud, &request(settings, false, false), progress));
+    let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
+    progress.reset();
+    progress.set_message("dealing points to ensembles");
+    let dealt = ensembles::deal(placed, seed, progress);
+    if dealt.points.is_empty() { Err(no_points(scene)) } else { Ok(Arranged::Dealt(dealt)) }
+}
+
+pub(super) fn no_points(scene: &Scene) -> Error {
+    let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
+    Error::NoPoints { clouds: clouds.join(", ") }
+}
+
+/// One cloud with its settings applied.
+fn transformed(
+    settings: &CloudSettings,
+    mut cloud: Cloud,
+    request: &prepare::Request,
+    progress: &Progress,
+) -> Result<Points, Error> {
+    if request.radii || request.fields {
+        progress.reset();
+        progress.set_message("finding neighbors");
+    }
+    let found = prepare::find(&cloud, request, progress);
+    let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
+    let count = cloud.len();
+    let radii = match found.radii.or(cloud.radii) {
+        Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
+        None => vec![radius(settings, None); count],
+    };
+    let colors = match (settings.color, cloud.colors) {
+        (None, Some(colors)) => colors,
+        _ => vec![color(settings, None); count],
+    };
+    let opacities = match cloud.alphas {
+        Some(alphas) => alphas.iter().map(|alpha| opacity(settings, Some(*alpha))).collect(),
+        None => vec![opacity(settings, None); count],
+    };
+    for position in &mut cloud.positions {
+        *position = placed(settings, *position);
+    }
+    let mut points = Points {
+        positions: cloud.positions,
+        colors,
+        opacities,
+        radii,
+        normals: cloud.normals,
+        file_order: Vec::new(),
+        fields: found.fields.unwrap_or_default(),
+    };
+    drop_non_finite(&mut points);
+    Ok(points)
+}
+
+/// Where a point of a cloud is in the scene.
+pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
+    settings.scale * position + settings.translate
+}
+
+/// The color of a point that has this one, or none, of its own.
+pub(super) fn color(settings: &CloudSettings, own: Option<Vec3>) -> Vec3 {
+    settings.color.or(own).unwrap_or(Vec3::ONE)
+}
+
+/// The opacity of a point with this alpha, or none.
+pub(super) fn opacity(settings: &CloudSettings, alpha: Option<f32>) -> f32 {
+    alpha.map_or(settings.opacity, |alpha| alpha * settings.opacity)
+}
+
+/// The radius of a point that has this one, or none, in the cloud's units.
+pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
+    let factor = f64::from(settings.radius_factor);
+    match (settings.radius, own) {
+        (Some(radius), _) => scaled(radius, factor),
+        (None, Some(own)) => scaled(own, settings.scale * factor),
+        (None, None) => 0.0,
+    }
+}
+
+/// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
+fn scaled(radius: f32, scale: f64) -> f32 {
+    ((f64::from(radius) * scale) as f32).min(f32::MAX)
+}
+
+/// Drops points that a huge `scale` or `translate` moved out of float64. Which are left; `None`: all.
+pub(super) fn drop_non_finite(points: &mut Points) -> Option<Vec<bool>> {
+    let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
+    if keep.iter().all(|keep| *keep) {
+        return None;
+    }
+    retain(&mut points.positions, &keep);
+    retain(&mut points.colors, &keep);
+    retain(&mut points.opacities, &keep);
+    retain(&mut points.radii, &keep);
+    retain(&mut points.fields, &keep);
+    if let Some(normals) = &mut points.normals {
+        retain(normals, &keep);
+    }
+    Some(keep)
+}
+
+fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    column.retain(|_| keep.next().copied().unwrap_or(false));
+}

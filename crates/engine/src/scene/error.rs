@@ -1,0 +1,140 @@
+//! What can be wrong with a scene file or the options that stand for one, and where.
+
+use std::path::PathBuf;
+
+use super::procedural;
+use crate::cloud::field;
+
+/// Where a key or value was given.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// In a file; line and column count from 1, columns in characters.
+    File {
+        /// The file as it was named.
+        path: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: usize,
+    },
+    /// In an option, as it was typed.
+    Option(String),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File { path, line, column } => write!(f, "{path}:{line}:{column}"),
+            Self::Option(option) => f.write_str(option),
+        }
+    }
+}
+
+/// What is wrong with a scene file or with the options that stand for one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene file is missing or can't be read.
+    #[error("{path}: can't read the scene file: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The scene file has no bytes.
+    #[error("{path}: the scene file is empty; it needs at least one [[cloud]] with a path", path = path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The text is not TOML.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// The parser's reason.
+        message: String,
+    },
+    /// No table or method has this key.
+    #[error("{place}: unknown key `{key}`{hint}")]
+    UnknownKey {
+        /// Where.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// The nearest known key or the list of them, as a phrase that follows the key.
+        hint: String,
+    },
+    /// A value has the wrong type or is out of range.
+    #[error("{place}: `{key}` {problem}")]
+    Value {
+        /// Where.
+        place: Place,
+        /// The dotted key.
+        key: String,
+        /// What was expected and what was found.
+        problem: String,
+    },
+    /// Two keys contradict each other, or one that is needed is missing.
+    #[error("{place}: {problem}")]
+    Conflict {
+        /// Where.
+        place: Place,
+        /// Which keys and what would help.
+        problem: String,
+    },
+    /// No method of that name.
+    #[error("{place}: unknown method {name:?}{hint}")]
+    UnknownMethod {
+        /// Where.
+        place: Place,
+        /// The name.
+        name: String,
+        /// The nearest known name or the list of them, as a phrase that follows the name.
+        hint: String,
+    },
+    /// The options contradict each other.
+    #[error("{0}")]
+    Usage(String),
+    /// A built-in scene can't be made as asked.
+    #[error(transparent)]
+    Procedural(#[from] procedural::Error),
+    /// No finite point is left after `translate` and `scale`.
+    #[error("{clouds}: no finite point is left to draw after `translate` and `scale`")]
+    NoPoints {
+        /// The clouds' paths.
+        clouds: String,
+    },
+    /// A cloud lacks what its field is made of.
+    #[error("{path}: {source}", path = path.display())]
+    Field {
+        /// The cloud.
+        path: PathBuf,
+        /// What it lacks.
+        source: field::Error,
+    },
+    /// Coordinates beyond what the camera can be computed for.
+    #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
+    Extent {
+        /// Smallest corner.
+        min: glam::DVec3,
+        /// Largest corner.
+        max: glam::DVec3,
+    },
+}
+
+impl Error {
+    /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Read { .. }
+            | Self::Empty { .. }
+            | Self::NoPoints { .. }
+            | Self::Field { .. }
+            | Self::Extent { .. } => 1,
+            Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
+            _ => 2,
+        }
+    }
+}

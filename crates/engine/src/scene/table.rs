@@ -1,0 +1,252 @@
+//! Typed reading of a table: every getter checks type and range and names the key, the place and what was expected.
+
+use glam::{DVec3, Vec3};
+
+use super::error::{Error, Place};
+use super::tree::{Entries, Node, Value};
+use crate::words::nearest;
+
+/// A table of the scene and its dotted name.
+pub(crate) struct Table<'a> {
+    entries: Option<&'a Entries>,
+    name: String,
+    pub place: Place,
+}
+
+/// Coordinates up to here can be squared twice and summed in float64, as a camera needs it.
+pub(crate) const MAX_COORDINATE: f64 = 1e75;
+
+/// The values a number may have. NaN and infinities are outside every range.
+#[derive(Clone, Copy)]
+pub(crate) struct Range {
+    min: f64,
+    max: f64,
+    /// Whether the ends themselves are allowed.
+    closed: bool,
+}
+
+impl Range {
+    pub const UNIT: Self = Self { min: 0.0, max: 1.0, closed: true };
+    pub const POSITIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: false };
+    pub const NOT_NEGATIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: true };
+    pub const COORDINATE: Self = Self { min: -MAX_COORDINATE, max: MAX_COORDINATE, closed: true };
+
+    pub const fn open(min: f64, max: f64) -> Self {
+        Self { min, max, closed: false }
+    }
+
+    pub fn contains(self, x: f64) -> bool {
+        x.is_finite() && if self.closed { self.min <= x && x <= self.max } else { self.min < x && x < self.max }
+    }
+
+    /// A phrase that follows "must be a number".
+    pub fn describe(self) -> String {
+        let Self { min, max, closed } = self;
+        match (min.is_finite(), max.is_finite(), closed) {
+            (true, false, true) => format!(" of at least {min}"),
+            (true, false, false) => format!(" above {min}"),
+            (_, _, true) => format!(" from {min:?} to {max:?}"),
+            (_, _, false) => format!(" between {min} and {max}, both excluded"),
+        }
+    }
+}
+
+impl<'a> Table<'a> {
+    /// The whole document.
+    pub fn root(node: &'a Node) -> Result<Self, Error> {
+        Self::new(node, String::new())
+    }
+
+    fn new(node: &'a Node, name: String) -> Result<Self, Error> {
+        match &node.value {
+            Value::Table(entries) => Ok(Self { entries: Some(entries), name, place: node.place.clone() }),
+            other => Err(value_error(node, &name, format!("must be a table, found {}", other.describe()))),
+        }
+    }
+
+    fn path(&self, key: &str) -> String {
+        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+    }
+
+    pub fn get(&self, key: &str) -> Option<&'a Node> {
+        Some(&self.entries?.get(key)?.1)
+    }
+
+    /// Keys with their places, in alphabetical order.
+    pub fn keys(&self) -> impl Iterator<Item = (&'a str, &'a Place)> {
+        self.entries.into_iter().flatten().map(|(key, (place, _))| (key.as_str(), place))
+    }
+
+    /// A table inside this one; an absent one reads as empty.
+    pub fn table(&self, key: &str) -> Result<Self, Error> {
+        match self.get(key) {
+            Some(node) => Self::new(node, self.path(key)),
+            None => Ok(Self { entries: None, name: self.path(key), place: self.place.clone() }),
+        }
+    }
+
+    /// An array of tables, `[[key]]`; none if absent.
+    pub fn tables(&self, key: &str) -> Result<Vec<Self>, Error> {
+        let Some(node) = self.get(key) else { return Ok(Vec::new()) };
+        let Value::Array(items) = &node.value else {
+            return Err(self.error(
+                key,
+                node,
+                format!("must be written as [[{key}]], found {}", node.value.describe()),
+            ));
+        };
+        items.iter().enumerate().map(|(i, item)| Self::new(item, format!("{}.{i}", self.path(key)))).collect()
+    }
+
+    /// Refuses keys that are not among `known`.
+    pub fn refuse_unknown(&self, known: &[&str]) -> Result<(), Error> {
+        match self.keys().filter(|(key, _)| !known.contains(key)).min_by_key(|(_, place)| *place) {
+            None => Ok(()),
+            Some((key, place)) => Err(Error::UnknownKey {
+                place: place.clone(),
+                key: self.path(key),
+                hint: nearest(key, known.iter().copied(), "known here"),
+            }),
+        }
+    }
+
+    /// An error about `key` at the place of `node`.
+    pub fn error(&self, key: &str, node: &Node, problem: String) -> Error {
+        value_error(node, &self.path(key), problem)
+    }
+
+    pub fn number(&self, key: &str, range: Range) -> Result<Option<f64>, Error> {
+        self.get(key).map(|node| self.number_at(key, node, range)).transpose()
+    }
+
+    /// A number that is stored as float32.
+    pub fn number32(&self, key: &str, range: Range) -> Result<Option<f32>, Error> {
+        self.get(key).map(|node| self.number32_at(key, node, range)).transpose()
+    }
+
+    fn number32_at(&self, key: &str, node: &Node, range: Range) -> Result<f32, Error> {
+        let number = self.number_at(key, node, range)? as f32;
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(self.error(key, node, format!("does not fit into float32: {}", node.value.describe())))
+        }
+    }
+
+    fn number_at(&self, key: &str, node: &Node, range: Range) -> Result<f64, Error> {
+        let number = match node.value {
+            Value::Integer(i) => Some(i as f64),
+            Value::Float(f) => Some(f),
+            _ => None,
+        };
+        number.filter(|x| range.contains(*x)).ok_or_else(|| {
+            self.error(key, node, format!("must be a number{}, found {}", range.describe(), node.value.describe()))
+        })
+    }
+
+    /// An integer from `min` to `max`.
+    pub fn integer(&self, key: &str, min: u32, max: u32) -> Result<Option<u32>, Error> {
+        self.get(key).map(|node| self.integer_at(key, node, min, max)).transpose()
+    }
+
+    fn integer_at(&self, key: &str, node: &Node, min: u32, max: u32) -> Result<u32, Error> {
+        let integer = match node.value {
+            Value::Integer(i) => u32::try_from(i).ok(),
+            _ => None,
+        };
+        integer.filter(|i| (min..=max).contains(i)).ok_or_else(|| {
+            self.error(key, node, format!("must be an integer from {min} to {max}, found {}", node.value.describe()))
+        })
+    }
+
+    pub fn boolean(&self, key: &str) -> Result<Option<bool>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        match node.value {
+            Value::Boolean(value) => Ok(Some(value)),
+            _ => Err(self.error(key, node, format!("must be true or false, found {}", node.value.describe()))),
+        }
+    }
+
+    pub fn string(&self, key: &str) -> Result<Option<&'a str>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        match &node.value {
+            Value::String(text) if !text.is_empty() => Ok(Some(text)),
+            other => {
+                Err(self.error(key, node, format!("must be a string that is not empty, found {}", other.describe())))
+            }
+        }
+    }
+
+    /// One of a few words, each with its meaning.
+    pub fn choice<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let found = match &node.value {
+            Value::String(text) => words.iter().find(|(word, _)| word == text),
+            _ => None,
+        };
+        found.map(|(_, meaning)| Some(*meaning)).ok_or_else(|| {
+            let list: Vec<_> = words.iter().map(|(word, _)| format!("{word:?}")).collect();
+            self.error(key, node, format!("must be one of {}, found {}", list.join(", "), node.value.describe()))
+        })
+    }
+
+    fn items<const N: usize>(&self, key: &str, node: &'a Node, what: &str) -> Result<&'a [Node; N], Error> {
+        let items = match &node.value {
+            Value::Array(items) => <&[Node; N]>::try_from(items.as_slice()).ok(),
+            _ => None,
+        };
+        let found = || node.value.describe();
+        items.ok_or_else(|| self.error(key, node, format!("must be an array of {N} {what}, found {}", found())))
+    }
+
+    /// Three coordinates in float64.
+    pub fn vector(&self, key: &str) -> Result<Option<DVec3>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let [x, y, z] = self.items(key, node, "numbers")?;
+        let number = |node| self.number_at(key, node, Range::COORDINATE);
+        Ok(Some(DVec3::new(number(x)?, number(y)?, number(z)?)))
+    }
+
+    /// A vector with a direction: not zero, and short enough to be normalised.
+    pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
+        let vector = self.vector(key)?;
+        match (vector, self.get(key)) {
+            (Some(v), Some(node)) if v.try_normalize().is_none() => {
+                Err(self.error(key, node, format!("must be a direction, found {v}")))
+            }
+            _ => Ok(vector),
+        }
+    }
+
+    /// Linear RGB, each from 0 to 1.
+    pub fn color(&self, key: &str) -> Result<Option<Vec3>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;
+        let number = |node| self.number32_at(key, node, Range::UNIT);
+        Ok(Some(Vec3::new(number(r)?, number(g)?, number(b)?)))
+    }
+
+    /// Two integers from 1 to `max`.
+    pub fn size(&self, key: &str, max: u32) -> Result<Option<[u32; 2]>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let [width, height] = self.items(key, node, "integers (width, height)")?;
+        Ok(Some([self.integer_at(key, width, 1, max)?, self.integer_at(key, height, 1, max)?]))
+    }
+
+    /// A list of integers from 0 to `max`.
+    pub fn integers(&self, key: &str, max: u32) -> Result<Option<Vec<u32>>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let Value::Array(items) = &node.value else {
+            return Err(self.error(
+                key,
+                node,
+                format!("must be an array of integers, found {}", node.value.describe()),
+            ));
+        };
+        items.iter().map(|item| self.integer_at(key, item, 0, max)).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+fn value_error(node: &Node, key: &str, problem: String) -> Error {
+    Error::Value { place: node.place.clone(), key: key.to_owned(), problem }
+}

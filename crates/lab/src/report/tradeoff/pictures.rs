@@ -1,0 +1,191 @@
+//! Pictures for the page: reduced, so that dozens of them fit one file, and each only once.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use png::{BitDepth, ColorType, Compression, DecodingError, Filter};
+use rayon::prelude::*;
+
+use super::Tradeoff;
+use pellucid_engine::color::{decode_srgb, encode_srgb};
+use pellucid_engine::output;
+
+/// Wider pictures are reduced by a whole factor until they are no wider.
+const MAX_WIDTH: u32 = 640;
+/// Pixels of all pictures of a page together at most, so that it does not get too large for a browser.
+const MAX_PIXELS: u64 = 24 << 20;
+
+/// The pictures of all rows, as data URIs.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pictures {
+    /// Every different one once.
+    pub uris: Vec<String>,
+    /// The reference's index in `uris`.
+    pub reference: usize,
+    /// Of each row: index of the picture and of the difference.
+    pub rows: Vec<[usize; 2]>,
+    /// Width and height of the pictures as they are embedded.
+    pub size: [u32; 2],
+    /// Pixels of a file across one embedded pixel.
+    pub factor: u32,
+}
+
+/// How a block of pixels becomes one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reduce {
+    /// The mean of linear light: what one sees from further away.
+    Mean,
+    /// The greatest of each channel: a single wrong pixel stays visible.
+    Max,
+}
+
+impl Pictures {
+    /// Reads the files that the report names.
+    pub(super) fn read(folder: &Path, report: &Tradeoff) -> Result<Self, output::Error> {
+        let factor = factor(report.size, report.rows.len());
+        let mut files = vec![(report.reference.picture.as_str(), Reduce::Mean)];
+        for row in &report.rows {
+            files.extend([(row.picture.as_str(), Reduce::Mean), (row.difference.as_str(), Reduce::Max)]);
+        }
+        let read: Vec<_> = files.par_iter().map(|(name, how)| embedded(&folder.join(name), factor, *how)).collect();
+        let mut uris = Vec::new();
+        let mut known = HashMap::new();
+        let mut index = |uri: String| {
+            *known.entry(uri).or_insert_with_key(|uri| {
+                uris.push(uri.clone());
+                uris.len() - 1
+            })
+        };
+        // Collected in order, so that of several failures always the first is told, whatever the threads did.
+        let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut indices = read.into_iter().map(&mut index);
+        let reference = indices.next().unwrap_or(0);
+        let indices: Vec<usize> = indices.collect();
+        let rows = indices.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        Ok(Self { uris, reference, rows, size: report.size.map(|side| side.div_ceil(factor)), factor })
+    }
+}
+
+/// By how much pictures are reduced; there are two for each row, and the reference.
+fn factor(size: [u32; 2], rows: usize) -> u32 {
+    let pixels = |factor: u32| size.map(|side| u64::from(side.div_ceil(factor))).iter().product::<u64>();
+    let all = |factor: u32| pixels(factor).saturating_mul(2 * rows as u64 + 1);
+    let narrow = size[0].div_ceil(MAX_WIDTH).max(1);
+    // In a picture of one pixel there is nothing to reduce.
+    (narrow..).find(|factor| all(*factor) <= MAX_PIXELS || pixels(*factor) <= 1).unwrap_or(narrow)
+}
+
+fn embedded(path: &Path, factor: u32, how: Reduce) -> Result<String, output::Error> {
+    let picture = Picture::read(path)?.reduced(factor, how);
+    let encoded = picture.encoded().map_err(|source| output::Error::Write { path: path.to_owned(), source })?;
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(encoded)))
+}
+
+/// 8 bits of red, green and blue, sRGB-encoded.
+#[derive(Debug, Clone, PartialEq)]
+struct Picture {
+    width: u32,
+    height: u32,
+    /// Row by row from the top.
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Picture {
+    /// Reads a PNG of 8 bits, red, green and blue, as the report writes them.
+    fn read(path: &Path) -> Result<Self, output::Error> {
+        let unreadable = |source| output::Error::Read { path: path.to_owned(), source };
+        let failed = |error: DecodingError| match error {
+            DecodingError::IoError(source) => unreadable(source),
+            other => output::Error::Decode { path: path.to_owned(), reason: other.to_string() },
+        };
+        let file = File::open(path).map_err(unreadable)?;
+        let mut reader = png::Decoder::new(BufReader::new(file)).read_info().map_err(failed)?;
+        let (width, height) = reader.info().size();
+        let bytes = reader.output_buffer_size().unwrap_or(0);
+        if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) || bytes == 0 {
+            let reason = "no PNG of 8 bits in red, green and blue, as the report writes them".to_owned();
+            return Err(output::Error::Decode { path: path.to_owned(), reason });
+        }
+        let mut pixels = vec![[0; 3]; bytes / 3];
+        reader.next_frame(pixels.as_flattened_mut()).map_err(failed)?;
+        Ok(Self { width, height, pixels })
+    }
+
+    /// As a PNG.
+    fn encoded(&self) -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(Compression::Balanced);
+        encoder.set_filter(Filter::Adaptive);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+
+    /// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
+    fn reduced(&self, factor: u32, how: Reduce) -> Self {
+        let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
+        let block = |x: u32, y: u32| -> [u8; 3] {
+            let columns = x * factor..self.width.min((x + 1) * factor);
+            let rows = y * factor..self.height.min((y + 1) * factor);
+            let at = |x: u32, y: u32| self.pixels[y as usize * self.width as usize + x as usize];
+            let block = || rows.clone().flat_map(|y| columns.clone().map(move |x| at(x, y)));
+            std::array::from_fn(|channel| match how {
+                Reduce::Max => block().map(|pixel| pixel[channel]).max().unwrap_or(0),
+                Reduce::Mean => {
+                    let sum: f32 = block().map(|pixel| linear[usize::from(pixel[channel])]).sum();
+                    // Within [0, 255] by construction.
+                    (255.0 * encode_srgb(sum / (columns.len() * rows.len()) as f32)).round() as u8
+                }
+            })
+        };
+        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| block(x, y)).collect();
+        Self { width, height, pixels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_pictures_are_reduced_more() {
+        assert_eq!((factor([640, 480], 20), factor([1024, 1024], 40), factor([1, 1], 1)), (1, 2, 1));
+        // 247 pictures of 256² are 16.2 million pixels, those of 342² 28.9.
+        assert_eq!(factor([1024, 1024], 123), 4);
+        assert_eq!(factor([4, 4], usize::MAX / 4), 4);
+    }
+
+    #[test]
+    fn blocks_become_their_mean_or_their_greatest() {
+        // 3 × 2, by 2: a whole block and one of a single column.
+        let pixels = vec![[0, 0, 7], [255, 0, 7], [9, 1, 7], [0, 0, 7], [255, 80, 7], [9, 2, 7]];
+        let picture = Picture { width: 3, height: 2, pixels };
+        let greatest = picture.reduced(2, Reduce::Max);
+        assert_eq!(greatest, Picture { width: 2, height: 1, pixels: vec![[255, 80, 7], [9, 2, 7]] });
+        // Half of the light is 188 in sRGB, not 128.
+        let mean = picture.reduced(2, Reduce::Mean).pixels;
+        assert_eq!((mean[0][0], mean[0][2], mean[1][0]), (188, 7, 9));
+        assert_eq!(picture.reduced(1, Reduce::Mean), picture);
+        assert_eq!(picture.reduced(1, Reduce::Max), picture);
+    }
+
+    #[test]
+    fn embedded_pictures_keep_their_pixels() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = Picture { width: 2, height: 2, pixels: vec![[1, 2, 3], [4, 5, 6], [7, 8, 9], [255, 0, 128]] };
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, picture.encoded().unwrap()).unwrap();
+        assert_eq!(Picture::read(&path).unwrap(), picture);
+        std::fs::write(&path, b"no picture").unwrap();
+        assert!(Picture::read(&path).unwrap_err().to_string().contains("a.png"));
+    }
+}
