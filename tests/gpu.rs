@@ -328,10 +328,14 @@ fn spread(device: &Device, count: u32, room: u64, within: bool) -> Result<(), Er
     let offsets = device.upload("offsets", &vec![3u32; room as usize + if within { 64 } else { 0 }]).expect("fits");
     let overflow = device.upload("flag", &[0u32]).expect("fits");
     let [_, top] = scan::variants();
-    let run = Run::new(Dispatch::Invocations(1)).variant(top).push(&ScanPush { count });
+    let run = Run::new(Dispatch::Invocations(1)).variant(top);
     let (values, offsets) = (values.all(), offsets.slice(0, room));
     let mut recorder = device.recorder()?;
-    recorder.run(&scan::Spread { values, starts: values, offsets, overflow: overflow.all() }, &run)?;
+    recorder.run(
+        &scan::Spread { values, starts: values, offsets, overflow: overflow.all() },
+        ScanPush { count },
+        &run,
+    )?;
     recorder.submit("a scan").map(drop)
 }
 
@@ -359,14 +363,42 @@ fn what_a_pass_may_write_behind_another_range_is_no_error() {
         let (values, flag) = (device.upload("values", &[1u32; 64]).unwrap(), device.upload("flag", &[0u32]).unwrap());
         let offsets = device.upload("offsets", &[7u32; 128]).unwrap();
         let [_, top] = scan::variants();
-        let run = Run::new(Dispatch::Invocations(1)).variant(top).push(&ScanPush { count: 64 });
+        let run = Run::new(Dispatch::Invocations(1)).variant(top);
         let mut recorder = device.recorder().unwrap();
         for offsets in [offsets.slice(0, 64), offsets.slice(64, 64)] {
             let pass = scan::Spread { values: values.all(), starts: values.all(), offsets, overflow: flag.all() };
-            recorder.run(&pass, &run).unwrap();
+            recorder.run(&pass, ScanPush { count: 64 }, &run).unwrap();
         }
         recorder.submit("two halves").expect("each half is written by its own pass");
         assert_eq!(offsets.read(0, 128).unwrap(), (0..64).chain(0..64).collect::<Vec<u32>>());
+    });
+}
+
+/// A dispatch of two words would read its third one from whatever lies behind them.
+#[test]
+fn indirect_arguments_of_fewer_than_three_words_are_refused() {
+    with_device(|device| {
+        let (values, flag) = (device.upload("values", &[1u32; 64]).unwrap(), device.upload("flag", &[0u32]).unwrap());
+        let offsets = device.upload("offsets", &[7u32; 64]).unwrap();
+        let arguments = device.upload("arguments", &[1u32; 3]).unwrap();
+        let recorded = |words: u64| {
+            let mut recorder = device.recorder().unwrap();
+            let pass = scan::Spread {
+                values: values.all(),
+                starts: values.all(),
+                offsets: offsets.all(),
+                overflow: flag.all(),
+            };
+            let [_, top] = scan::variants();
+            let run = Run::new(Dispatch::Indirect(arguments.slice(0, words))).variant(top);
+            recorder.run(&pass, ScanPush { count: 64 }, &run).unwrap();
+            recorder.submit("an indirect dispatch").unwrap();
+        };
+        recorded(3);
+        assert_eq!(offsets.read(0, 64).unwrap(), (0..64).collect::<Vec<u32>>());
+        let refused = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| recorded(2))).expect_err("two words");
+        let message = refused.downcast_ref::<String>().expect("a formatted message");
+        assert_eq!(message, "scan/spread: a dispatch takes three words");
     });
 }
 

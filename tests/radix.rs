@@ -52,14 +52,15 @@ fn scattered(device: &Device, stored: u32) -> Result<(), String> {
     let cursors = device.buffer("digit cursors", 16, Memory::Device).expect("fits");
     let overflow = device.upload("flag", &[0u32]).expect("fits");
     let scan = Scan::new(device, 16).expect("fits");
-    let run = |count| Run::new(Dispatch::Groups(1)).push(&RadixPush { count, runs: 1, run_length, shift: 0, mask: 15 });
+    let push = |count| RadixPush { count, runs: 1, run_length, shift: 0, mask: 15 };
+    let run = || Run::new(Dispatch::Groups(1));
     let variant = radix::scatter_variant(device.info().subgroup.expect("a device with subgroups of 8 to 32"));
     let (records, counts, cursors) = (records.all(), counts.all(), cursors.all());
     let mut recorder = device.recorder().expect("a recorder");
-    recorder.run(&radix::Count { records, counts }, &run(count)).expect("recorded");
+    recorder.run(&radix::Count { records, counts }, push(count), &run()).expect("recorded");
     scan.record(&mut recorder, counts, cursors, overflow.all()).expect("recorded");
     let scatter = radix::Scatter { records, cursors, moved: moved.all() };
-    recorder.run(&scatter, &run(stored).variant(variant)).expect("recorded");
+    recorder.run(&scatter, push(stored), &run().variant(variant)).expect("recorded");
     radix::agree(&mut recorder, counts, cursors, count).expect("recorded");
     recorder.submit("radix").map(drop).map_err(|e| e.to_string())
 }

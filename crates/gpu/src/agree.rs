@@ -121,8 +121,8 @@ impl<'a> Recorder<'a> {
             agreement.of = words;
             let count = words as u32;
             let push = AgreePush { count, stored_first, ends_first, counts_first, mode, value, stride };
-            let run = Run::new(Dispatch::Invocations(words)).push(&push);
-            self.run_untimed(&Agree { found: agreement.found.all(), stored, ends, counts }, &run)?;
+            let run = Run::new(Dispatch::Invocations(words));
+            self.run_untimed(&Agree { found: agreement.found.all(), stored, ends, counts }, push, &run)?;
             self.keep(agreement);
         }
         Ok(())

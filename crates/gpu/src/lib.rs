@@ -31,7 +31,7 @@ pub use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
 pub use layout::{GpuType, Shape};
-pub use pass::{Access, Binding, Group, PARTS, Pass, Resource};
+pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
 pub use pipeline::{Blend, Outputs};
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use shader::Variant;

@@ -1,9 +1,10 @@
 //! What a pass binds, declared once in Rust and compared with its shader.
 
 use ash::vk;
+use bytemuck::Pod;
 
 use super::shader::Sources;
-use super::{RawSlice, Shape};
+use super::{GpuType, RawSlice, Shape};
 
 /// How a shader may use a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +45,24 @@ pub struct Binding {
     pub shape: Shape,
 }
 
+/// Push constants of a pass: a struct made by [`gpu_struct!`](crate::gpu_struct), or `()` where it has none.
+pub trait PushConstants: Pod {
+    /// Their shape; `None` for none.
+    fn push_shape() -> Option<Shape>;
+}
+
+impl PushConstants for () {
+    fn push_shape() -> Option<Shape> {
+        None
+    }
+}
+
+impl<T: GpuType> PushConstants for T {
+    fn push_shape() -> Option<Shape> {
+        Some(T::shape())
+    }
+}
+
 /// A pass: a struct of named buffers and textures. Made by [`pass!`](crate::pass).
 pub trait Pass {
     /// Method and stage, as in `abuffer/store`: the timing label too.
@@ -52,10 +71,10 @@ pub trait Pass {
     const SHADER: &'static str;
     /// The shader files of the crate that declares the pass.
     fn sources() -> &'static Sources;
+    /// The push constants that every run and draw takes.
+    type Push: PushConstants;
     /// The declared bindings.
     fn bindings() -> Vec<Binding>;
-    /// Shape of the push constants, if any.
-    fn push() -> Option<Shape>;
     /// The buffers and textures in the order of the bindings.
     fn resources(&self) -> Vec<Resource>;
 }
@@ -73,7 +92,8 @@ pub trait Group {
 /// Parts that a buffer of unlimited length is bound in, as bindings `name_0` to `name_3`.
 pub const PARTS: usize = 4;
 
-/// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; name of the timing label, the shader file if it is called otherwise, push constants, bindings.
+/// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then the name of the
+/// timing label, the shader file if it is called otherwise, push constants, bindings.
 /// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
 /// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a [`Group`].
 ///
@@ -99,17 +119,12 @@ macro_rules! pass {
         impl $crate::Pass for $name<'_> {
             const NAME: &'static str = $label;
             const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
+            type Push = $crate::pass!(@push $($push)?);
             fn sources() -> &'static $crate::shader::Sources {
                 &$sources
             }
             fn bindings() -> Vec<$crate::Binding> {
                 [$($crate::pass!(@bind $field, $access, $type)),*].concat()
-            }
-            fn push() -> Option<$crate::Shape> {
-                #[allow(unused_mut, unused_assignments)]
-                let mut shape = None;
-                $(shape = Some(<$push as $crate::GpuType>::shape());)?
-                shape
             }
             fn resources(&self) -> Vec<$crate::Resource> {
                 [$($crate::pass!(@resource self.$field, $access, $type)),*].concat()
@@ -119,6 +134,8 @@ macro_rules! pass {
     (@type Shared $life:lifetime, $type:ty) => { <$type as $crate::Group>::At<$life> };
     (@bind $field:ident, Shared, $type:ty) => { <$type as $crate::Group>::bindings() };
     (@resource $buffers:expr, Shared, $type:ty) => { <$type as $crate::Group>::resources(&$buffers) };
+    (@push) => { () };
+    (@push $push:ty) => { $push };
     (@first $first:literal $(, $rest:literal)*) => { $first };
     (@type Texture $life:lifetime, $type:ty) => { &$life $crate::Attachment };
     (@bind $field:ident, Texture, $type:ty) => {

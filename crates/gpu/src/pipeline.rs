@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::{Access, Context, Error, Format, Pass, Variant, shader};
+use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader};
 
 /// Pass, variant, and what a draw has for outputs; `None` for compute.
 pub type PipelineKey = (&'static str, String, Option<Outputs>);
@@ -37,7 +37,7 @@ impl Outputs {
 }
 
 /// Bytes of push constants that every device has.
-const PUSH_BYTES: u32 = 128;
+const PUSH_BYTES: usize = 128;
 
 pub struct Pipeline {
     pub raw: vk::Pipeline,
@@ -122,6 +122,7 @@ impl Pipeline {
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
+        const { assert!(size_of::<P::Push>() <= PUSH_BYTES, "more push constants than every device has") };
         let descriptor_types: Vec<_> = P::bindings()
             .iter()
             .map(|b| match b.access {
@@ -146,9 +147,9 @@ impl Pipeline {
         let set_layout = unsafe { device.create_descriptor_set_layout(&set_info, None) }
             .map_err(Error::call("vkCreateDescriptorSetLayout"))?;
         let set_layouts = [set_layout];
-        let ranges = [vk::PushConstantRange::default().stage_flags(stages).size(PUSH_BYTES)];
+        let ranges = [vk::PushConstantRange::default().stage_flags(stages).size(PUSH_BYTES as u32)];
         let mut layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
-        let push_stages = P::push().map(|_| stages);
+        let push_stages = P::Push::push_shape().map(|_| stages);
         if push_stages.is_some() {
             layout_info = layout_info.push_constant_ranges(&ranges);
         }

@@ -95,19 +95,18 @@ pub struct Draw<'a> {
     pub targets: Targets<'a>,
 }
 
-/// Variant, push constants and size of one run of a pass.
+/// Label, variant and size of one run of a pass.
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
     label: Option<&'static str>,
     variant: Variant,
-    push: Vec<u8>,
     dispatch: Dispatch<'a>,
 }
 
 impl<'a> Run<'a> {
-    /// A run of the plain variant without push constants.
+    /// A run of the plain variant.
     pub fn new(dispatch: Dispatch<'a>) -> Self {
-        Self { label: None, variant: Variant::plain(), push: Vec::new(), dispatch }
+        Self { label: None, variant: Variant::plain(), dispatch }
     }
 
     /// Under another name than the pass's own.
@@ -119,12 +118,6 @@ impl<'a> Run<'a> {
     /// With a variant.
     pub fn variant(mut self, variant: Variant) -> Self {
         self.variant = variant;
-        self
-    }
-
-    /// With push constants.
-    pub fn push<T: GpuType>(mut self, push: &T) -> Self {
-        self.push = bytemuck::bytes_of(push).to_vec();
         self
     }
 }
@@ -196,22 +189,66 @@ impl<'a> Recorder<'a> {
         Ok(recorder)
     }
 
-    /// Runs a compute pass.
-    pub fn run<P: Pass + 'a>(&mut self, pass: &P, run: &Run<'a>) -> Result<(), Error> {
+    /// Runs a compute pass with its push constants, `()` for one that declares none.
+    ///
+    /// Neither can be left out or mistaken:
+    ///
+    /// ```
+    /// # use pellucid_gpu::{Error, Recorder, Run, SHADERS, gpu_struct, pass};
+    /// # gpu_struct! { pub struct CountPush { count: u32 } }
+    /// # gpu_struct! { pub struct WidthPush { width: u32 } }
+    /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
+    /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// recorder.run(&over, CountPush { count: 3 }, run)?;
+    /// recorder.run(&plain, (), run)
+    /// # }
+    /// ```
+    /// ```compile_fail,E0308
+    /// # use pellucid_gpu::{Error, Recorder, Run, SHADERS, gpu_struct, pass};
+    /// # gpu_struct! { pub struct CountPush { count: u32 } }
+    /// # gpu_struct! { pub struct WidthPush { width: u32 } }
+    /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
+    /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// recorder.run(&over, (), run) // wants a CountPush
+    /// # }
+    /// ```
+    /// ```compile_fail,E0308
+    /// # use pellucid_gpu::{Error, Recorder, Run, SHADERS, gpu_struct, pass};
+    /// # gpu_struct! { pub struct CountPush { count: u32 } }
+    /// # gpu_struct! { pub struct WidthPush { width: u32 } }
+    /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
+    /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// recorder.run(&over, WidthPush { width: 3 }, run) // another pass's push constants
+    /// # }
+    /// ```
+    /// ```compile_fail,E0308
+    /// # use pellucid_gpu::{Error, Recorder, Run, SHADERS, gpu_struct, pass};
+    /// # gpu_struct! { pub struct CountPush { count: u32 } }
+    /// # gpu_struct! { pub struct WidthPush { width: u32 } }
+    /// # pass! { @from SHADERS; pub Over(CountPush) = "test/over" { values: ReadWrite<u32> } }
+    /// # pass! { @from SHADERS; pub Plain = "test/plain" { values: ReadWrite<u32> } }
+    /// # fn record<'a>(recorder: &mut Recorder<'a>, over: Over<'a>, plain: Plain<'a>, run: &Run<'a>) -> Result<(), Error> {
+    /// recorder.run(&plain, CountPush { count: 3 }, run) // declares none
+    /// # }
+    /// ```
+    pub fn run<P: Pass + 'a>(&mut self, pass: &P, push: P::Push, run: &Run<'a>) -> Result<(), Error> {
         let name = run.label.unwrap_or(P::NAME);
         let (pipeline, set) = self.prepare(pass, run, name)?;
         self.begin_pass(name, true)?;
-        self.dispatch::<P>(&pipeline, set, run)?;
+        self.dispatch::<P>(&pipeline, set, push, run)?;
         self.end_pass();
         self.pipelines.push(pipeline);
         Ok(())
     }
 
     /// Runs a compute pass that the submission's times know nothing of. The caller keeps its buffers until after the submission.
-    pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, run: &Run<'_>) -> Result<(), Error> {
+    pub(super) fn run_untimed<P: Pass>(&mut self, pass: &P, push: P::Push, run: &Run<'_>) -> Result<(), Error> {
         let (pipeline, set) = self.prepare(pass, run, P::NAME)?;
         self.memory_barrier();
-        self.dispatch::<P>(&pipeline, set, run)?;
+        self.dispatch::<P>(&pipeline, set, push, run)?;
         self.pipelines.push(pipeline);
         Ok(())
     }
@@ -227,7 +264,13 @@ impl<'a> Recorder<'a> {
         Ok((pipeline, set))
     }
 
-    fn dispatch<P: Pass>(&self, pipeline: &Pipeline, set: vk::DescriptorSet, run: &Run<'_>) -> Result<(), Error> {
+    fn dispatch<P: Pass>(
+        &self,
+        pipeline: &Pipeline,
+        set: vk::DescriptorSet,
+        push: P::Push,
+        run: &Run<'_>,
+    ) -> Result<(), Error> {
         let groups = self.groups(P::NAME, run.dispatch)?;
         let (device, commands) = (&self.context.device, self.commands);
         // SAFETY: the recorder holds the pipeline and the set and borrows the buffers, until the submission has been waited for.
@@ -235,11 +278,13 @@ impl<'a> Recorder<'a> {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
             device.cmd_bind_descriptor_sets(commands, vk::PipelineBindPoint::COMPUTE, pipeline.layout, 0, &[set], &[]);
             if let Some(stages) = pipeline.push_stages {
-                device.cmd_push_constants(commands, pipeline.layout, stages, 0, &run.push);
+                device.cmd_push_constants(commands, pipeline.layout, stages, 0, bytemuck::bytes_of(&push));
             }
             match run.dispatch {
                 Dispatch::Indirect(arguments) => {
-                    device.cmd_dispatch_indirect(commands, arguments.raw().buffer, arguments.raw().offset);
+                    let RawSlice { buffer, offset, bytes, .. } = arguments.raw();
+                    assert!(bytes >= 12, "{}: a dispatch takes three words", P::NAME);
+                    device.cmd_dispatch_indirect(commands, buffer, offset);
                 }
                 _ => device.cmd_dispatch(commands, groups[0], groups[1], 1),
             }
@@ -257,12 +302,12 @@ impl<'a> Recorder<'a> {
         self.agreements.push(agreement);
     }
 
-    /// Runs a pass that draws.
+    /// Runs a pass that draws, with its push constants as in [`Self::run`].
     pub fn draw<P: Pass + 'a>(
         &mut self,
         pass: &P,
+        push: P::Push,
         variant: &Variant,
-        push: &[u8],
         draw: Draw<'a>,
     ) -> Result<(), Error> {
         let (size, limit) = (draw.area, self.context.limits.framebuffer);
@@ -302,7 +347,7 @@ impl<'a> Recorder<'a> {
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
             if let Some(stages) = pipeline.push_stages {
-                device.cmd_push_constants(commands, pipeline.layout, stages, 0, push);
+                device.cmd_push_constants(commands, pipeline.layout, stages, 0, bytemuck::bytes_of(&push));
             }
             match draw.vertices {
                 Vertices::Count(count) => device.cmd_draw(commands, count, 1, 0, 0),

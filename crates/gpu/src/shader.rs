@@ -14,7 +14,7 @@ use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, ImageClass, ImageDimension, ShaderStage, StorageAccess, TypeInner};
 
-use super::{Access, Binding, Error, Pass, Shape, cache, guard, spirv};
+use super::{Access, Binding, Error, Pass, PushConstants, Shape, cache, guard, spirv};
 
 /// The WGSL files of a crate that declares passes, embedded: `pass!` looks for them in `crate::SHADERS`.
 #[derive(Debug)]
@@ -241,7 +241,8 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
     let source = source(P::sources(), stem, variant)?;
     // The declaration is part of the key: a cached shader was compared with the same one.
     let (version, key) = (env!("CARGO_PKG_VERSION"), variant.key());
-    let identity = format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::push());
+    let identity =
+        format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::Push::push_shape());
     let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
     if let Some(words) =
         cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())
@@ -249,7 +250,7 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
         return Ok(words);
     }
     let module = parse(stem, &source)?;
-    check_bindings(stem, &module, &P::bindings(), P::push().as_ref(), all_bindings)?;
+    check_bindings(stem, &module, &P::bindings(), P::Push::push_shape().as_ref(), all_bindings)?;
     let words = spirv::correct(&generate(stem, &source, &module, &variant.overrides)?);
     cache::store("spirv", &key, bytemuck::cast_slice(&words));
     Ok(words)
@@ -259,7 +260,7 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
 pub fn check<P: Pass>(variant: &Variant) -> Result<(), Error> {
     let source = source(P::sources(), P::SHADER, variant)?;
     let module = parse(P::SHADER, &source)?;
-    check_bindings(P::SHADER, &module, &P::bindings(), P::push().as_ref(), true)?;
+    check_bindings(P::SHADER, &module, &P::bindings(), P::Push::push_shape().as_ref(), true)?;
     generate(P::SHADER, &source, &module, &variant.overrides).map(|_| ())
 }
 

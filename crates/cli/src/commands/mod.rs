@@ -139,6 +139,7 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
     let cli = Cli::parse_from(arguments(std::env::args_os()));
     let talk = Talk::new(cli.quiet, cli.verbose);
     interrupt::watch();
+    pellucid_engine::io::silence_decoder_panics();
     Ok(match cli.command {
         Command::Render(args) => render::run(args, talk)?,
         Command::Profile(args) => profile::run(args, talk)?,

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use crate::progress::Progress;
 
 use crate::cloud::Cloud;
+pub use decoder::silence_decoder_panics;
 use photo::Photo;
 pub use text::ColumnNames;
 

@@ -275,8 +275,12 @@ impl Approximations {
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
                 let FoldPush { columns, tiles: count, runs, nearest, segment } = binned.fold_push(run.number);
                 let push = HybridPush { columns, tiles: count, runs, nearest, segment, k };
-                let over = Run::new(Dispatch::Groups(binned.tiles().into())).push(&push);
-                Ok(recorder.run(&HybridFlat { tiles, sums }, &over.variant(sum_variant(stage.shape.clone(), run)))?)
+                let over = Run::new(Dispatch::Groups(binned.tiles().into()));
+                Ok(recorder.run(
+                    &HybridFlat { tiles, sums },
+                    push,
+                    &over.variant(sum_variant(stage.shape.clone(), run)),
+                )?)
             }),
             Kind::Hybrid(_) => {
                 let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
@@ -321,11 +325,11 @@ impl Stage {
         (0..of).map(|number| OneRun { number, of, subgroup }).try_for_each(run)
     }
 
-    fn record<'a, P: Pass + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
+    fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
             let push = SumPush::from(self.binned.fold_push(run.number));
-            let over = Run::new(Dispatch::Groups(self.binned.tiles().into())).push(&push);
-            Ok(recorder.run(pass, &over.variant(sum_variant(self.shape.clone(), run)))?)
+            let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
+            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
     }
 
@@ -339,8 +343,8 @@ impl Stage {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
                 let push = SumPush::from(self.binned.fold_push(run.number));
-                let over = Run::new(Dispatch::Groups(self.binned.blocks())).push(&push);
-                Ok(recorder.run(pass, &over.variant(round_variant(self.shape.clone(), run, round)))?)
+                let over = Run::new(Dispatch::Groups(self.binned.blocks()));
+                Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })
         })
     }

@@ -112,9 +112,8 @@ impl LinkedList {
         for done in (0..longest).step_by(GATHER_STEP as usize) {
             let [band_start, band_end] = band.pixels;
             let push = GatherPush { band_start, band_end, first_fragment: band.first_fragment, done };
-            let run =
-                Run::new(Dispatch::Invocations(pixels)).push(&push).variant(gather_variant(cfg!(debug_assertions)));
-            recorder.run(&Gather { offsets, heads, nodes, links, fragments }, &run)?;
+            let run = Run::new(Dispatch::Invocations(pixels)).variant(gather_variant(cfg!(debug_assertions)));
+            recorder.run(&Gather { offsets, heads, nodes, links, fragments }, push, &run)?;
         }
         recorder.agree("linked-list/store", "counter", node_count, Expected::Value(band.fragments as u32))?;
         // Heads are lengths now.

@@ -184,6 +184,9 @@ pub enum Error {
         /// The largest resolution that would do; 0 if none would.
         largest: u32,
     },
+    /// Somebody who watches the progress wanted the work to end.
+    #[error("cancelled")]
+    Cancelled,
     /// The image is empty or too large.
     #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::image::MAX_SIDE)]
     ImageSize {
@@ -219,7 +222,7 @@ impl Error {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {
             Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
-            Self::ImageSize { .. } => false,
+            Self::ImageSize { .. } | Self::Cancelled => false,
             _ => true,
         }
     }

@@ -40,5 +40,5 @@ pub fn record<'a>(
     let (image, depths) = (onto.image, onto.depths);
     let pass = Compose { layer: layer.image, layer_depths: layer.depths, image, depths };
     let push = ComposePush { count: pixels as u32, softness };
-    Ok(recorder.run(&pass, &Run::new(Dispatch::Invocations(pixels)).push(&push))?)
+    Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
 }

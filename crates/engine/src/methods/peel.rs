@@ -298,8 +298,8 @@ impl Peeler {
         let blend = Blend { composing, nearest, last, work, layers: self.layers.get().all(), image, depths };
         let push = CountPush { count: bands::pixels(raster.window) as u32 };
         let variant = blend_variant(cut, raster.footprint, job.peel.discs.falloff, job.counted);
-        recorder.run(&blend, &Run::new(Dispatch::Indirect(arguments.first(3))).push(&push).variant(variant))?;
-        recorder.run(&Next { work, arguments }, &Run::new(Dispatch::Groups(1)))?;
+        recorder.run(&blend, push, &Run::new(Dispatch::Indirect(arguments.first(3))).variant(variant))?;
+        recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?;
         Ok(())
     }
 }

@@ -173,7 +173,7 @@ impl LayerPeeler {
                 images.record_points(&mut recorder, &job.image, (limits, Some(dispatches.emptied())))?;
                 // A layer without a point empties its own filters too.
                 let next = Next { work: images.work.all(), arguments: dispatches.all };
-                recorder.run(&next, &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
+                recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
                 images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
                 self.record_blend(&mut recorder, images, job, target)?;
             }
@@ -213,8 +213,8 @@ impl LayerPeeler {
         let [outer_width, outer_height] = image.outer_size();
         let distance = image.distance;
         let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
-        let run = Run::new(images.deliver_dispatch(image)).push(&push).variant(blend_variant(job.counted));
-        recorder.run(&blend, &run)?;
+        let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
+        recorder.run(&blend, push, &run)?;
         Ok(())
     }
 }

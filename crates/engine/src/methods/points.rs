@@ -126,8 +126,9 @@ impl Opaque {
             image: target.image(),
             depths: target.depths(),
         };
-        let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
-        recorder.run(&resolve, &run.variant(resolve_variant(cut, how, cloud.has_normals())))?;
+        let push = abuffer::CountPush { count: pixels as u32 };
+        let run = Run::new(Dispatch::Invocations(pixels));
+        recorder.run(&resolve, push, &run.variant(resolve_variant(cut, how, cloud.has_normals())))?;
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("points/nearest")?);
         Ok(cloud.stats())
@@ -144,11 +145,15 @@ pub(super) fn record_nearest<'a>(
 ) -> Result<(), Error> {
     let cull = choice.cull && cloud.has_normals();
     let chunks = || cloud.chunks().enumerate();
-    let run = |chunk: usize, (first, count): (u64, u64)| {
-        let push = PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
+    let push = |chunk: usize, (first, count): (u64, u64)| PointsPush {
+        count: count as u32,
+        chunk: chunk as u32,
+        first: first as u32,
+    };
+    let run = |chunk: usize, (_, count): (u64, u64)| {
         let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
         let dispatch = indirect.unwrap_or(nearest_dispatch(count));
-        Run::new(dispatch).push(&push).variant(nearest_variant(cull, choice.limits.is_some()))
+        Run::new(dispatch).variant(nearest_variant(cull, choice.limits.is_some()))
     };
     let bound = |(first, count): (u64, u64)| {
         let normals = if cull { cloud.normals.slice(first, count) } else { cloud.normals.slice(0, 1) };
@@ -161,16 +166,20 @@ pub(super) fn record_nearest<'a>(
     if wide {
         for (chunk, range) in chunks() {
             let (places, normals, limits) = bound(range);
-            recorder.run(&Nearest { places, normals, limits, nearest: nearest.cast() }, &run(chunk, range))?;
+            recorder.run(
+                &Nearest { places, normals, limits, nearest: nearest.cast() },
+                push(chunk, range),
+                &run(chunk, range),
+            )?;
         }
     } else {
         for (chunk, range) in chunks() {
             let (places, normals, limits) = bound(range);
-            recorder.run(&NearestDepth { places, normals, limits, nearest }, &run(chunk, range))?;
+            recorder.run(&NearestDepth { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
         }
         for (chunk, range) in chunks() {
             let (places, normals, limits) = bound(range);
-            recorder.run(&NearestId { places, normals, limits, nearest }, &run(chunk, range))?;
+            recorder.run(&NearestId { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
         }
     }
     Ok(())

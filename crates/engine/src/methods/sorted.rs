@@ -109,7 +109,7 @@ fn record_blend<'a>(
         let most_opacity = cloud.most_opacity();
         let push = BlendPush { columns, tiles, runs, nearest, segment, most_opacity, most_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
-        recorder.run(&blend, &Run::new(Dispatch::Groups(tiles.into())).push(&push).variant(variant))?;
+        recorder.run(&blend, push, &Run::new(Dispatch::Groups(tiles.into())).variant(variant))?;
     }
     Ok(())
 }

@@ -105,8 +105,9 @@ impl Opaque {
         let composing = Composing::new(raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
         let resolve = Resolve { composing, nearest, image, depths };
-        let run = Run::new(Dispatch::Invocations(pixels)).push(&abuffer::CountPush { count: pixels as u32 });
-        recorder.run(&resolve, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
+        let push = abuffer::CountPush { count: pixels as u32 };
+        let run = Run::new(Dispatch::Invocations(pixels));
+        recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;
         timeline.add(recorder.submit("splat/nearest")?);
         Ok(())

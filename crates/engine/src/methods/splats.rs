@@ -172,17 +172,17 @@ impl Splatter {
         let over = |number: u32| (push(binned.fold_push(number), job.blend_depth), run(number));
         for number in 0..binned.segments() {
             let (push, run) = over(number);
-            let groups = Run::new(Dispatch::Groups(binned.blocks())).push(&push);
-            recorder.run(&visibility, &groups.variant(run.visibility(raster.footprint)))?;
+            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
         }
         for number in 0..binned.segments() {
             let (push, run) = over(number);
-            let groups = Run::new(Dispatch::Groups(binned.blocks())).push(&push);
-            recorder.run(&attributes, &groups.variant(run.attributes(raster.footprint)))?;
+            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;
         }
         let pixels = bands::pixels(raster.window);
         let push = CountPush { count: pixels as u32 };
-        recorder.run(&Normalise { image }, &Run::new(Dispatch::Invocations(pixels)).push(&push))?;
+        recorder.run(&Normalise { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
         Ok(())
     }
 }

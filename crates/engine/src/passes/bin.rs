@@ -364,7 +364,7 @@ impl<'a> OrderedTiles<'a> {
     }
 
     /// Records a stage that collects the fragments of a band's pixels.
-    pub fn record<P: Pass + 'a>(
+    pub fn record<P: Pass<Push = TilesPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         view: Slice<'a, View>,
@@ -389,8 +389,8 @@ impl<'a> OrderedTiles<'a> {
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
             };
-            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push).variant(gather_variant(binning.subgroup));
-            recorder.run(&pass, &run)?;
+            let run = Run::new(Dispatch::Groups(tiles.into())).variant(gather_variant(binning.subgroup));
+            recorder.run(&pass, push, &run)?;
         }
         Ok(())
     }
@@ -650,8 +650,8 @@ impl Bins {
             let push = KeysPush { count: count as u32, first: first as u32, nearest, none };
             let (splats, bounds) = (cloud.splats.slice(first, count), cloud.bounds.slice(first, count));
             let points = cloud.point_colors.slice(first, count).cast();
-            let run = Run::new(Dispatch::Invocations(count)).push(&push).variant(keys_variant(job.order));
-            recorder.run(&Keys { splats, bounds, points, records: records[0] }, &run)?;
+            let run = Run::new(Dispatch::Invocations(count)).variant(keys_variant(job.order));
+            recorder.run(&Keys { splats, bounds, points, records: records[0] }, push, &run)?;
         }
         Ok(self.radix.record(recorder, device, records, bits, subgroup)?)
     }
@@ -677,8 +677,8 @@ impl Bins {
         };
         let variant = compose::variant(cut, job.raster.footprint, Falloff::Flat);
         let push = GatherPush { count: drawn as u32, nearest: depth_keys(job.depth_range)[0] };
-        let run = Run::new(Dispatch::Invocations(drawn)).push(&push).variant(variant);
-        Ok(recorder.run(&gather, &run)?)
+        let run = Run::new(Dispatch::Invocations(drawn)).variant(variant);
+        Ok(recorder.run(&gather, push, &run)?)
     }
 
     /// Records what takes the drawn splats out of the cloud's order along an axis; returns which of the records they are.
@@ -696,11 +696,11 @@ impl Bins {
         let push = PresortedPush { count: cloud.len() as u32, run_length: length, backward: u32::from(axis.backward) };
         let (counts, starts) = (self.counts.get().slice(0, runs.into()), self.cursors.get().slice(0, runs.into()));
         let (bounds, records) = (cloud.bounds.all(), self.records[0].get().all());
-        let run = || Run::new(Dispatch::Groups(runs.into())).push(&push).variant(presorted_variant(subgroup));
-        recorder.run(&Pick { order, bounds, counts }, &run())?;
+        let run = || Run::new(Dispatch::Groups(runs.into())).variant(presorted_variant(subgroup));
+        recorder.run(&Pick { order, bounds, counts }, push, &run())?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;
         scan.record(recorder, counts, starts, self.overflow.all())?;
-        recorder.run(&Place { order, bounds, starts, records }, &run())?;
+        recorder.run(&Place { order, bounds, starts, records }, push, &run())?;
         Ok(0)
     }
 
@@ -717,14 +717,14 @@ impl Bins {
         recorder.fill("bin/clear", counts, 0)?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;
         let rectangles = self.rectangles.get().all();
-        let run = Run::new(Dispatch::Invocations(binning.drawn)).push(&binning.push()).variant(tile_variant());
-        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, &run)?;
+        let run = Run::new(Dispatch::Invocations(binning.drawn)).variant(tile_variant());
+        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, binning.push(), &run)?;
         scan.record(recorder, counts, cursors, self.overflow.all())?;
         let (tiles, longest) = (binning.tiles(), self.longest.all());
         recorder.fill("bin/clear", longest, 0)?;
         let run = Run::new(Dispatch::Invocations(tiles));
         let push = MeasurePush { tiles: tiles as u32, runs: binning.runs.runs };
-        recorder.run(&Measure { starts: cursors, longest }, &run.push(&push))?;
+        recorder.run(&Measure { starts: cursors, longest }, push, &run)?;
         recorder.copy("bin/summary", self.overflow.all(), self.summary.slice(0, 1))?;
         recorder.copy("bin/summary", cursors.skip(cells - 1), self.summary.slice(1, 1))?;
         recorder.copy("bin/summary", longest, self.summary.slice(2, 1))?;
@@ -743,8 +743,8 @@ impl Bins {
             cursors: self.cursors.get().slice(0, binning.cells()),
             entries: self.entries.get().all(),
         };
-        let run = Run::new(Dispatch::Groups(binning.groups())).push(&binning.push());
-        recorder.run(&store, &run.variant(tile_variant().subgroup(binning.subgroup)))?;
+        let run = Run::new(Dispatch::Groups(binning.groups()));
+        recorder.run(&store, binning.push(), &run.variant(tile_variant().subgroup(binning.subgroup)))?;
         // Each cell ends where the next one began; the last one is empty and has kept its cursor, the total.
         let inner = binning.cells() - 1;
         let (cursors, counts) = (self.cursors.get(), self.counts.get().slice(1, inner));

@@ -813,10 +813,8 @@ impl DeviceCloud {
                 stats: self.stats.all(),
             };
             let push = ProjectPush { count: count as u32, chunk: chunk as u32 };
-            recorder.run(
-                &pass,
-                &Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN))).push(&push).variant(variant.clone()),
-            )?;
+            let run = Run::new(Dispatch::Invocations(count.div_ceil(PROJECT_RUN)));
+            recorder.run(&pass, push, &run.variant(variant.clone()))?;
         }
         self.record_stats(recorder)
     }

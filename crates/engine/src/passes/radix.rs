@@ -142,10 +142,10 @@ impl Radix {
                 RadixPush { count: records.len() as u32, runs, run_length: length, shift: digit * digit_bits, mask };
             let (counts, cursors) = (self.counts.get().slice(0, counters), self.cursors.get().slice(0, counters));
             recorder.fill("radix/clear", counts, 0)?;
-            recorder.run(&Count { records, counts }, &Run::new(Dispatch::Groups(u64::from(runs))).push(&push))?;
+            recorder.run(&Count { records, counts }, push, &Run::new(Dispatch::Groups(u64::from(runs))))?;
             scan.record(recorder, counts, cursors, self.overflow.all())?;
-            let run = Run::new(Dispatch::Groups(u64::from(runs))).push(&push).variant(scatter_variant(subgroup));
-            recorder.run(&Scatter { records, cursors, moved }, &run)?;
+            let run = Run::new(Dispatch::Groups(u64::from(runs))).variant(scatter_variant(subgroup));
+            recorder.run(&Scatter { records, cursors, moved }, push, &run)?;
             agree(recorder, counts, cursors, push.count)?;
             (records, moved) = (moved, records);
         }

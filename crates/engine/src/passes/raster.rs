@@ -3,7 +3,7 @@
 
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::tiles::{self, SEGMENT, TILE, Tiles};
-use crate::gpu::{Dispatch, Draw, Error, GpuType, Pass, Recorder, Run, Slice, Targets, Variant, Vertices};
+use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Targets, Variant, Vertices};
 use crate::methods::bands::{Band, Window};
 use crate::{gpu_struct, group};
 
@@ -105,7 +105,7 @@ impl<'a> Raster<'a> {
     }
 
     /// Records a stage over all splats and the pixels of a band.
-    pub fn record<P: Pass + 'a>(
+    pub fn record<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         band: &Band,
@@ -116,7 +116,7 @@ impl<'a> Raster<'a> {
 
     /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large splats of
     /// a tile, at most [`SEGMENT`].
-    pub fn record_variant<P: Pass + 'a>(
+    pub fn record_variant<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         band: &Band,
@@ -130,7 +130,7 @@ impl<'a> Raster<'a> {
 
     /// Records a stage as [`Self::record`] does, but with the sizes of its dispatches or draws from a buffer: as many
     /// records of four words as [`Self::arguments`] has.
-    pub fn record_indirect<P: Pass + 'a>(
+    pub fn record_indirect<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         band: &Band,
@@ -151,13 +151,13 @@ impl<'a> Raster<'a> {
 
     /// Records a draw of all splats into attachments, in the order of their indices. `push` makes the push constants from the
     /// index of a chunk's first splat. At least one splat must be visible, or nothing is drawn, not even what is cleared.
-    pub fn draw<P: Pass + 'a, T: GpuType>(
+    pub fn draw<P: Pass + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         variant: &Variant,
         mut targets: Targets<'a>,
         stage: impl Fn(Quads<'a>) -> P,
-        push: impl Fn(u32) -> T,
+        push: impl Fn(u32) -> P::Push,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
         for ((first, count), _) in self.cloud.chunks().zip(self.stats).filter(|(_, stats)| stats.visible > 0) {
@@ -170,13 +170,13 @@ impl<'a> Raster<'a> {
                 colors: cloud.colors.slice(first, count),
             });
             let draw = Draw { vertices: Vertices::Count(6 * count as u32), area: [x1 - x0, y1 - y0], targets };
-            recorder.draw(&pass, variant, bytemuck::bytes_of(&push(first as u32)), draw)?;
+            recorder.draw(&pass, push(first as u32), variant, draw)?;
             targets.clear = None;
         }
         Ok(())
     }
 
-    fn record_visits<P: Pass + 'a>(
+    fn record_visits<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
         visits: impl Iterator<Item = Visit>,
@@ -192,12 +192,12 @@ impl<'a> Raster<'a> {
             match visit.amount {
                 Amount::Compute(dispatch) => {
                     let dispatch = arguments.map_or(dispatch, Dispatch::Indirect);
-                    recorder.run(&pass, &Run::new(dispatch).push(&visit.push).variant(variant))?;
+                    recorder.run(&pass, visit.push, &Run::new(dispatch).variant(variant))?;
                 }
                 Amount::Vertices(count) => {
                     let vertices = arguments.map_or(Vertices::Count(count), Vertices::Indirect);
                     let draw = Draw { vertices, area: [x1 - x0, y1 - y0], targets: Targets::default() };
-                    recorder.draw(&pass, &variant, bytemuck::bytes_of(&visit.push), draw)?;
+                    recorder.draw(&pass, visit.push, &variant, draw)?;
                 }
             }
         }

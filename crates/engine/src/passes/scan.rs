@@ -80,11 +80,9 @@ impl Scan {
     ) -> Result<(), Error> {
         assert!(values.len() <= self.capacity, "scan of {} elements, room for {}", values.len(), self.capacity);
         let [inner, top] = variants();
-        let run = |len: u64, variant: &Variant| {
-            Run::new(Dispatch::Invocations(len.div_ceil(RUN)))
-                .push(&ScanPush { count: len as u32 })
-                .variant(variant.clone())
-        };
+        let push = |len: u64| ScanPush { count: len as u32 };
+        let run =
+            |len: u64, variant: &Variant| Run::new(Dispatch::Invocations(len.div_ceil(RUN))).variant(variant.clone());
         // Up: each level holds the sums of the one below.
         let mut lens = vec![values.len()];
         let mut current = values;
@@ -95,12 +93,8 @@ impl Scan {
             }
             let sums = sums.slice(0, len.div_ceil(RUN));
             let reduce = Reduce { values: current, sums, overflow };
-            recorder.run(
-                &reduce,
-                &Run::new(Dispatch::Invocations(sums.len()))
-                    .push(&ScanPush { count: len as u32 })
-                    .variant(Variant::plain().with("RUN", RUN as f64)),
-            )?;
+            let over = Run::new(Dispatch::Invocations(sums.len()));
+            recorder.run(&reduce, push(len), &over.variant(Variant::plain().with("RUN", RUN as f64)))?;
             lens.push(sums.len());
             current = sums;
         }
@@ -115,7 +109,7 @@ impl Scan {
             // The top has one run, which starts at zero; `starts` is then bound but not read.
             let (starts, variant) =
                 if level == depth { (values, &top) } else { (self.levels[level][1].slice(0, lens[level + 1]), &inner) };
-            recorder.run(&Spread { values, starts, offsets: out, overflow }, &run(len, variant))?;
+            recorder.run(&Spread { values, starts, offsets: out, overflow }, push(len), &run(len, variant))?;
         }
         Ok(())
     }

@@ -121,14 +121,14 @@ impl Tiles {
             let cursors = self.cursors.get().slice(0, len);
             let starts = self.starts.get().slice(chunk as u64 * stride(window), len);
             let push = TilePush { large_count: s.large, pairs: s.tiles() as u32 };
-            let run = Run::new(Dispatch::Invocations(s.tiles())).push(&push);
+            let run = Run::new(Dispatch::Invocations(s.tiles()));
             scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets, overflow)?;
             recorder.fill("splat/clear", cursors, 0)?;
-            recorder.run(&TileCount { view, bounds, large, pair_offsets, counts: cursors }, &run)?;
+            recorder.run(&TileCount { view, bounds, large, pair_offsets, counts: cursors }, push, &run)?;
             scan.record(recorder, cursors, starts, overflow)?;
             recorder.copy("splat/tile-cursors", starts, cursors)?;
             let entries = self.entries_of(stats, chunk);
-            recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, &run)?;
+            recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, push, &run)?;
             let (ends, next) = (cursors.first(len - 1), starts.skip(1));
             recorder.agree("splat/tile-store", "tile", ends, Expected::Words(next))?;
         }

@@ -33,6 +33,42 @@ pub enum Setting {
     Integers(Vec<u32>),
 }
 
+impl From<f64> for Setting {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<u32> for Setting {
+    fn from(value: u32) -> Self {
+        Self::Integer(value)
+    }
+}
+
+impl From<bool> for Setting {
+    fn from(value: bool) -> Self {
+        Self::Flag(value)
+    }
+}
+
+impl From<&str> for Setting {
+    fn from(value: &str) -> Self {
+        Self::Word(value.to_owned())
+    }
+}
+
+impl<const N: usize> From<[f64; N]> for Setting {
+    fn from(values: [f64; N]) -> Self {
+        Self::Numbers(values.to_vec())
+    }
+}
+
+impl<const N: usize> From<[u32; N]> for Setting {
+    fn from(values: [u32; N]) -> Self {
+        Self::Integers(values.to_vec())
+    }
+}
+
 /// A dotted key and its value; `None`: it is taken out.
 pub type Change = (String, Option<Setting>);
 
@@ -97,7 +133,7 @@ impl Document {
     /// # Errors
     /// A key that goes through something that holds no keys.
     pub fn put(&mut self, key: &str, value: Setting) -> Result<(), Error> {
-        let place = Place::Option("the viewer".into());
+        let place = Place::Option(key.to_owned());
         let mut overrides = Overrides::default();
         overrides.put(key, Node { value: value.into_value(&place), place });
         overrides.apply(&mut self.root)
@@ -272,7 +308,7 @@ mod tests {
         let scene = document.set("cloud.*.opacity", Setting::Number(0.5)).unwrap();
         assert_eq!(scene.clouds.iter().map(|cloud| cloud.opacity).collect::<Vec<_>>(), [0.5, 0.5]);
         let error = document.set("cloud.1.opacity", Setting::Number(1.5)).unwrap_err().to_string();
-        assert!(error.contains("the viewer") && error.contains("cloud.1.opacity"), "{error}");
+        assert!(error.starts_with("cloud.1.opacity: "), "{error}");
         assert_eq!(document.scene().unwrap().clouds[1].opacity, 0.5);
         document.put("camera.height", Setting::Number(3.0)).unwrap();
         document.remove("camera", "eye");

@@ -146,11 +146,11 @@ impl Blender {
                 most_color: job.stop.1,
             };
             let kernel = resolve_variant(variant.clone().with("STOP", job.stop.0), capacity);
-            let run = self.over_class(index, band).label(name).push(&push).variant(kernel);
+            let run = self.over_class(index).label(name).variant(kernel);
             if is_network(capacity) {
-                recorder.run(&ResolveNetwork { lists }, &run)?;
+                recorder.run(&ResolveNetwork { lists }, push, &run)?;
             } else {
-                recorder.run(&ResolveMerge { lists }, &run)?;
+                recorder.run(&ResolveMerge { lists }, push, &run)?;
             }
         }
         if counted.lengths.in_long_lists == 0 {
@@ -166,8 +166,8 @@ impl Blender {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
-        recorder.run(&blend, &self.over_runs().variant(variant))?;
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())?)
+        recorder.run(&blend, (), &self.over_runs().variant(variant))?;
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
     }
 
     /// Records the sorting and blending of events of soft spheres.
@@ -196,11 +196,11 @@ impl Blender {
             }
             let push = spheres.push(index as u32, band.first_fragment, job.stop.1);
             let kernel = spheres.resolve_variant(cut, job.stop.0, capacity);
-            let run = self.over_class(index, band).label(name).push(&push).variant(kernel);
+            let run = self.over_class(index).label(name).variant(kernel);
             if is_network(capacity) {
-                recorder.run(&soft::ResolveNetwork { lists, records }, &run)?;
+                recorder.run(&soft::ResolveNetwork { lists, records }, push, &run)?;
             } else {
-                recorder.run(&soft::ResolveMerge { lists, records }, &run)?;
+                recorder.run(&soft::ResolveMerge { lists, records }, push, &run)?;
             }
         }
         let (true, Some(spare)) = (counted.lengths.in_long_lists > 0, stored.spare) else { return Ok(()) };
@@ -211,7 +211,7 @@ impl Blender {
         let partials = self.partials.get().all();
         let sorted = soft::Sorted { composing, cut, work, runs, lists, fragments, records, partials };
         self.spheres.record(recorder, spheres, &sorted, longest)?;
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, &self.over_lists())?)
+        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
     }
 
     /// Records the blending of lists that were stored in order: nothing is sorted.
@@ -246,8 +246,8 @@ impl Blender {
                 most_color: job.stop.1,
             };
             let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
-            let run = Run::new(pixels).push(&push).variant(ordered_variant(job.discs.falloff, job.stop.0));
-            recorder.run(&resolve, &run)?;
+            let run = Run::new(pixels).variant(ordered_variant(job.discs.falloff, job.stop.0));
+            recorder.run(&resolve, push, &run)?;
         }
         Ok(())
     }
@@ -261,12 +261,12 @@ impl Blender {
     ) -> Result<(), Error> {
         let push = BandPush { band_start: band.pixels[0], band_end: band.pixels[1] };
         let invocations = u64::from(band.pixels[1] - band.pixels[0]).div_ceil(CLASSIFY_RUN);
-        let run = Run::new(Dispatch::Invocations(invocations)).push(&push).variant(class_variant());
+        let run = Run::new(Dispatch::Invocations(invocations)).variant(class_variant());
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         recorder.fill("abuffer/clear", classes, 0)?;
-        recorder.run(&Classify { offsets, classes }, &run)?;
-        recorder.run(&Groups { classes }, &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
-        recorder.run(&Order { offsets, classes, pixels }, &run)?;
+        recorder.run(&Classify { offsets, classes }, push, &run)?;
+        recorder.run(&Groups { classes }, (), &Run::new(Dispatch::Groups(1)).variant(class_variant()))?;
+        recorder.run(&Order { offsets, classes, pixels }, push, &run)?;
         let words = |place: u64| classes.skip(place).first(CLASS_WORDS * CLASSES.len() as u64 + 1);
         let (placed, counted) = (words(CLASS_PLACED), words(CLASS_TOTAL));
         recorder.agree_every(CLASS_WORDS as u32, "abuffer/order", "class", placed, Expected::Words(counted))
@@ -278,12 +278,13 @@ impl Blender {
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         recorder.fill("abuffer/clear", work, 0)?;
-        let over_long = self.over_class(CLASSES.len(), band).variant(class_variant());
-        recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, &over_long)?;
+        let push = ClassPush { class_index: CLASSES.len() as u32, first_fragment: band.first_fragment };
+        let over_long = self.over_class(CLASSES.len()).variant(class_variant());
+        recorder.run(&Split { offsets, classes, pixels, work, runs, lists }, push, &over_long)?;
         let listed = work.cast().skip(LIST_COUNT).first(1);
         let long = classes.skip(CLASS_WORDS * CLASSES.len() as u64 + CLASS_TOTAL).first(1);
         recorder.agree("abuffer/split", "number of long lists", listed, Expected::Words(long))?;
-        recorder.run(&RunGroups { work }, &Run::new(Dispatch::Groups(1)))
+        recorder.run(&RunGroups { work }, (), &Run::new(Dispatch::Groups(1)))
     }
 
     /// Records runs sorted one by one and merged pair by pair; returns where the sorted lists end up.
@@ -295,11 +296,11 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs) = (self.work.all(), self.runs.get().all());
-        recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
+        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))?;
         let (mut unmerged, mut merged) = (fragments, spare);
         let mut width = LOCAL_LENGTH;
         while width < longest {
-            recorder.run(&Merge { work, runs, unmerged, merged }, &self.over_runs().push(&MergePush { width }))?;
+            recorder.run(&Merge { work, runs, unmerged, merged }, MergePush { width }, &self.over_runs())?;
             (unmerged, merged) = (merged, unmerged);
             width = width.saturating_mul(2);
         }
@@ -315,17 +316,15 @@ impl Blender {
         longest: u32,
     ) -> Result<Slice<'a, [u32; 2]>, Error> {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
-        recorder.run(&SortRuns { work, runs, fragments }, &self.over_runs().variant(sort_runs_variant()))?;
+        recorder.run(&SortRuns { work, runs, fragments }, (), &self.over_runs().variant(sort_runs_variant()))?;
         for push in in_place_merges(longest) {
-            recorder.run(&MergeInPlace { work, runs, lists, fragments }, &self.over_lists().push(&push))?;
+            recorder.run(&MergeInPlace { work, runs, lists, fragments }, push, &self.over_lists())?;
         }
         Ok(fragments)
     }
 
-    fn over_class(&self, index: usize, band: &Band) -> Run<'_> {
-        let arguments = self.classes.all().skip(CLASS_WORDS * index as u64).first(3);
-        let push = ClassPush { class_index: index as u32, first_fragment: band.first_fragment };
-        Run::new(Dispatch::Indirect(arguments)).push(&push)
+    fn over_class(&self, index: usize) -> Run<'_> {
+        Run::new(Dispatch::Indirect(self.classes.all().skip(CLASS_WORDS * index as u64).first(3)))
     }
 
     fn over_runs(&self) -> Run<'_> {

@@ -304,14 +304,15 @@ impl ABuffer {
             job.raster.record_tiles(&mut recorder)?;
             job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
         }
-        let measure =
-            Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN))).push(&CountPush { count: pixels as u32 });
+        let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
+        let push = CountPush { count: pixels as u32 };
         if counted.is_some() {
             let run = measure.clone().variant(measure_variant(0));
-            recorder.run(&Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() }, &run)?;
+            let of_spheres = Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() };
+            recorder.run(&of_spheres, push, &run)?;
         }
         let measure = measure.variant(measure_variant(LOCAL_LENGTH));
-        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, &measure)?;
+        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
         scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
         if !matches!(job.storing, Storing::Links) {
             // From here on the counts are the cursors that hand out slots.

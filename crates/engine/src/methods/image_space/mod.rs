@@ -213,7 +213,7 @@ impl Filterer {
             let (entries, depths, colors) = (self.entries.get().all(), self.depths(job), self.colors(job));
             let (image, image_depths) = (target.image(), target.depths());
             let deliver = Deliver { entries, depths, colors, image, image_depths };
-            recorder.run(&deliver, &Run::new(self.deliver_dispatch(job)).push(&job.deliver_push()))?;
+            recorder.run(&deliver, job.deliver_push(), &Run::new(self.deliver_dispatch(job)))?;
             target.record_read_back(&mut recorder, pixels)?;
         }
         timeline.add(recorder.submit("points and filters")?);
@@ -287,8 +287,8 @@ impl Filterer {
         points::record_nearest(recorder, job.cloud, self.nearest(job), job.wide, &choice)?;
         let (nearest, tiles) = (self.nearest(job).cast(), self.tiles.get().all());
         let dispatch = emptied.map_or(job.measure_dispatch(), |e| Dispatch::Indirect(e.measure));
-        let run = Run::new(dispatch).push(&Self::resolve_push(job));
-        recorder.run(&Measure { nearest, tiles, work: self.work.all() }, &run)?;
+        let measure = Measure { nearest, tiles, work: self.work.all() };
+        recorder.run(&measure, Self::resolve_push(job), &Run::new(dispatch))?;
         Ok(())
     }
 
@@ -319,8 +319,8 @@ impl Filterer {
             colors: self.colors(job),
         };
         let variant = resolve_variant(cut, job.how, cloud.has_normals(), job.transparent);
-        let run = Run::new(self.listed_dispatch(0)).push(&Self::resolve_push(job)).variant(variant);
-        recorder.run(&resolve, &run)?;
+        let run = Run::new(self.listed_dispatch(0)).variant(variant);
+        recorder.run(&resolve, Self::resolve_push(job), &run)?;
         Ok(())
     }
 
@@ -374,7 +374,7 @@ impl Filterer {
         let (distance, threshold) = (job.distance, job.filters.antialias_threshold);
         let push = ListPush { columns, rows, before, slot, distance, threshold };
         let dispatch = emptied.map_or(job.list_dispatch(), |e| Dispatch::Indirect(e.list));
-        recorder.run(&list, &Run::new(dispatch).push(&push).variant(listed.variant()))?;
+        recorder.run(&list, push, &Run::new(dispatch).variant(listed.variant()))?;
         Ok(())
     }
 
@@ -398,12 +398,12 @@ impl Filterer {
             far: job.far,
             threshold: job.filters.antialias_threshold,
         };
-        let how = Run::new(self.listed_dispatch(run)).push(&push);
+        let how = Run::new(self.listed_dispatch(run));
         match filter {
-            Filter::Fill => recorder.run(&Fill { tiled }, &how)?,
-            Filter::Occlusion => recorder.run(&Occlusion { tiled }, &how)?,
-            Filter::Smooth => recorder.run(&Smooth { tiled }, &how)?,
-            Filter::Antialias => recorder.run(&Antialias { tiled }, &how)?,
+            Filter::Fill => recorder.run(&Fill { tiled }, push, &how)?,
+            Filter::Occlusion => recorder.run(&Occlusion { tiled }, push, &how)?,
+            Filter::Smooth => recorder.run(&Smooth { tiled }, push, &how)?,
+            Filter::Antialias => recorder.run(&Antialias { tiled }, push, &how)?,
         }
         Ok(())
     }

@@ -189,8 +189,8 @@ pub fn cast(
     let mut recorder = device.recorder()?;
     for (first, count) in cloud.chunks() {
         let start = Start { normals: cloud.normals.slice(first, count) };
-        let run = Run::new(Dispatch::Invocations(count)).push(&push(count));
-        recorder.run(&start, &run.variant(start_variant(cloud.has_normals())))?;
+        let run = Run::new(Dispatch::Invocations(count));
+        recorder.run(&start, push(count), &run.variant(start_variant(cloud.has_normals())))?;
     }
     timeline.add(recorder.submit("shadows/start")?);
     progress.set_length(u64::from(casting.samples));
@@ -210,7 +210,7 @@ pub fn cast(
         let mut recorder = device.recorder()?;
         for (first, count) in cloud.chunks() {
             let share = Share { normals: cloud.normals.slice(first, count) };
-            recorder.run(&share, &Run::new(Dispatch::Invocations(count)).push(&push(count)))?;
+            recorder.run(&share, push(count), &Run::new(Dispatch::Invocations(count)))?;
         }
         timeline.add(recorder.submit("shadows/share")?);
     }
@@ -235,20 +235,22 @@ impl LightImage {
         light: &'a Buffer<LightFrame>,
         cube: bool,
     ) -> Result<(), Error> {
-        let walk = |chunk: usize, (first, count): (u64, u64)| {
-            let push = points::PointsPush { count: count as u32, chunk: chunk as u32, first: first as u32 };
-            Run::new(points::nearest_dispatch(count)).push(&push)
+        let push = |chunk: usize, (first, count): (u64, u64)| points::PointsPush {
+            count: count as u32,
+            chunk: chunk as u32,
+            first: first as u32,
         };
+        let walk = |(_, count): (u64, u64)| Run::new(points::nearest_dispatch(count));
         recorder.fill("shadows/clear", self.nearest.all(), u32::MAX)?;
         for (chunk, range) in cloud.chunks().enumerate() {
             let nearest = Nearest { places: cloud.places(range.0, range.1), nearest: self.nearest.all() };
-            recorder.run(&nearest, &walk(chunk, range).variant(walk_variant()))?;
+            recorder.run(&nearest, push(chunk, range), &walk(range).variant(walk_variant()))?;
         }
         let fill = Fill { nearest: self.nearest.all().cast(), depths: self.depths.all().cast() };
         let (columns, rows) = (pitch(self.resolution) / 4, u64::from(self.resolution));
-        let push = FillPush { columns: columns as u32, rows: self.resolution, apart: casting.min_layer_distance };
+        let filled = FillPush { columns: columns as u32, rows: self.resolution, apart: casting.min_layer_distance };
         let invocations = columns * rows.div_ceil(FILL_ROWS);
-        recorder.run(&fill, &Run::new(Dispatch::Invocations(invocations)).push(&push).variant(fill_variant()))?;
+        recorder.run(&fill, filled, &Run::new(Dispatch::Invocations(invocations)).variant(fill_variant()))?;
         for (chunk, range) in cloud.chunks().enumerate() {
             let lit = Lit {
                 places: cloud.places(range.0, range.1),
@@ -256,7 +258,7 @@ impl LightImage {
                 depths: self.depths.all(),
                 light: light.all(),
             };
-            recorder.run(&lit, &walk(chunk, range).variant(lit_variant(cube)))?;
+            recorder.run(&lit, push(chunk, range), &walk(range).variant(lit_variant(cube)))?;
         }
         Ok(())
     }

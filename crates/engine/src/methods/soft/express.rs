@@ -146,8 +146,8 @@ impl SoftDiscs {
             let push = ExpressPush { columns, tiles, runs, nearest, segment, peak: job.model.lambda, most_color };
             let WindowJob { modulated, counted, .. } = *job;
             let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(Dispatch::Groups(tiles.into())).push(&push);
-            recorder.run(&express, &run.variant(express_variant(way, binned.subgroup())))?;
+            let run = Run::new(Dispatch::Groups(tiles.into()));
+            recorder.run(&express, push, &run.variant(express_variant(way, binned.subgroup())))?;
         }
         Ok(())
     }

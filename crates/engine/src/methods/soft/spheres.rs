@@ -378,8 +378,8 @@ pub fn record_compose<'a>(
 ) -> Result<(), Error> {
     let (image, depths) = (target.image(), target.depths());
     let compose = Compose { solid_image: layer.image(), solid_depths: layer.depths(), image, depths };
-    let run = Run::new(Dispatch::Invocations(pixels)).push(&ComposePush { count: pixels as u32, origin });
-    Ok(recorder.run(&compose, &run)?)
+    let push = ComposePush { count: pixels as u32, origin };
+    Ok(recorder.run(&compose, push, &Run::new(Dispatch::Invocations(pixels)))?)
 }
 
 /// The variant of `soft/count` for a walker's.
@@ -470,18 +470,18 @@ impl LongSpheres {
         let arguments = |word| Dispatch::Indirect(work.cast().skip(word).first(3));
         let variant = run_variant(spheres.kind, cut);
         let push = spheres.push(0, 0, 0.0);
-        let over_runs = || Run::new(arguments(0)).push(&push).variant(variant.clone());
-        recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, &over_runs())?;
-        recorder.run(&Carry { work, lists, sums }, &Run::new(arguments(4)))?;
+        let over_runs = || Run::new(arguments(0)).variant(variant.clone());
+        recorder.run(&SumRuns { composing, work, runs, fragments, sums, records }, push, &over_runs())?;
+        recorder.run(&Carry { work, lists, sums }, (), &Run::new(arguments(4)))?;
         if spheres.kind.interior.is_integrated() {
             for first in (0..longest).step_by(SEGMENTS_TAKEN as usize) {
                 let push = SoftPush { first, ..push };
-                let run = Run::new(arguments(8)).push(&push).variant(segments_variant(spheres.kind, cut));
-                recorder.run(&Segments { composing, work, runs, fragments, segments, records }, &run)?;
+                let run = Run::new(arguments(8)).variant(segments_variant(spheres.kind, cut));
+                recorder.run(&Segments { composing, work, runs, fragments, segments, records }, push, &run)?;
             }
         }
         let blend = BlendRuns { composing, work, runs, fragments, sums, segments, partials, records };
-        Ok(recorder.run(&blend, &over_runs())?)
+        Ok(recorder.run(&blend, push, &over_runs())?)
     }
 }
 

@@ -597,7 +597,7 @@ impl Ensembles {
         }
         let pass = Renew { pixels: self.pixels.get().all().cast() };
         let push = super::abuffer::CountPush { count: job.pixels() as u32 };
-        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push))?;
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?;
         Ok(())
     }
 
@@ -612,11 +612,11 @@ impl Ensembles {
         if task.renews {
             self.record_renew(recorder, job)?;
         }
-        let (push, stage) = (push(job, task), task.stage);
+        let stage = task.stage;
         let count = task.piece.slots.end - task.piece.slots.start;
         let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
         let again = u32::from(task.piece.rows.is_some());
-        let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN))).push(&push);
+        let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
         let walk = (run, kind.variant(stage, None, counted).with("AGAIN", again));
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         if !job.listed() {
@@ -628,8 +628,8 @@ impl Ensembles {
         let stripes = job.stripes() as u32;
         let large = Large { counters: self.counters.get().all(), arguments: self.arguments.get().all() };
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
-        recorder.run(&large, &Run::new(Dispatch::Invocations(1)).push(&most))?;
-        let run = Run::new(Dispatch::Indirect(self.arguments.get().all())).push(&push);
+        recorder.run(&large, most, &Run::new(Dispatch::Invocations(1)))?;
+        let run = Run::new(Dispatch::Indirect(self.arguments.get().all()));
         self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Some(stripes), false)))
     }
 
@@ -645,24 +645,27 @@ impl Ensembles {
         let cloud = job.cloud;
         let nearest = self.nearest.get().all();
         let (run, variant) = run;
+        let push = push(job, task);
         match task.stage {
-            Stage::Nearest => recorder.run(&Nearest { slots, nearest }, &run.variant(variant))?,
+            Stage::Nearest => recorder.run(&Nearest { slots, nearest }, push, &run.variant(variant))?,
             Stage::NearestDepth => {
-                recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, &run.variant(variant))?;
+                recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, push, &run.variant(variant))?;
             }
-            Stage::NearestId => recorder.run(&NearestId { slots, nearest: nearest.cast() }, &run.variant(variant))?,
+            Stage::NearestId => {
+                recorder.run(&NearestId { slots, nearest: nearest.cast() }, push, &run.variant(variant))?
+            }
             Stage::Draw => {
                 let cut = Cut::new(device, cloud.len())?;
                 let point_colors = cut.of(&cloud.point_colors);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Draw { slots, nearest, point_colors, pixels, squares };
-                recorder.run(&pass, &run.variant(draw_variant(variant, cut, job.how)))?;
+                recorder.run(&pass, push, &run.variant(draw_variant(variant, cut, job.how)))?;
             }
             Stage::Sum => {
                 let point_colors = self.column(job, Column::Color, &task.piece.bound);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
-                recorder.run(&pass, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
+                recorder.run(&pass, push, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
             }
         }
         Ok(())
@@ -712,8 +715,8 @@ impl Ensembles {
             spread: self.spread.get().all(),
         };
         let push = ResolvePush { pixels: job.pixels() as u32, ensembles: job.drawn, scale: job.scale().one };
-        let run = Run::new(Dispatch::Invocations(job.pixels())).push(&push);
-        recorder.run(&pass, &run.variant(resolve_variant(job.spread)))?;
+        let run = Run::new(Dispatch::Invocations(job.pixels()));
+        recorder.run(&pass, push, &run.variant(resolve_variant(job.spread)))?;
         Ok(())
     }
 }

@@ -280,8 +280,8 @@ impl Sampler {
             depths: target.depths(),
         };
         let push = stratum.fold_push(job);
-        let run = Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(fold_variant(job.kind()));
-        recorder.run(&fold, &run)?;
+        let run = Run::new(Dispatch::Invocations(job.pixels())).variant(fold_variant(job.kind()));
+        recorder.run(&fold, push, &run)?;
         Ok(())
     }
 }

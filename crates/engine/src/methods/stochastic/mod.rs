@@ -285,7 +285,7 @@ impl Sampler {
         let pass = Gather { sums: self.sums.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = GatherPush { pixels: job.pixels() as u32, before: batch.before, left: batch.left };
         let variant = gather_variant(job.kind(), batch.strata);
-        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())).variant(variant))?;
         Ok(())
     }
 
@@ -298,7 +298,7 @@ impl Sampler {
         let pass = Resolve { exact: self.exact.get().all(), image: target.image(), spread: self.spread.get().all() };
         let push = ResolvePush { pixels: job.pixels() as u32, samples: job.settings.samples };
         let variant = resolve_variant(job.kind());
-        recorder.run(&pass, &Run::new(Dispatch::Invocations(job.pixels())).push(&push).variant(variant))?;
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())).variant(variant))?;
         Ok(())
     }
 }

@@ -89,13 +89,13 @@ impl Sampler {
         let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
         for segment in 0..binned.segments() {
             let (push, variant) = runs(segment);
-            recorder.run(&visibility, &dispatch().push(&push).variant(variant))?;
+            recorder.run(&visibility, push, &dispatch().variant(variant))?;
         }
         // All strata have the same exact A: the first ones find it.
         let kind = Kind { exact: job.kind().exact && batch.before == 0, ..job.kind() };
         for segment in 0..binned.segments() {
             let (push, variant) = runs(segment);
-            recorder.run(&accumulate, &dispatch().push(&push).variant(kind.of(variant)))?;
+            recorder.run(&accumulate, push, &dispatch().variant(kind.of(variant)))?;
         }
         Ok(())
     }

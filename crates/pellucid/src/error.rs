@@ -1,0 +1,84 @@
+//! What keeps a call from its result.
+
+use std::fmt::{self, Display, Formatter};
+
+/// Why a call failed: a kind for programs, and a message for people that says what was expected and what would help.
+#[derive(Debug)]
+pub struct Error {
+    kind: ErrorKind,
+    cause: Cause,
+}
+
+#[derive(Debug)]
+enum Cause {
+    Engine(pellucid_engine::Error),
+    Argument(String),
+}
+
+/// What kind of failure an [`Error`] is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// An argument is wrong: its length, its range, or a number that is not finite.
+    Argument,
+    /// A file could not be read.
+    Read,
+    /// A setting or a scene file is wrong.
+    Scene,
+    /// A file could not be written.
+    Write,
+    /// There is no device, it lacks something, or it failed.
+    Device,
+    /// The frame does not fit, or cannot be rendered as asked.
+    Render,
+    /// An [`Observer`](crate::Observer) wanted the work to end.
+    Cancelled,
+}
+
+/// A result with the crate's [`enum@ErrorKind`]ed [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl Error {
+    /// What kind of failure it is.
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    pub(crate) fn argument(message: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Argument, cause: Cause::Argument(message.into()) }
+    }
+}
+
+impl Display for Error {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match &self.cause {
+            Cause::Engine(error) => error.fmt(f),
+            Cause::Argument(message) => message.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.cause {
+            Cause::Engine(error) => error.source(),
+            Cause::Argument(_) => None,
+        }
+    }
+}
+
+impl<E: Into<pellucid_engine::Error>> From<E> for Error {
+    fn from(error: E) -> Self {
+        use pellucid_engine::Error as Engine;
+        let error = error.into();
+        let kind = match &error {
+            Engine::Load(_) => ErrorKind::Read,
+            Engine::Scene(_) | Engine::Path(_) => ErrorKind::Scene,
+            Engine::Output(_) => ErrorKind::Write,
+            Engine::Render(pellucid_engine::methods::Error::Cancelled) => ErrorKind::Cancelled,
+            Engine::Gpu(_) | Engine::Render(pellucid_engine::methods::Error::Gpu(_)) => ErrorKind::Device,
+            _ => ErrorKind::Render,
+        };
+        Self { kind, cause: Cause::Engine(error) }
+    }
+}

@@ -1,0 +1,76 @@
+//! Renders point clouds you can see through, exactly, on any Vulkan device, and times every pass.
+//!
+//! ```no_run
+//! # fn main() -> pellucid::Result<()> {
+//! # let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let cloud = pellucid::Cloud::from_positions(&positions)?.with_opacity(0.2)?;
+//! let scene = pellucid::Scene::from_clouds([cloud])?;
+//! pellucid::render(&scene)?.save("cloud.png")?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! - A [`Cloud`] holds points, from arrays or from a file.
+//! - A [`Scene`] holds clouds and settings. Settings have the names that they have in a scene file, as in
+//!   `scene.set("method.name", "stochastic")`; docs/scene-file.md lists them.
+//! - A [`Renderer`] is a device. It takes a scene once ([`Renderer::load`]) and renders any number of frames of it
+//!   ([`Loaded::frame`]), each with a [`Camera`] and a size of its own.
+//! - A [`Picture`] holds linear color, opacity and depth, and the [`Profile`] of the frame: what each pass took.
+//!
+//! Same points, same settings, same bytes: neither the order of the points nor the scheduling on the device shows.
+//!
+//! # Example
+//!
+//! ```
+//! use pellucid::{Camera, Cloud, Renderer, Scene};
+//!
+//! # fn main() -> pellucid::Result<()> {
+//! // Three layers that each let 0.75 of the light through.
+//! let positions: Vec<[f64; 3]> = (0..3).map(|layer| [0.0, 0.0, f64::from(layer)]).collect();
+//! let cloud = Cloud::from_positions(&positions)?.with_radii(&[2.0; 3])?.with_opacity(0.25)?;
+//! let mut scene = Scene::from_clouds([cloud])?;
+//! scene.set("image.size", [64, 64])?;
+//!
+//! # if pellucid::devices()?.is_empty() {
+//! #     return Ok(());
+//! # }
+//! let renderer = Renderer::open()?;
+//! let mut loaded = renderer.load(&scene)?;
+//! let camera = Camera::look_at([0.0, 0.0, 8.0], [0.0; 3], [0.0, 1.0, 0.0]).orthographic(2.0);
+//! let picture = loaded.frame().camera(camera).render()?;
+//!
+//! assert!(picture.pixels().iter().all(|[.., a]| (a - (1.0 - 0.75f32.powi(3))).abs() < 1e-6));
+//! for pass in picture.profile().passes() {
+//!     println!("{:<20} {:?}", pass.name, pass.time);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+
+mod camera;
+mod cloud;
+mod error;
+mod frame;
+mod picture;
+mod profile;
+mod renderer;
+mod scene;
+
+pub use camera::Camera;
+pub use cloud::Cloud;
+pub use error::{Error, ErrorKind, Result};
+pub use frame::FrameBuilder;
+pub use pellucid_engine::progress::Observer;
+pub use pellucid_engine::scene::Setting;
+pub use picture::Picture;
+pub use profile::{Pass, Profile};
+pub use renderer::{Loaded, Renderer, devices};
+pub use scene::Scene;
+
+/// Renders a scene on the best device, with its own camera or one that sees all of it.
+///
+/// # Errors
+/// Whatever [`Renderer::open`], [`Renderer::load`] and [`FrameBuilder::render`] refuse.
+pub fn render(scene: &Scene) -> Result<Picture> {
+    Renderer::open()?.load(scene)?.frame().render()
+}

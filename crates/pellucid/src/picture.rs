@@ -1,0 +1,86 @@
+//! A rendered frame.
+
+use std::path::Path;
+
+use pellucid_engine::color::encode_srgb;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Rendered};
+use pellucid_engine::output::{WriteOptions, linear, to_byte, write_image};
+use pellucid_engine::profile::Profile as Frames;
+
+use crate::{Loaded, Profile, Result};
+
+/// A picture: linear color, opacity and depth of each pixel, row by row from the top, and what it took to render them.
+pub struct Picture {
+    image: Image,
+    options: WriteOptions,
+    profile: Profile,
+}
+
+impl Picture {
+    pub(crate) fn new(rendered: Rendered, frame: &Frame, loaded: &Loaded) -> Self {
+        let mut frames = Frames::new(loaded.renderer.device(), frame);
+        frames.add(&rendered);
+        let device = &loaded.renderer.device().info().name;
+        let metadata =
+            pellucid_engine::output::tags("", frame.method.name(), &loaded.settings.settings, device, frame.seed);
+        let settings = &loaded.settings.image;
+        let options =
+            WriteOptions { background: settings.background, color: settings.color, transparent: false, metadata };
+        Self { image: rendered.image, options, profile: Profile(frames) }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.image.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.image.height
+    }
+
+    /// R, G, B, multiplied by opacity, and opacity A of each pixel, without the background. Linear light, unless the scene
+    /// says `image.color = "encoded"`.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.image.rgba
+    }
+
+    /// Depth of the nearest fragment of each pixel along the view, in world units; infinity where there is none.
+    pub fn depth(&self) -> &[f32] {
+        &self.image.depth
+    }
+
+    /// Fragments of each pixel, if [`counts`](crate::FrameBuilder::counts) were asked for and the method has lists.
+    pub fn fragments(&self) -> Option<&[u32]> {
+        self.image.fragments.as_deref()
+    }
+
+    /// Standard error of a stochastic picture, if it was found: root mean square over pixels and R, G, B.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.image.standard_error()
+    }
+
+    /// Linear R, G, B of each pixel over the scene's background.
+    pub fn over_background(&self) -> Vec<[f32; 3]> {
+        linear(&self.image, self.options.background, self.options.color).pixels
+    }
+
+    /// R, G, B of each pixel over the scene's background as 8-bit sRGB, as [`save`](Self::save) writes them.
+    pub fn to_srgb8(&self) -> Vec<[u8; 3]> {
+        self.over_background().into_iter().map(|pixel| pixel.map(|linear| to_byte(encode_srgb(linear)))).collect()
+    }
+
+    /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z and counts), by the file's extension.
+    ///
+    /// # Errors
+    /// Another extension, a missing folder, and what the system says while writing; an old file then stays as it was.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        Ok(write_image(path.as_ref(), &self.image, &self.options)?)
+    }
+
+    /// What the frame took.
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+}

@@ -1,0 +1,133 @@
+//! A device, and scenes on it.
+
+use std::sync::Arc;
+
+use pellucid_engine::cloud::Bounds;
+use pellucid_engine::gpu::{self, Device, DeviceOptions};
+use pellucid_engine::methods::{self, Frame};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::plan;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::{Observer, Progress};
+use pellucid_engine::scene as engine;
+
+use crate::{FrameBuilder, Result, Scene};
+
+/// Names of the Vulkan devices of this machine, in the order in which [`Renderer::open_device`] counts them.
+///
+/// # Errors
+/// No Vulkan loader; the message says what to install.
+pub fn devices() -> Result<Vec<String>> {
+    let (devices, _) = gpu::devices(None)?;
+    Ok(devices.into_iter().map(|device| device.name).collect())
+}
+
+/// A device that renders scenes.
+#[derive(Clone)]
+pub struct Renderer {
+    device: Device,
+    progress: Progress,
+}
+
+impl Renderer {
+    /// Opens the best device: a GPU, else a driver that runs on the CPU.
+    ///
+    /// # Errors
+    /// No loader or no device; the message says what to install.
+    pub fn open() -> Result<Self> {
+        Self::open_with(None)
+    }
+
+    /// Opens the device of that number in [`devices`], or whose name contains the text.
+    ///
+    /// # Errors
+    /// As [`Self::open`], and no such device.
+    pub fn open_device(device: &str) -> Result<Self> {
+        Self::open_with(Some(device.to_owned()))
+    }
+
+    fn open_with(device: Option<String>) -> Result<Self> {
+        let device = Device::open(&DeviceOptions { device, ..DeviceOptions::from_env() })?;
+        Ok(Self { device, progress: Progress::hidden() })
+    }
+
+    /// Tells an observer how far loading and rendering are; it may also cancel them.
+    #[must_use]
+    pub fn observed_by(self, observer: impl Observer + 'static) -> Self {
+        Self { progress: Progress::observed(observer), ..self }
+    }
+
+    /// The device's name.
+    pub fn device_name(&self) -> &str {
+        &self.device.info().name
+    }
+
+    /// The driver's name and version.
+    pub fn driver_name(&self) -> &str {
+        &self.device.info().driver
+    }
+
+    /// Brings a scene to the device: estimates the radii that are missing, orders the points and uploads them. The scene's
+    /// method is decided here, if it is `auto`.
+    ///
+    /// # Errors
+    /// A scene without points, one whose settings contradict each other, or one that the device has no room for.
+    pub fn load(&self, scene: &Scene) -> Result<Loaded> {
+        let settings = scene.document.scene()?;
+        let (texture, _) = engine::shadow_texture(&settings, &scene.clouds, scene.seed);
+        let up = engine::up_axis(&scene.clouds);
+        let arranged = engine::arrange(&settings, scene.clouds.clone(), scene.seed, &self.progress)?;
+        let (camera, _) = engine::camera(&settings, arranged.points(), up)?;
+        let mut renderer = methods::Renderer::new(&self.device)?;
+        renderer.progress = self.progress.clone();
+        let mut cloud = renderer.upload_lit(&arranged, texture.as_ref())?;
+        let mut frame = Frame::of_scene(&settings, camera, scene.seed);
+        let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), settings.method, &frame)?;
+        frame.method = method;
+        let radius = arranged.points().radii.iter().copied().fold(0.0, f32::max);
+        let bounds = arranged.points().bounds();
+        let arranged = Arc::new(arranged);
+        Ok(Loaded { renderer, cloud, frame, reason, settings, arranged, bounds, radius: f64::from(radius) })
+    }
+}
+
+/// A scene on a device, of which any number of frames can be rendered.
+pub struct Loaded {
+    pub(crate) renderer: methods::Renderer,
+    pub(crate) cloud: DeviceCloud,
+    pub(crate) frame: Frame,
+    pub(crate) reason: String,
+    pub(crate) settings: engine::Scene,
+    /// Points that are dealt to ensembles stay on the host, too.
+    #[allow(dead_code, reason = "kept for what the device reads of it")]
+    arranged: Arc<Arranged>,
+    pub(crate) bounds: Option<Bounds>,
+    pub(crate) radius: f64,
+}
+
+impl Loaded {
+    /// Begins a frame: the camera, the size and the method are those of the scene unless they are given here.
+    pub fn frame(&mut self) -> FrameBuilder<'_> {
+        FrameBuilder::new(self)
+    }
+
+    /// The method in force.
+    pub fn method(&self) -> &'static str {
+        self.frame.method.name()
+    }
+
+    /// Why this method is in force.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+
+    /// Number of points, those without finite coordinates left out.
+    pub fn len(&self) -> u64 {
+        self.cloud.len()
+    }
+
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
