@@ -28,7 +28,7 @@ pub struct ProfileArgs {
     #[command(flatten)]
     along: PathArgs,
     /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
-    /// more than a quarter of a step. Only method sorted stops at all.
+    /// more than a quarter of a step. Only the methods sorted and abuffer stop at all.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.

@@ -36,6 +36,24 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
 }
 
 #[test]
+fn without_a_volume_there_are_surfaces_of_an_orbital() {
+    let folder = folder();
+    assert_eq!(run(&folder, &["scene", "iso", "--set", "points=3000", "-o", "a"]), (0, String::new(), String::new()));
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
+    let surfaces = ["a/surface-1.ply", "a/surface-2.ply", "a/surface-3.ply"].map(load);
+    assert_eq!(surfaces.iter().map(|cloud| cloud.len()).sum::<usize>(), 3000);
+    // Density is equal above and below the nucleus, and none where lobes and ring would meet.
+    for cloud in &surfaces {
+        let above = cloud.positions.iter().filter(|p| p.y > 0.0).count();
+        // Five standard deviations of a fair coin.
+        let spread = 2.5 * (cloud.len() as f64).sqrt();
+        assert!((above as f64 - cloud.len() as f64 / 2.0).abs() < spread, "{above} of {}", cloud.len());
+        assert!(cloud.positions.iter().all(|p| (p.y.abs() / p.length() - 1.0 / 3f64.sqrt()).abs() > 0.01));
+    }
+    assert_eq!(run(&folder, &["plan", "a/scene.toml", "-q"]).0, 0);
+}
+
+#[test]
 fn wrong_volumes_are_refused() {
     let folder = folder();
     fs::write(inside(&folder, "a_2x2x2_uint8.raw"), [1; 9]).unwrap();
@@ -50,13 +68,16 @@ fn wrong_volumes_are_refused() {
     refused(&["--volume", "b_2x2x2_uint8.raw", "--dims", "2x2"], 2, &["2x2", "64x64x64"]);
     refused(&["--volume", "b_2x2x2_uint8.raw", "--type", "float16"], 2, &["float16", "float32"]);
     refused(&["--volume", "b_2x2x2_uint8.raw", "--set", "layers=3"], 2, &["layers", "surfaces"]);
-    refused(&[], 2, &["--volume FILE"]);
+    // The built-in volume goes from 0 to 1.
+    refused(&["--values", "2"], 2, &["value 2", "from 0"]);
+    refused(&["--dims", "2x2x2"], 2, &["--volume"]);
     assert_refused(
         &folder,
         &["scene", "tori", "-o", "new", "--volume", "b_2x2x2_uint8.raw"],
         2,
-        &["belongs to", "iso"],
+        &["belong to", "iso"],
     );
+    assert_refused(&folder, &["scene", "tori", "-o", "new", "--values", "1"], 2, &["belong to", "iso"]);
     let (code, list, _) = run(&folder, &["scene", "--list"]);
     assert!(code == 0 && list.lines().any(|line| line.starts_with("iso ") && line.contains("points=")), "{list}");
 }

@@ -109,6 +109,45 @@ fn allocations_are_reported_by_name_until_they_are_gone() {
     });
 }
 
+/// Layers before 1.3.243 race with whoever frees a command buffer (CONTRIBUTING.md), and two recorders must not share a pool.
+#[test]
+fn command_buffers_are_used_again_and_never_shared() {
+    with_device(|device| {
+        let buffer = device.buffer::<u32>("numbers", 64, Memory::Device).expect("fits");
+        for round in 0..50 {
+            let mut recorder = device.recorder().expect("a recorder");
+            assert_eq!(device.idle_command_buffers(), 0, "the one there is, in use");
+            recorder.fill("fill", buffer.all(), round).expect("recorded");
+            recorder.submit("fill").expect("submitted");
+            assert_eq!(device.idle_command_buffers(), 1);
+        }
+        // One that is given up while it records is whole again.
+        let mut given_up = device.recorder().expect("a recorder");
+        given_up.fill("fill", buffer.all(), 7).expect("recorded");
+        drop(given_up);
+        // Two at a time, on two threads, each record and submit for themselves.
+        let barrier = std::sync::Barrier::new(2);
+        std::thread::scope(|scope| {
+            for word in [1u32, 2] {
+                let barrier = &barrier;
+                scope.spawn(move || {
+                    let own = device.buffer::<u32>("own", 1000, Memory::Device).expect("fits");
+                    for _ in 0..20 {
+                        barrier.wait();
+                        let mut recorder = device.recorder().expect("a recorder");
+                        barrier.wait();
+                        recorder.fill("fill", own.all(), word).expect("recorded");
+                        recorder.submit("fill").expect("submitted");
+                        assert_eq!(own.read(0, 1000).expect("readable"), [word; 1000]);
+                    }
+                });
+            }
+        });
+        assert_eq!(device.idle_command_buffers(), 2);
+        assert_eq!(buffer.read(0, 1).expect("readable"), [49]);
+    });
+}
+
 #[test]
 fn an_unknown_device_is_refused_with_those_present() {
     if !has_device() {

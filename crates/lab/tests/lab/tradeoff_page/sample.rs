@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use image::RgbImage;
+use pellucid_engine::output::write_rgb_png;
 use pellucid_lab::report::fit::power_law;
 use pellucid_lab::report::stress::Spread;
 use pellucid_lab::report::tradeoff::{Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
@@ -154,11 +154,8 @@ pub fn write_pictures(folder: &Path, report: &Tradeoff) {
             }
         }
     }
-    let save = |name: &str, pixels: &[[f32; 3]]| {
-        let bytes =
-            pixels.iter().flatten().map(|value| (255.0 * value.clamp(0.0, 1.0).powf(1.0 / 2.2)) as u8).collect();
-        RgbImage::from_raw(width, height, bytes).unwrap().save(folder.join(name)).unwrap();
-    };
+    let save =
+        |name: &str, pixels: &[[f32; 3]]| write_rgb_png(&folder.join(name), [width, height], pixels).unwrap();
     save(&report.reference.picture, &truth);
     for row in &report.rows {
         let rmse = row.errors.rmse as f32;
