@@ -1,19 +1,19 @@
-//! What a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
+//! The settings a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
 
 use serde::{Deserialize, Serialize};
 
 use crate::scene::{Light, Shadows};
 
-/// Share of the scene's diagonal that surfaces are apart, unless a scene says it.
+/// Default distance between surfaces, as a share of the scene's diagonal.
 const APART: f64 = 0.01;
 
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(into = "Spelled")]
 pub struct Casting {
-    /// Where light comes from, its direction of length 1; not a headlight.
+    /// The light, its direction of length 1; not a headlight.
     pub light: Light,
-    /// M: lights that stand for an area light; 1 without an area.
+    /// M: the number of lights that stand for an area light; 1 without an area.
     pub samples: u32,
     /// Degrees around a direction, world units around a position.
     pub light_radius: f32,
@@ -21,12 +21,12 @@ pub struct Casting {
     pub resolution: u32,
     /// d̃ in world units.
     pub min_layer_distance: f32,
-    /// What the lights of an area are shifted by; 0 without an area.
+    /// Seed of the shifts of an area's lights; 0 without an area.
     pub seed: u64,
 }
 
 impl Casting {
-    /// Of points whose box has a diagonal of `diagonal` world units; `None` of a headlight, which casts no shadows.
+    /// For points whose box has a diagonal of `diagonal` world units; `None` for a headlight, which casts no shadows.
     pub fn new(light: Light, shadows: &Shadows, seed: u64, diagonal: f64) -> Option<Self> {
         let light = match light {
             Light::Headlight => return None,
@@ -44,7 +44,7 @@ impl Casting {
         })
     }
 
-    /// In which settings this is not `other`, by the names that they have in a scene.
+    /// The settings that differ from `other`, by their names in a scene.
     pub fn differences(&self, other: &Self) -> Vec<&'static str> {
         [
             ("light", self.light != other.light),
@@ -63,13 +63,13 @@ impl Casting {
 /// A shadow texture that is stored with a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadowTexture {
-    /// What it belongs to.
+    /// The settings it belongs to.
     pub casting: Casting,
     /// m of each point, in [0, 1], in the order of the cloud.
     pub lit: Vec<f32>,
 }
 
-/// A [`Casting`] as a prepared file says it.
+/// A [`Casting`] in the form of a prepared file.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Spelled {
     #[serde(flatten)]
@@ -100,7 +100,7 @@ impl From<&Casting> for Spelled {
         let light = match light {
             Light::Position(position) => SpelledLight::Position(position.to_array()),
             Light::Direction(direction) => SpelledLight::Direction(direction.to_array()),
-            // Nobody's: `Casting::new` makes none.
+            // Unreachable: `Casting::new` returns `None` for it.
             Light::Headlight => SpelledLight::Direction([0.0; 3]),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }

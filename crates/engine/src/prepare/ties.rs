@@ -17,7 +17,7 @@ use crate::points::Points;
 pub(crate) struct Ties {
     /// Group after group.
     places: Vec<u32>,
-    /// Where each group ends among the places.
+    /// The end of each group among the places.
     ends: Vec<u32>,
 }
 
@@ -52,7 +52,7 @@ impl Ties {
         self.places.is_empty()
     }
 
-    /// Adds the groups of other points, which stand elsewhere.
+    /// Adds the groups of other points, at other positions.
     pub fn extend(&mut self, others: &Self, place: impl Fn(u32) -> u32) {
         let before = self.places.len() as u32;
         self.places.extend(others.places.iter().map(|other| place(*other)));
@@ -64,8 +64,8 @@ impl Ties {
         (0..self.ends.len()).into_par_iter().map(move |group| &self.places[start(group)..self.ends[group] as usize])
     }
 
-    /// Puts points of equal position into canonical order, identical ones by `origins`, where each point stood before any
-    /// order, which move along. Whether any had to move. `points.file_order` stays as it is.
+    /// Puts points of equal position into canonical order, and identical ones in the order of `origins`, their original
+    /// places, which move along. Returns true if any point moved. `points.file_order` stays unchanged.
     pub fn settle(&self, points: &mut Points, origins: &mut [u32]) -> bool {
         let by_all = |points: &Points, origins: &[u32], a: u32, b: u32| {
             let [a, b] = [a as usize, b as usize];

@@ -5,12 +5,12 @@ use std::cmp::Ordering;
 
 use glam::{DMat3, DVec3};
 
-/// What Eq. 20 and 21 give for each point.
+/// The results of Eq. 20 and 21 for each point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// Eq. 20.
     pub radii: Vec<f64>,
-    /// Given or, where missing, estimated; zero where there is no single direction.
+    /// Given or, where missing, estimated; zero without a single direction.
     pub normals: Vec<DVec3>,
     /// Eq. 21, scaled to [0, 1].
     pub fields: Vec<f64>,

@@ -1,7 +1,8 @@
-//! nerfstudio's `transforms.json` (docs.nerf.studio, "Data conventions"), which Instant NGP and the synthetic scenes of NeRF
-//! have as well.
+//! nerfstudio's `transforms.json` (docs.nerf.studio, "Data conventions"), also used by Instant NGP and the synthetic
+//! scenes of NeRF.
 //!
-//! A frame's `transform_matrix` leads from the camera to the world; the camera's axes are OpenGL's: x right, y up, −z forward.
+//! A frame's `transform_matrix` maps the camera to the world; the camera's axes are OpenGL's: x right, y up, −z
+//! forward.
 
 use std::path::Path;
 
@@ -28,7 +29,7 @@ struct Frame {
     lens: Lens,
 }
 
-/// Of all frames, or of one.
+/// The lens of all frames, or of one.
 #[derive(Debug, Default, Deserialize)]
 struct Lens {
     camera_model: Option<String>,
@@ -50,7 +51,7 @@ struct Lens {
     p2: Option<f64>,
 }
 
-/// A frame's lens, as far as it is known.
+/// The known lens parameters of a frame.
 enum Known {
     Pixels(Intrinsics),
     Angle(Angle),

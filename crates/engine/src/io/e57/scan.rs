@@ -1,4 +1,4 @@
-//! One scan of an E57 file: where its values go in the rows of the cloud.
+//! One scan of an E57 file: maps its values to the rows of the cloud.
 
 use std::collections::HashSet;
 
@@ -61,7 +61,7 @@ fn scalar_name(name: &RecordName) -> Option<String> {
     })
 }
 
-/// Whether a field of an extension is a classification, whatever the extension.
+/// True if an extension's field is a classification, for any extension.
 fn is_class(name: &str) -> bool {
     crate::cloud::CLASSIFICATION_NAMES.contains(&name.to_ascii_lowercase().as_str())
 }
@@ -71,7 +71,7 @@ fn normal_axis(name: &str) -> Option<usize> {
     ["normalX", "normalY", "normalZ"].iter().position(|known| *known == name)
 }
 
-/// Where a scan has its normals.
+/// The positions of a scan's normals.
 fn normal(scan: &PointCloud) -> Option<[usize; 3]> {
     let find = |axis: usize| {
         scan.prototype.iter().position(
@@ -92,7 +92,7 @@ pub(super) fn bits(kind: &RecordDataType) -> u64 {
     }
 }
 
-/// How a value is scaled to [0, 1].
+/// The scaling of a value to [0, 1].
 #[derive(Clone, Copy)]
 struct Limits {
     min: f64,
@@ -126,7 +126,7 @@ impl Limits {
 /// A field of a scan: its place among the values and its type.
 type Field<'a> = (usize, &'a RecordDataType);
 
-/// Where the values of a scan go.
+/// Maps the values of a scan to a row.
 pub(super) struct Scan<'a> {
     rotation: DQuat,
     translation: DVec3,
@@ -187,7 +187,7 @@ impl<'a> Scan<'a> {
         })
     }
 
-    /// Makes a row of a point's values; its position is NaN if the scan has none.
+    /// Converts a point's values to a row; its position is NaN if the scan lacks one.
     pub fn row(&self, values: &[RecordValue], row: &mut Vec<f64>) -> ::e57::Result<()> {
         row.clone_from(&self.empty);
         let value = |(at, kind): Field| values.get(at).map_or(Ok(f64::NAN), |value| value.to_f64(kind));

@@ -1,15 +1,15 @@
-//! From the numbers of a point to a row of columns: packed colors taken apart, padding left out, groups numbered.
+//! Converts the numbers of a point to a row of columns: unpacks colors, skips padding, numbers groups.
 
 use super::header::{Field, Header, Kind};
 use crate::io::columns::{Column, ScalarType};
 
-/// What becomes of a field.
+/// The use of a field.
 enum Use {
-    /// Nothing: padding, or a group of no numbers.
+    /// Unused: padding, or a group of no numbers.
     Skip,
     /// Each number is a column.
     Numbers,
-    /// Bytes of a word: blue, green, red from the lowest up, and alpha if there is one.
+    /// Bytes of a word: blue, green, red from the lowest up, and alpha if present.
     Packed { alpha: bool },
 }
 

@@ -1,4 +1,4 @@
-//! PNG, JPEG and TIFF as pixels. What a header claims is compared with the file's length before memory is taken.
+//! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
 
 use glam::Vec3;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
@@ -17,11 +17,11 @@ const ALWAYS_ALLOWED: u64 = 16 << 20;
 /// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
 const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
-/// A decoded picture, turned as the camera was held (EXIF).
+/// A decoded picture, rotated upright (EXIF).
 pub struct Picture {
     pub width: u32,
     pub height: u32,
-    /// Whether it has an alpha channel.
+    /// True if it has an alpha channel.
     pub has_alpha: bool,
     pixels: Pixels,
 }
@@ -73,7 +73,7 @@ impl Picture {
             return Err(Error::Truncated { path: path.clone(), what });
         }
         let mut limits = Limits::default();
-        // The picture, and what its decoder keeps beside it.
+        // The picture, plus the memory the decoder needs beside it.
         limits.max_alloc = Some(2 * bytes + (64 << 20));
         decoder.set_limits(limits).map_err(failed)?;
         let orientation = decoder.orientation().map_err(failed)?;

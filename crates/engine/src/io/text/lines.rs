@@ -61,9 +61,9 @@ impl<'s> Lines<'s> {
     }
 }
 
-/// What is wrong with a line.
+/// A defect of a line.
 pub(super) struct Fault {
-    /// Where the field starts, in characters from 1, if it is about one.
+    /// The start of the faulty field, in characters from 1, if a field is at fault.
     column: Option<usize>,
     cause: String,
 }
@@ -73,7 +73,7 @@ pub(super) fn comment(line: &str) -> Option<&str> {
     line.strip_prefix('#').or_else(|| line.strip_prefix("//")).map(str::trim)
 }
 
-/// What separates the fields of a line.
+/// The separator of the fields of a line.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Delimiter {
     /// One or more blanks or tabs.
@@ -139,7 +139,7 @@ impl Delimiter {
         Ok(())
     }
 
-    /// As [`Delimiter::numbers`], of lines that must have so many fields.
+    /// Like [`Delimiter::numbers`], for lines that must have `columns` fields.
     pub fn row(self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
         self.numbers(line, row)?;
         if row.len() + 1 == columns && matches!(self, Self::Char(c) if line.ends_with(c)) {

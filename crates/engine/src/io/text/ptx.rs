@@ -1,8 +1,8 @@
-//! PTX files (Leica Cyclone): scans as grids, each with where it was taken.
+//! PTX files (Leica Cyclone): scans as grids, each with its position.
 //!
-//! A scan begins with columns and rows of its grid, four lines of three numbers (the scanner's place and axes, which the
-//! matrix repeats) and four lines of a matrix that takes row vectors to the common coordinates: (x y z 1) · M. Then each
-//! cell has x y z, or 0 0 0 where nothing came back; and intensity, color, or both.
+//! A scan begins with columns and rows of its grid, four lines of three numbers (the scanner's position and axes, which
+//! the matrix repeats) and four lines of a matrix that maps row vectors to the common coordinates: (x y z 1) · M. Then
+//! each cell has x y z, or 0 0 0 for cells without a return; and intensity, color, or both.
 
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
@@ -14,7 +14,7 @@ use crate::cloud::Cloud;
 use crate::io::columns::{Columns, FullScale};
 use crate::io::{Error, PROGRESS_STEP, Source};
 
-/// What a row of the cloud has, for all scans; what one has not is NaN.
+/// The values of a row, common to all scans; missing ones are NaN.
 const ALL: usize = 7;
 
 /// Reads all scans of a file as one cloud.
@@ -64,7 +64,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
     Ok(without_blank_intensity(table.finish()))
 }
 
-/// An intensity that no scan has is none.
+/// Drops the intensity if no scan has it.
 fn without_blank_intensity(mut cloud: Cloud) -> Cloud {
     cloud.intensity = cloud.intensity.filter(|values| values.iter().any(|value| !value.is_nan()));
     for value in cloud.intensity.iter_mut().flatten().filter(|value| value.is_nan()) {
@@ -112,7 +112,7 @@ struct Scan {
 }
 
 impl Scan {
-    /// Reads the head of a scan, of which the first line is in `line`.
+    /// Reads the head of a scan; `line` holds its first line.
     fn read(lines: &mut Lines, line: &mut String) -> Result<Self, Error> {
         let start = lines.number;
         let columns = size(lines, line, "columns")?;

@@ -46,7 +46,7 @@ pub(super) fn read(
     Ok(cloud)
 }
 
-/// What comes before the first point.
+/// The lines before the first point.
 struct Head {
     delimiter: Delimiter,
     columns: usize,
@@ -63,7 +63,7 @@ struct Block {
 }
 
 impl Head {
-    /// Reads up to the first line of numbers, which is then in `line`; `None` if there is none.
+    /// Reads up to the first line of numbers and leaves it in `line`; `None` if the file has none.
     fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
         let (mut remark, mut header, mut block) = (None, None, None);
         loop {
@@ -155,7 +155,7 @@ impl Block {
     }
 }
 
-/// Points that are read, and what was said of their number.
+/// The points read so far, and the announced number of points.
 struct Table {
     rows: Rows,
     block: Option<Block>,
@@ -163,7 +163,7 @@ struct Table {
 }
 
 impl Table {
-    /// Whether a line announces the points of a next scan; only after all those of the one before.
+    /// True if a line announces the points of another scan; only valid after all points of the previous one.
     fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
         let Some(block) = &self.block else { return Ok(false) };
         if self.points - block.start != block.announced {
@@ -174,7 +174,7 @@ impl Table {
         Ok(true)
     }
 
-    /// Fails if points are missing; says so if there are more.
+    /// Fails if points are missing; returns a warning if there are more than announced.
     fn check_block(&self, lines: &Lines) -> Result<Option<String>, Error> {
         let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
         let found = self.points - start;
@@ -231,7 +231,7 @@ impl Rows {
     }
 }
 
-/// Whether the first bytes of a file are those of a table: a line of three numbers or more, if need be after comments and
+/// True if the first bytes of a file are those of a table: a line of three or more numbers, possibly after comments and
 /// a count.
 pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
     if start.contains(&0) {

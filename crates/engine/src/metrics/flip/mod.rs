@@ -24,17 +24,17 @@ const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 const STRIP: usize = 32;
 
 /// Mean LDR-FLIP error (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020, "FLIP: a difference
-/// evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree: no unit, 0 for
-/// equal images, at most 1.
+/// evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree: no unit, 0
+/// for equal images, at most 1.
 ///
-/// Per pixel (ΔE_c)^(1 − ΔE_f). ΔE_c is the HyAB distance of Hunt-adjusted CIELAB colors after filters of the eye's contrast
-/// sensitivity in YCxCz, ΔE_f the difference of the edges and points in their luminance. Beyond its sides an image goes on
-/// as it ends, so that every size is measured. The paper takes sRGB-encoded pictures and decodes them; linear light is
-/// taken here as it is, unrounded. The order of the images does not matter. Differing values of which one is not finite
-/// give 1.
+/// Per pixel (ΔE_c)^(1 − ΔE_f). ΔE_c is the HyAB distance of Hunt-adjusted CIELAB colors after filters of the eye's
+/// contrast sensitivity in YCxCz, ΔE_f the difference of the edges and points in their luminance. Beyond its sides an
+/// image repeats its border pixels, so images of any size can be compared. The paper takes sRGB-encoded pictures and
+/// decodes them; here linear light is used directly, unrounded. The order of the images does not matter. Differing
+/// values give 1 if one of them is not finite.
 ///
 /// # Panics
-/// If the images are not equally large.
+/// The images differ in size.
 pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height), "images to compare are equally large");
     let (width, height) = (a.width as usize, a.height as usize);
@@ -55,7 +55,7 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
     strips.iter().sum::<f64>() / (width * height) as f64
 }
 
-/// What is seen of one pixel.
+/// The filtered features of one pixel.
 struct Seen {
     /// Filtered color, Hunt-adjusted CIELAB.
     color: DVec3,
@@ -63,7 +63,7 @@ struct Seen {
     features: [f64; 2],
 }
 
-/// What all pixels share.
+/// The filters shared by all pixels.
 struct Eye {
     filters: Filters,
     colors: Colors,
@@ -78,7 +78,7 @@ impl Eye {
         Self { filters: Filters::new(pixels_per_degree), colors, greatest }
     }
 
-    /// What is seen of some rows of an image, pixel by pixel.
+    /// The features of some rows of an image, pixel by pixel.
     fn look(&self, pixels: &[[f32; 3]], width: usize, rows: Range<usize>) -> Vec<Seen> {
         let length = self.filters.taps.len();
         let radius = length / 2;
@@ -111,7 +111,7 @@ impl Eye {
         sums
     }
 
-    /// The same along a row, and what follows of it.
+    /// The same filter along a row, and the resulting features.
     fn horizontal(&self, columns: &[Weights]) -> Seen {
         let mut colors = [0.0; 4];
         let (mut edge, mut point) = ([0.0; 2], [0.0; 2]);

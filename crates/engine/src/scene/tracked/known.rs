@@ -1,4 +1,4 @@
-//! What was found about a cloud's points, kept for as long as the same is asked for.
+//! Derived data of a cloud's points, kept as long as the request stays the same.
 
 use crate::progress::Progress;
 
@@ -6,7 +6,7 @@ use crate::cloud::Cloud;
 use crate::cloud::field::{self, Field};
 use crate::prepare::{self, Request};
 
-/// What decides which field it is: what F is, and K where that matters, of uncertainty.
+/// The properties that determine a field: the definition of F, and K for the uncertainty.
 pub(super) type FieldKey = (Field, Option<usize>);
 
 /// Radii and field of a cloud's points, in its order and units: those of the last K and of the last field that were asked for.
@@ -25,10 +25,10 @@ pub(super) fn field_key(cloud: &Cloud, request: &Request) -> FieldKey {
 }
 
 impl Known {
-    /// Finds what a request asks for and isn't known yet, in place of what belongs to another K or field.
+    /// Computes the requested data that is missing, and replaces data of another K or field.
     ///
     /// # Errors
-    /// If the cloud lacks what its field is made of.
+    /// The cloud lacks the property of its field.
     pub(super) fn learn(&mut self, cloud: &Cloud, request: &Request, progress: &Progress) -> Result<(), field::Error> {
         let (neighbors, field) = (request.neighbors_of(cloud), field_key(cloud, request));
         let radii = request.radii && self.radii.as_ref().is_none_or(|(known, _)| *known != neighbors);
@@ -36,7 +36,7 @@ impl Known {
         if !(radii || fields) {
             return Ok(());
         }
-        // Freed first, so that old and new never lie in memory together.
+        // Freed first, so that old and new never occupy memory together.
         self.radii.take_if(|_| radii);
         self.fields.take_if(|_| fields);
         progress.reset();

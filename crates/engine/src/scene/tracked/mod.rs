@@ -1,8 +1,9 @@
-//! The points of a scene that is edited: they know where they came from, so that settings which leave them where they are cost
-//! no more than the columns that they change.
+//! The points of a scene that is edited. They keep their origins, so that a setting that doesn't move points costs no
+//! more than the columns it changes.
 //!
-//! [`arrange`](super::arrange) orders points by position first. Colors, opacities, radii and fields decide only between points
-//! of equal position, so when they change, each point keeps its place but for those that share theirs with others.
+//! [`arrange`](super::arrange) orders points by position first. Colors, opacities, radii and fields only order points
+//! of equal position. When they change, each point keeps its place, except for those that share their position with
+//! others.
 
 mod known;
 mod origins;
@@ -27,20 +28,22 @@ use crate::prepare::ties::Ties;
 use known::{FieldKey, field_key};
 use origins::Origins;
 
-/// What [`arrange`](super::arrange) makes of a scene, and how to make of it, in place, what it makes of another one. Beside the
-/// points it takes 4 bytes for each point that was dealt and 8 for each that shares its position with another.
+/// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
+/// addition to the points it takes 4 bytes for each point that was dealt and 8 for each that shares its position with
+/// another.
 #[derive(Debug, Clone)]
 pub struct Tracked {
     arranged: Arranged,
     stand: Stand,
     looks: Vec<Look>,
-    /// Of points that were dealt; the others have theirs in [`Points::file_order`].
+    /// For points that were dealt; others have it in [`Points::file_order`].
     dealt: Vec<u32>,
     ties: Ties,
     origins: Origins,
 }
 
-/// What the positions of points and their order depend on; numbers by their bits, as the order goes by them.
+/// Everything that determines the positions of points and their order; numbers by their bits, as the order compares
+/// them.
 #[derive(Debug, Clone, PartialEq)]
 struct Stand {
     dealt: bool,
@@ -56,7 +59,7 @@ impl Stand {
     }
 }
 
-/// What the other columns of a cloud's points depend on; numbers by their bits.
+/// Everything that determines the other columns of a cloud's points; numbers by their bits.
 #[derive(Debug, Clone, PartialEq)]
 struct Look {
     color: Option<[u32; 3]>,
@@ -76,9 +79,9 @@ fn bits_of(color: Vec3) -> [u32; 3] {
 struct Seen<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
-    /// Where the settings have none: memory is visited in another order than it lies in.
+    /// The file's values, used where the settings have none; access is not sequential.
     colors: Option<&'a [Vec3]>,
-    /// As colors.
+    /// Like colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
 }
@@ -151,11 +154,11 @@ fn seen<'a>(scene: &'a Scene, clouds: &'a [Cloud], known: &'a [Known], looks: &[
 }
 
 impl Tracked {
-    /// The points of a scene: what [`arrange`](super::arrange) makes of it. `known` holds as many as there are clouds, and what
-    /// was found before.
+    /// The points of a scene, as [`arrange`](super::arrange) orders them. `known` has one entry per cloud, with earlier
+    /// results.
     ///
     /// # Errors
-    /// No point is left, or a cloud lacks what its field is made of.
+    /// No point is left, or a cloud lacks the property of its field.
     pub fn new(
         scene: &Scene,
         clouds: &[Cloud],
@@ -201,12 +204,12 @@ impl Tracked {
         self.arranged.points()
     }
 
-    /// Makes of the points what [`arrange`](super::arrange) makes of another scene of the same clouds, in place. `None`, and all
-    /// stays as it was, if they would be elsewhere: then they must be arranged anew. A list that was dealt is copied if somebody
-    /// shares it.
+    /// Updates the points in place to the result of [`arrange`](super::arrange) for another scene of the same clouds.
+    /// Returns `None`, with everything unchanged, if points would move: then they must be arranged again. A dealt list
+    /// that is shared is copied.
     ///
     /// # Errors
-    /// A cloud lacks what its field is made of; all stays as it was.
+    /// A cloud lacks the property of its field; nothing changes.
     pub fn follow(
         &mut self,
         scene: &Scene,
@@ -242,7 +245,7 @@ impl Tracked {
 /// Columns of points that look otherwise.
 struct Repaint<'a> {
     origins: &'a Origins,
-    /// Of each place the number of its point.
+    /// For each place the number of its point.
     order: &'a [u32],
     seen: &'a [Seen<'a>],
     was: &'a [Look],
@@ -264,7 +267,7 @@ impl<'a> Repaint<'a> {
         }
     }
 
-    /// F comes and goes with the method, of all clouds together.
+    /// The method decides if the clouds have F, all or none.
     fn fields(&self, fields: &mut Vec<f32>) -> bool {
         let wanted = self.is.iter().all(|look| look.field.is_some());
         let toggled = wanted == fields.is_empty();
@@ -282,7 +285,7 @@ impl<'a> Repaint<'a> {
         self.was.iter().zip(self.is).map(|(was, is)| regard(was) != regard(is)).collect()
     }
 
-    /// Gives a column the values of the clouds that changed; whether any is another one.
+    /// Updates a column for the clouds that changed. Returns true if any value did.
     fn column<T: Copy + Send, K: PartialEq>(
         &self,
         column: &mut [T],
