@@ -94,7 +94,7 @@ impl Field {
     ///
     /// # Errors
     /// The cloud lacks the property.
-    pub fn of(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
+    pub fn values(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
         match self {
             Self::Uncertainty => Ok(None),
             Self::Classification { classes } => match &cloud.classification {

@@ -86,7 +86,7 @@ impl Cloud {
 
     /// Smallest and largest corner of the finite points; `None` for an empty cloud.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.positions.iter().copied())
+        Bounds::enclosing(self.positions.iter().copied())
     }
 }
 
@@ -101,7 +101,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The bounding box of some points; `None` if there are none.
-    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+    pub fn enclosing(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, p| {
             Some(match bounds {
                 None => Self { min: p, max: p },

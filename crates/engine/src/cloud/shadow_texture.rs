@@ -9,7 +9,7 @@ const APART: f64 = 0.01;
 
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(into = "Spelled")]
+#[serde(into = "CastingRecord")]
 pub struct Casting {
     /// The light, its direction of length 1; not a headlight.
     pub light: Light,
@@ -71,9 +71,9 @@ pub struct ShadowTexture {
 
 /// A [`Casting`] in the form of a prepared file.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Spelled {
+pub(crate) struct CastingRecord {
     #[serde(flatten)]
-    light: SpelledLight,
+    light: LightRecord,
     samples: u32,
     light_radius: f32,
     resolution: u32,
@@ -83,36 +83,36 @@ pub(crate) struct Spelled {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum SpelledLight {
+enum LightRecord {
     Direction([f64; 3]),
     Position([f64; 3]),
 }
 
-impl From<Casting> for Spelled {
+impl From<Casting> for CastingRecord {
     fn from(casting: Casting) -> Self {
         Self::from(&casting)
     }
 }
 
-impl From<&Casting> for Spelled {
+impl From<&Casting> for CastingRecord {
     fn from(casting: &Casting) -> Self {
         let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = *casting;
         let light = match light {
-            Light::Position(position) => SpelledLight::Position(position.to_array()),
-            Light::Direction(direction) => SpelledLight::Direction(direction.to_array()),
+            Light::Position(position) => LightRecord::Position(position.to_array()),
+            Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
             // Unreachable: `Casting::new` returns `None` for it.
-            Light::Headlight => SpelledLight::Direction([0.0; 3]),
+            Light::Headlight => LightRecord::Direction([0.0; 3]),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }
     }
 }
 
-impl From<&Spelled> for Casting {
-    fn from(spelled: &Spelled) -> Self {
-        let Spelled { samples, light_radius, resolution, min_layer_distance, seed, .. } = *spelled;
-        let light = match spelled.light {
-            SpelledLight::Direction(direction) => Light::Direction(direction.into()),
-            SpelledLight::Position(position) => Light::Position(position.into()),
+impl From<&CastingRecord> for Casting {
+    fn from(record: &CastingRecord) -> Self {
+        let CastingRecord { samples, light_radius, resolution, min_layer_distance, seed, .. } = *record;
+        let light = match record.light {
+            LightRecord::Direction(direction) => Light::Direction(direction.into()),
+            LightRecord::Position(position) => Light::Position(position.into()),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }
     }
@@ -155,8 +155,8 @@ mod tests {
         let soft = Shadows { light_radius: 0.1, ..Shadows::default() };
         for light in [Light::Direction(DVec3::new(0.1, -0.7, 1.0 / 3.0)), Light::Position(DVec3::splat(0.1))] {
             let one = casting(light, &soft, u64::MAX);
-            let text = serde_json::to_string(&Spelled::from(&one)).expect("plain numbers");
-            let back: Spelled = serde_json::from_str(&text).expect("as written");
+            let text = serde_json::to_string(&CastingRecord::from(&one)).expect("plain numbers");
+            let back: CastingRecord = serde_json::from_str(&text).expect("as written");
             assert_eq!(Casting::from(&back), one, "{text}");
         }
     }

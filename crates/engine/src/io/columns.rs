@@ -74,7 +74,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Finds the columns of a table; fails with the coordinate that is missing.
     pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
-        let mut names = Names::of(columns);
+        let mut names = Names::new(columns);
         let coordinates = ["x", "y", "z"];
         let Some(position) = names.take_three(&POSITION) else {
             let missing = coordinates.into_iter().find(|name| names.find(name).is_none());
@@ -208,7 +208,7 @@ struct Names {
 }
 
 impl Names {
-    fn of(columns: &[Column]) -> Self {
+    fn new(columns: &[Column]) -> Self {
         Self {
             original: columns.iter().map(|column| column.name.clone()).collect(),
             lower: columns.iter().map(|column| Some(column.name.to_ascii_lowercase())).collect(),

@@ -154,7 +154,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();
-    let format = Format::of(&source, &start);
+    let format = Format::detect(&source, &start);
     if hints.photo.is_some() && !matches!(format, Ok(Format::Picture)) {
         return Err(Error::NoPicture { path });
     }
@@ -190,7 +190,7 @@ enum Format {
 impl Format {
     /// The format of a file with these first bytes: by the bytes, else by the extension, else a table if it contains
     /// numbers.
-    fn of(source: &Source, start: &[u8]) -> Result<Self, Error> {
+    fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let expected = match extension.as_str() {
             _ if photo::is_picture(start) => return Ok(Self::Picture),

@@ -171,7 +171,7 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Error> {
+    fn from_extension(path: &Path) -> Result<Self, Error> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
@@ -185,7 +185,7 @@ impl Format {
 /// # Errors
 /// An extension other than `.png` and `.exr`, a missing folder, a folder of that name.
 pub fn check_target(path: &Path) -> Result<(), Error> {
-    Format::of(path)?;
+    Format::from_extension(path)?;
     check_folder(path)
 }
 
@@ -197,7 +197,7 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
-    let format = Format::of(path)?;
+    let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {
         Format::Png => png::encode(file, image, options),
         Format::Exr => exr::encode(file, image, options),

@@ -22,7 +22,7 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 /// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file can
 /// hold.
 pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
-    match Format::of(path)? {
+    match Format::from_extension(path)? {
         Format::Png => decode(path, || read_png(path)),
         Format::Exr => decode(path, || read_exr(path)),
     }

@@ -52,9 +52,9 @@ const BLOCK: usize = 1 << 14;
 /// `shuffled` are finite positions in random order: the first ones serve as centres, and if counting all would take
 /// long, only the first ones are counted.
 pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
-    let Some(frame) = Frame::of(shuffled) else { return 0.0 };
+    let Some(frame) = Frame::around(shuffled) else { return 0.0 };
     let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
-    let grid = Grid::of(&frame, &shuffled[..centers]);
+    let grid = Grid::fill(&frame, &shuffled[..centers]);
     let counted = grid.affordable(&frame, shuffled).max(centers);
     let bands = grid.count(&frame, &shuffled[..counted], progress);
     progress.inc((shuffled.len() - counted) as u64);
@@ -75,8 +75,8 @@ struct Frame {
 
 impl Frame {
     /// `None` if no two points differ.
-    fn of(points: &[DVec3]) -> Option<Self> {
-        let bounds = Bounds::of(points.iter().copied())?;
+    fn around(points: &[DVec3]) -> Option<Self> {
+        let bounds = Bounds::enclosing(points.iter().copied())?;
         let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
         // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.
         let part = f64::from(1 << doublings) / DIAGONAL;
@@ -129,7 +129,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(frame: &Frame, centers: &[DVec3]) -> Self {
+    fn fill(frame: &Frame, centers: &[DVec3]) -> Self {
         let centers: Vec<DVec3> = centers.iter().map(|&p| frame.local(p)).collect();
         let cells = |center: DVec3| {
             let [x, y, z] = frame.at(center);

@@ -205,7 +205,7 @@ impl Trace {
     fn note(&mut self, canonical: &Points, order: &[u32]) {
         let first = self.origins.len() as u32;
         self.origins.extend(order.iter().map(|from| first + canonical.file_order[*from as usize]));
-        let ties = Ties::of(&canonical.positions);
+        let ties = Ties::find(&canonical.positions);
         if !ties.is_empty() {
             let mut places = vec![0; order.len()];
             (first..).zip(order).for_each(|(place, from)| places[*from as usize] = place);
@@ -270,12 +270,12 @@ impl Dealt {
 
     /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
     pub fn again(&self, seed: u64) -> Self {
-        let of = |(surface, place): (&Surface, u32)| {
+        let shuffled = |(surface, place): (&Surface, u32)| {
             let first = surface.points.start;
             let count = (surface.points.end - first) as usize;
             shuffle(count, place, seed).into_iter().map(move |index| first as usize + index as usize)
         };
-        let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(of).collect();
+        let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(shuffled).collect();
         let points = Points::clone(&self.points).in_order(|i| order[i]);
         Self { points: Arc::new(points), surfaces: self.surfaces.clone() }
     }

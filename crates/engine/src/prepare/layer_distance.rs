@@ -64,7 +64,9 @@ fn of_run(positions: &[DVec3], stride: usize) -> Vec<f64> {
     // Points at the same position are one sample of the surface; in canonical order they are adjacent.
     let mut distinct = positions.to_vec();
     distinct.dedup();
-    let Some(places) = Places::of(&distinct, None).filter(|places| places.len() > NEIGHBORS) else { return Vec::new() };
+    let Some(places) = Places::group(&distinct, None).filter(|places| places.len() > NEIGHBORS) else {
+        return Vec::new();
+    };
     let around = |place: usize| places.others(place, NEIGHBORS).1 * places.unit() * (PI / NEIGHBORS as f64).sqrt();
     (0..places.len()).into_par_iter().step_by(stride).map(around).collect()
 }

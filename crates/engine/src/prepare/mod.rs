@@ -41,7 +41,7 @@ pub struct Request {
 
 /// The computed data, in the order of the cloud; only the requested parts.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Found {
+pub struct PointData {
     /// The file's own radii, else those of Eq. 20, in the file's units.
     pub radii: Option<Vec<f32>>,
     /// F in [0, 1].
@@ -102,13 +102,13 @@ impl Request {
 ///
 /// # Errors
 /// The cloud lacks the property of its field.
-pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Found, field::Error> {
+pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<PointData, field::Error> {
     let k = request.neighbors_of(cloud);
     let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
     let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
     let mut normals = cloud.normals.clone().filter(|_| request.normals);
     if request.fields && fields.is_none() {
-        fields = request.field_of(cloud).of(cloud)?;
+        fields = request.field_of(cloud).values(cloud)?;
     }
     let lacks_normals = request.normals && normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO));
     if lacks_normals || (request.fields && fields.is_none()) {
@@ -120,7 +120,7 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Fou
     if request.radii && radii.is_none() {
         radii = Some(radius::estimate(&cloud.positions, k, progress));
     }
-    Ok(Found { radii, fields, normals })
+    Ok(PointData { radii, fields, normals })
 }
 
 /// The cloud with radii and field, and with normals if they are asked for, ready for

@@ -34,7 +34,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(bounds: &Bounds) -> Self {
+    fn around(bounds: &Bounds) -> Self {
         let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
         // Keeps squared distances of any float64 cloud away from overflow and underflow.
         let unit = if half_side > 0.0 { half_side.log2().floor().clamp(-1022.0, 1023.0).exp2() } else { 1.0 };
@@ -89,9 +89,9 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 
 impl Places {
     /// From finite positions; `None` if empty.
-    pub fn of(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
-        let bounds = Bounds::of(positions.iter().copied())?;
-        let frame = Frame::of(&bounds);
+    pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        let bounds = Bounds::enclosing(positions.iter().copied())?;
+        let frame = Frame::around(&bounds);
         let codes = morton::codes(positions, &bounds);
         let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
         let mut keyed: Vec<(u64, usize)> = codes.into_par_iter().zip(0..positions.len()).collect();

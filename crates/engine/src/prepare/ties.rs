@@ -23,7 +23,7 @@ pub(crate) struct Ties {
 
 impl Ties {
     /// The groups of positions in canonical order.
-    pub fn of(positions: &[DVec3]) -> Self {
+    pub fn find(positions: &[DVec3]) -> Self {
         let bits = |i: usize| positions[i].to_array().map(f64::to_bits);
         let mut ties = Self::default();
         for i in 1..positions.len() {
@@ -112,9 +112,9 @@ mod tests {
 
     #[test]
     fn groups_are_found_and_zeros_of_two_signs_are_two_places() {
-        let ties = Ties::of(&at(&[1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 0.0, -0.0]));
+        let ties = Ties::find(&at(&[1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 0.0, -0.0]));
         assert_eq!((ties.places.as_slice(), ties.ends.as_slice()), ([1, 2, 3, 4, 5].as_slice(), [3, 5].as_slice()));
-        assert!(Ties::of(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::of(&[]).is_empty());
+        assert!(Ties::find(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::of(&[]).is_empty());
         let mut both = ties.clone();
         both.extend(&ties, |place| 100 - place);
         assert_eq!(
@@ -132,7 +132,7 @@ mod tests {
             radii: vec![1.0, 4.0, 3.0, 4.0, 0.0],
             ..Points::default()
         };
-        let (ties, mut origins) = (Ties::of(&points.positions), vec![7, 9, 5, 6, 8]);
+        let (ties, mut origins) = (Ties::find(&points.positions), vec![7, 9, 5, 6, 8]);
         assert!(ties.settle(&mut points, &mut origins));
         assert_eq!(points.opacities, [0.9, 0.1, 0.5, 0.5, 0.0]);
         assert_eq!(points.radii, [1.0, 3.0, 4.0, 4.0, 0.0]);

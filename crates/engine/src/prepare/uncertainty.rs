@@ -34,7 +34,7 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize,
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
     let k = neighbors.min(count.saturating_sub(1));
-    let Some(places) = Places::of(positions, normals).filter(|_| k > 0) else {
+    let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
         return Surface { radii: vec![0.0; count], normals: given(), fields: vec![0.0; count] };
     };
     let missing = given().contains(&Vec3::ZERO);

@@ -21,7 +21,7 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
     let k = neighbors.min(positions.len().saturating_sub(1));
     let upright = |n: DVec3| if (n.x, n.y, n.z) < (0.0, 0.0, 0.0) { -n } else { n };
     let lexical = |a: DVec3, b: DVec3| a.to_array().partial_cmp(&b.to_array()).unwrap_or(Ordering::Equal);
-    let of = |i: usize| {
+    let surface_at = |i: usize| {
         let mut others: Vec<usize> = (0..positions.len()).filter(|j| *j != i).collect();
         others.sort_by(|&a, &b| {
             let squared = |j: usize| positions[i].distance_squared(positions[j]);
@@ -32,7 +32,7 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
         others.truncate(k);
         others
     };
-    (0..positions.len()).map(of).collect()
+    (0..positions.len()).map(surface_at).collect()
 }
 
 /// Radii, normals and field of points with these normals, zero where one is missing.

@@ -90,7 +90,7 @@ pub struct Share {
 pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
-    let corners = Bounds::of(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
+    let corners = Bounds::enclosing(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
     let deepest = corners.iter().map(|corner| camera.to_view(*corner).z).fold(f64::NEG_INFINITY, f64::max);
     let depth = camera.to_view(surface.center).z.max(0.5 * deepest).max(camera.near);
     // Points over a pixel, if all are in every ensemble.

@@ -63,11 +63,11 @@ pub fn stratum(list: &[Fragment], colors: &[DVec3], masks: &[u32], samples: u32)
 /// The strata of a pixel for this number of samples. `words` gives the random word of a fragment (its index) in a
 /// stratum.
 pub fn strata(list: &[Fragment], colors: &[DVec3], samples: u32, words: impl Fn(u32, u32) -> u32) -> Vec<Stratum> {
-    let of = |p: u32| {
+    let stratum_at = |p: u32| {
         let masks: Vec<u32> = list.iter().map(|f| mask(f.alpha as f32, words(f.index, p))).collect();
         stratum(list, colors, &masks, (samples - p * STRATUM).min(STRATUM))
     };
-    (0..samples.div_ceil(STRATUM)).map(of).collect()
+    (0..samples.div_ceil(STRATUM)).map(stratum_at).collect()
 }
 
 /// The strata together. `exact` is A = 1 − ∏(1 − α), by which alpha correction scales the color; without it, the means.
@@ -78,13 +78,13 @@ pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
     let alpha: f64 = strata.iter().map(|s| s.weight * s.alpha).sum();
     // Both are ratios of sums over strata, C = f ΣX / ΣY with X = w C_p and Y = w, or f = A and Y = w A_p; the error is
     // that of a ratio (Cochran, "Sampling Techniques", Section 2.11): f / mean(Y) · sqrt(Σ(X − R Y)² / (P (P − 1))).
-    let (factor, of) = match exact {
+    let (factor, visible) = match exact {
         Some(exact) => (exact, (|s: &Stratum| s.weight * s.alpha) as fn(&Stratum) -> f64),
         None => (1.0, (|s: &Stratum| s.weight) as fn(&Stratum) -> f64),
     };
-    let below: f64 = strata.iter().map(of).sum();
+    let below: f64 = strata.iter().map(visible).sum();
     let ratio = if below > 0.0 { color / below } else { DVec3::ZERO };
-    let squares: DVec3 = strata.iter().map(|s| (s.weight * s.color - ratio * of(s)).powf(2.0)).sum();
+    let squares: DVec3 = strata.iter().map(|s| (s.weight * s.color - ratio * visible(s)).powf(2.0)).sum();
     let spread = (squares / (count * (count - 1.0))).map(f64::sqrt);
     let stderr = match strata.len() {
         1 => DVec3::INFINITY,

@@ -52,7 +52,7 @@ struct Lens {
 }
 
 /// The known lens parameters of a frame.
-enum Known {
+enum KnownLens {
     Pixels(Intrinsics),
     Angle(Angle),
 }
@@ -66,11 +66,11 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
         let wrong = |problem: String| content(path, format!("frames[{number}]: {problem}"));
         let lens = Both { frame: &frame.lens, file: &file.lens };
         let angle = match lens.known().map_err(wrong)? {
-            Known::Pixels(camera) => {
+            KnownLens::Pixels(camera) => {
                 intrinsics.push(camera);
                 camera.angle()
             }
-            Known::Angle(angle) => angle,
+            KnownLens::Angle(angle) => angle,
         };
         let (eye, turn) = pose(&frame.transform_matrix).map_err(wrong)?;
         views.push(View { eye, turn, angle });
@@ -130,7 +130,7 @@ impl Both<'_> {
         fisheye || values.into_iter().any(|value| self.get(value).is_some_and(|x| x != 0.0))
     }
 
-    fn known(&self) -> Result<Known, String> {
+    fn known(&self) -> Result<KnownLens, String> {
         let (angle_x, angle_y) = (self.get(|lens| lens.camera_angle_x), self.get(|lens| lens.camera_angle_y));
         for (name, angle) in [("camera_angle_x", angle_x), ("camera_angle_y", angle_y)] {
             if angle.is_some_and(|angle| !(angle > 0.0 && angle < std::f64::consts::PI)) {
@@ -141,8 +141,8 @@ impl Both<'_> {
         let size = self.get(|lens| lens.w).zip(self.get(|lens| lens.h));
         let Some((width, height)) = size else {
             return match (angle_y, angle_x) {
-                (Some(angle), _) => Ok(Known::Angle(Angle::Vertical(angle))),
-                (None, Some(angle)) => Ok(Known::Angle(Angle::Horizontal(angle))),
+                (Some(angle), _) => Ok(KnownLens::Angle(Angle::Vertical(angle))),
+                (None, Some(angle)) => Ok(KnownLens::Angle(Angle::Horizontal(angle))),
                 (None, None) if focal_x.or(focal_y).is_some() => Err("fl_x and fl_y need w and h".to_owned()),
                 (None, None) => {
                     Err("neither fl_x, fl_y, w and h nor camera_angle_x say what the camera sees".to_owned())
@@ -158,6 +158,6 @@ impl Both<'_> {
         let center = self.get(|lens| lens.cx).zip(self.get(|lens| lens.cy)).map(|(x, y)| [x, y]);
         let camera = Intrinsics { focal: [x, y], center, size: [width, height], distorted: self.is_distorted() };
         camera.check()?;
-        Ok(Known::Pixels(camera))
+        Ok(KnownLens::Pixels(camera))
     }
 }

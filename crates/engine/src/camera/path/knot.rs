@@ -32,7 +32,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    fn of(projection: Projection) -> Self {
+    fn from_projection(projection: Projection) -> Self {
         match projection {
             Projection::Perspective { fov_y } => Self { orthographic: false, log: -(0.5 * fov_y).tan().ln() },
             Projection::Orthographic { height } => Self { orthographic: true, log: height.ln() },
@@ -75,7 +75,7 @@ impl Knot {
                 (turn, [right, top, forward], arm.length(), Some(up.normalize()))
             }
         };
-        let lens = Lens::of(projection);
+        let lens = Lens::from_projection(projection);
         Ok(Self { eye, axes, projection, reach, turn, lens, near: key.near, far: key.far, up })
     }
 

@@ -99,7 +99,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     }
     let (numbers, clouds): (Vec<usize>, Vec<PointCloud>) = clouds.into_iter().unzip();
     check_claim(&numbers, &clouds, len)?;
-    let table = Table::of(&clouds);
+    let table = Table::for_scans(&clouds);
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
     let mut columns = Columns::new(&table.columns, FullScale::Typed)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;

@@ -21,7 +21,7 @@ pub(super) struct Table {
 
 impl Table {
     /// The columns of some scans.
-    pub fn of(scans: &[PointCloud]) -> Self {
+    pub fn for_scans(scans: &[PointCloud]) -> Self {
         let mut columns = Vec::from(["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double)));
         let mut add = |some: bool, new: &[&'static str]| {
             let at = columns.len();
@@ -40,8 +40,9 @@ impl Table {
 /// Names of the scalars that all scans have, and of those that some have. A column that other scans would have to fill
 /// could be as long as all of them.
 fn scalars(scans: &[PointCloud]) -> (Vec<String>, Vec<String>) {
-    let of = |scan: &PointCloud| scan.prototype.iter().filter_map(|record| scalar_name(&record.name)).collect();
-    let each: Vec<HashSet<String>> = scans.iter().map(of).collect();
+    let scalar_names =
+        |scan: &PointCloud| scan.prototype.iter().filter_map(|record| scalar_name(&record.name)).collect();
+    let each: Vec<HashSet<String>> = scans.iter().map(scalar_names).collect();
     let mut seen = HashSet::new();
     let all = scans.iter().flat_map(|scan| &scan.prototype).filter_map(|record| scalar_name(&record.name));
     all.filter(|name| seen.insert(name.clone())).partition(|name| each.iter().all(|names| names.contains(name)))
@@ -101,7 +102,7 @@ struct Limits {
 
 impl Limits {
     /// The limits that a scan gives for a field, else those of its type; a float without any is meant to be in [0, 1].
-    fn of(given: Option<(&RecordValue, &RecordValue)>, kind: &RecordDataType) -> Self {
+    fn from_range(given: Option<(&RecordValue, &RecordValue)>, kind: &RecordDataType) -> Self {
         // A limit may be of another type than the values: a scaled one is one only if the values are.
         let value = |value: &RecordValue| value.to_f64(kind).ok();
         let given = given.and_then(|(min, max)| Some((value(min)?, value(max)?)));
@@ -250,12 +251,12 @@ fn color_limits<'a>(scan: &PointCloud, fields: [Field<'a>; 3]) -> [(Field<'a>, L
         ]
     });
     let given = given.unwrap_or_default();
-    [0, 1, 2].map(|i| (fields[i], Limits::of(given[i], fields[i].1)))
+    [0, 1, 2].map(|i| (fields[i], Limits::from_range(given[i], fields[i].1)))
 }
 
 fn intensity_limits(scan: &PointCloud, (_, kind): Field) -> Limits {
     let given = scan.intensity_limits.as_ref();
-    Limits::of(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
+    Limits::from_range(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
 }
 
 /// No position, white, no normal, and intensity 0.

@@ -32,7 +32,7 @@ pub(super) fn is_pcd(start: &[u8]) -> bool {
 pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     check_claim(source, &header)?;
-    let layout = Layout::of(&header);
+    let layout = Layout::for_header(&header);
     let mut columns = Columns::new(&layout.columns, FullScale::Measured).map_err(|missing| {
         let names: Vec<_> = header.fields.iter().map(|field| field.name.as_str()).collect();
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))

@@ -21,7 +21,7 @@ pub(super) struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     /// The header's size must have been checked against the file's, since every number of a group is a column.
-    pub fn of(header: &'a Header) -> Self {
+    pub fn for_header(header: &'a Header) -> Self {
         let mut columns = Vec::new();
         let fields = header.fields.iter().map(|field| {
             let used = usage(field);

@@ -104,12 +104,13 @@ impl Picture {
         }
         match &self.pixels {
             Pixels::Encoded(pixels, _) => {
-                let of = |[r, g, b, _]: [u16; 4]| mean(f64::from(r), f64::from(g), f64::from(b)) / f32::from(u16::MAX);
-                pixels.pixels().map(|pixel| of(pixel.0)).collect()
+                let gray =
+                    |[r, g, b, _]: [u16; 4]| mean(f64::from(r), f64::from(g), f64::from(b)) / f32::from(u16::MAX);
+                pixels.pixels().map(|pixel| gray(pixel.0)).collect()
             }
             Pixels::Linear(pixels) => {
-                let of = |[r, g, b, _]: [f32; 4]| mean(unit(r).into(), unit(g).into(), unit(b).into());
-                pixels.pixels().map(|pixel| of(pixel.0)).collect()
+                let gray = |[r, g, b, _]: [f32; 4]| mean(unit(r).into(), unit(g).into(), unit(b).into());
+                pixels.pixels().map(|pixel| gray(pixel.0)).collect()
             }
         }
     }

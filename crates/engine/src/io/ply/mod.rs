@@ -42,7 +42,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     };
     let vertex = &header.elements[at];
     let scalars = vertex.scalars();
-    let splats = Splats::of(&scalars);
+    let splats = Splats::find(&scalars);
     let named = splats.as_ref().map_or(&scalars, Splats::columns);
     let mut columns = Columns::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
         path: source.path.clone(),

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::field::Field;
-use crate::cloud::shadow_texture::{ShadowTexture, Spelled};
+use crate::cloud::shadow_texture::{CastingRecord, ShadowTexture};
 use crate::cloud::{Cloud, Prepared, UpAxis};
 
 /// The property that holds F.
@@ -38,7 +38,7 @@ struct Claim {
 #[derive(Serialize, Deserialize)]
 struct ShadowClaim {
     #[serde(flatten)]
-    casting: Spelled,
+    casting: CastingRecord,
     /// [`shadow_content`]; empty while it is computed.
     content: String,
 }
@@ -77,7 +77,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
     claim.content = content(cloud, &prepared.values, lit, &claim)?;
     if let Some(texture) = &prepared.shadows {
-        let mut shadows = ShadowClaim { casting: Spelled::from(&texture.casting), content: String::new() };
+        let mut shadows = ShadowClaim { casting: CastingRecord::from(&texture.casting), content: String::new() };
         shadows.content = shadow_content(&shadows, &claim.content)?;
         claim.shadows = Some(shadows);
     }

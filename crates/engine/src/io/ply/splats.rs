@@ -29,7 +29,7 @@ pub(super) struct Splats {
 
 impl Splats {
     /// Finds splats; `None` if the properties are those of something else.
-    pub fn of(properties: &[Column]) -> Option<Self> {
+    pub fn find(properties: &[Column]) -> Option<Self> {
         let find = |name: &str| properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
         let three =
             |stem: &str| Some([find(&format!("{stem}0"))?, find(&format!("{stem}1"))?, find(&format!("{stem}2"))?]);

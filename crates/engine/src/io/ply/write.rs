@@ -42,11 +42,15 @@ pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
 /// # Errors
 /// The file can't be written; an earlier file of this name, if any, is unchanged.
 pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
-    let channels = |colors: &Vec<Vec3>| Coding::of(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
+    let channels =
+        |colors: &Vec<Vec3>| Coding::narrowest(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
     let layout = Layout {
         double: true,
         color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
-        alpha: cloud.alphas.as_ref().map_or(Coding::Byte, |alphas| Coding::of(alphas.iter().copied(), same, same)),
+        alpha: cloud
+            .alphas
+            .as_ref()
+            .map_or(Coding::Byte, |alphas| Coding::narrowest(alphas.iter().copied(), same, same)),
     };
     let written = atomic::write(path, |out| write_layout(out, cloud, &layout));
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
@@ -73,7 +77,7 @@ enum Coding {
 
 impl Coding {
     /// The smallest one from which all values come back exactly.
-    fn of(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
+    fn narrowest(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
         let exact = |value: f32, largest: f32| {
             let stored = (encode(value) * largest).round().clamp(0.0, largest);
             decode(stored / largest).to_bits() == value.to_bits()

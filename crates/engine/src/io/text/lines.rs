@@ -84,7 +84,7 @@ pub(super) enum Delimiter {
 
 impl Delimiter {
     /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields.
-    pub fn of(line: &str) -> Self {
+    pub fn detect(line: &str) -> Self {
         let tabs = line.matches('\t').count() >= 2 && line.split('\t').all(|field| !field.trim().contains(' '));
         match line {
             _ if line.contains(';') => Self::Char(';'),
@@ -199,13 +199,13 @@ mod tests {
             ("1, 2, 3", Delimiter::Char(',')),
             ("1;2,5;3", Delimiter::Char(';')),
         ] {
-            assert_eq!(Delimiter::of(line), delimiter, "{line}");
+            assert_eq!(Delimiter::detect(line), delimiter, "{line}");
         }
     }
 
     fn numbers(line: &str, columns: usize) -> Result<String, (Option<usize>, String)> {
         let mut row = Vec::new();
-        let read = Delimiter::of(line).row(line, columns, &mut row);
+        let read = Delimiter::detect(line).row(line, columns, &mut row);
         read.map(|()| format!("{row:?}")).map_err(|fault| (fault.column, fault.cause))
     }
 
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn names() {
-        let names = |line: &str| Delimiter::of(line).names(line);
+        let names = |line: &str| Delimiter::detect(line).names(line);
         assert_eq!(names("X Y  Z"), ["X", "Y", "Z"]);
         assert_eq!(names("\"X\", \"y,z\" ,\"\","), ["X", "y,z", ""]);
         assert_eq!(names("\"a b\"  \t\"c\" d"), ["a b", "c", "d"]);

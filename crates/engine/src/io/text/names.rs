@@ -44,7 +44,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// The layout of named columns: `-` is skipped, and a repeated name gets a number.
-    pub fn of(names: &[String]) -> Self {
+    pub fn from_names(names: &[String]) -> Self {
         let mut taken: HashMap<String, usize> = HashMap::new();
         let (mut columns, mut at) = (Vec::new(), Vec::new());
         for (index, name) in names.iter().enumerate().filter(|(_, name)| *name != "-") {

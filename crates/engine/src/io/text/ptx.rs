@@ -21,7 +21,7 @@ const ALL: usize = 7;
 pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let names = given.map_or_else(|| of_scanners(ALL).unwrap_or_default(), |given| given.as_slice().to_vec());
-    let Layout { columns, at } = Layout::of(&names);
+    let Layout { columns, at } = Layout::from_names(&names);
     let position = ["x", "y", "z"].map(|name| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
     let [Some(x), Some(y), Some(z)] = position else { return Ok(Cloud::default()) };
     let mut table = Columns::new(&columns, FullScale::Measured)
@@ -41,7 +41,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
                 );
                 return Err(lines.source.truncated(what));
             }
-            let delimiter = Delimiter::of(&line);
+            let delimiter = Delimiter::detect(&line);
             let wanted = match fields {
                 Some(wanted) => wanted,
                 None => *fields.insert(count(&lines, delimiter, &line, given)?),
@@ -160,6 +160,6 @@ fn size(lines: &Lines, line: &str, what: &str) -> Result<u64, Error> {
 
 fn numbers<const N: usize>(lines: &Lines, line: &str) -> Result<[f64; N], Error> {
     let mut row = Vec::new();
-    Delimiter::of(line).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
+    Delimiter::detect(line).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
     row.try_into().map_err(|_| lines.malformed(format!("expected {N} values")))
 }

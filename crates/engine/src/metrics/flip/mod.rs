@@ -47,7 +47,7 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
         .into_par_iter()
         .map(|strip| {
             let rows = strip * STRIP..height.min((strip + 1) * STRIP);
-            let [a, b] = images.each_ref().map(|pixels| eye.look(pixels, width, rows.clone()));
+            let [a, b] = images.each_ref().map(|pixels| eye.features(pixels, width, rows.clone()));
             a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).sum()
         })
         .collect();
@@ -56,7 +56,7 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
 }
 
 /// The filtered features of one pixel.
-struct Seen {
+struct PixelFeatures {
     /// Filtered color, Hunt-adjusted CIELAB.
     color: DVec3,
     /// Strength of edges and of points.
@@ -79,7 +79,7 @@ impl Eye {
     }
 
     /// The features of some rows of an image, pixel by pixel.
-    fn look(&self, pixels: &[[f32; 3]], width: usize, rows: Range<usize>) -> Vec<Seen> {
+    fn features(&self, pixels: &[[f32; 3]], width: usize, rows: Range<usize>) -> Vec<PixelFeatures> {
         let length = self.filters.taps.len();
         let radius = length / 2;
         let last = pixels.len() / width - 1;
@@ -112,7 +112,7 @@ impl Eye {
     }
 
     /// The same filter along a row, and the resulting features.
-    fn horizontal(&self, columns: &[Weights]) -> Seen {
+    fn horizontal(&self, columns: &[Weights]) -> PixelFeatures {
         let mut colors = [0.0; 4];
         let (mut edge, mut point) = ([0.0; 2], [0.0; 2]);
         for (column, tap) in columns.iter().zip(&self.filters.taps) {
@@ -127,11 +127,11 @@ impl Eye {
         let rgb = self.colors.linear(DVec3::new(colors[0], colors[1], cz)).clamp(DVec3::ZERO, DVec3::ONE);
         // The luminance is (Y + 16) / 116, and these filters sum to 0.
         let features = [edge, point].map(|[x, y]: [f64; 2]| x.hypot(y) / 116.0);
-        Seen { color: self.colors.hunt_lab(rgb), features }
+        PixelFeatures { color: self.colors.hunt_lab(rgb), features }
     }
 
     /// The error of one pixel, in [0, 1].
-    fn error(&self, a: &Seen, b: &Seen) -> f64 {
+    fn error(&self, a: &PixelFeatures, b: &PixelFeatures) -> f64 {
         let color = spread(color_difference(a.color, b.color) / self.greatest);
         let [edges, points] = [0, 1].map(|i| (a.features[i] - b.features[i]).abs());
         let feature = (edges.max(points) / 2f64.sqrt()).sqrt().min(1.0);

@@ -72,7 +72,7 @@ impl Behind {
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
 
     /// A pixel of a picture of the solid points.
-    pub fn of(picture: &Picture, pixel: usize) -> Self {
+    pub fn from_picture(picture: &Picture, pixel: usize) -> Self {
         let [r, g, b, alpha] = picture.rgba[pixel];
         Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
     }

@@ -20,7 +20,7 @@ impl Origins {
     }
 
     /// The cloud of a point, and its place in it.
-    pub fn of(&self, number: u32) -> (usize, usize) {
+    pub fn locate(&self, number: u32) -> (usize, usize) {
         // Clouds without points share their start with the next one, so the last match is taken.
         let cloud = self.starts.partition_point(|start| *start <= number) - 1;
         let place = (number - self.starts[cloud]) as usize;
@@ -40,7 +40,7 @@ mod tests {
         origins.push(2, Some(&[false, true, false, true, false]));
         origins.push(0, Some(&[false]));
         origins.push(1, None);
-        let all: Vec<_> = (0..5).map(|number| origins.of(number)).collect();
+        let all: Vec<_> = (0..5).map(|number| origins.locate(number)).collect();
         assert_eq!(all, [(0, 0), (0, 1), (2, 1), (2, 3), (4, 0)]);
     }
 }

@@ -12,7 +12,7 @@ pub(super) type FieldKey = (Field, Option<usize>);
 /// Radii and field of a cloud's points, in its order and units: those of the last K and of the last field that were asked for.
 /// At most 8 bytes a point.
 #[derive(Debug, Clone, Default)]
-pub struct Known {
+pub struct DerivedColumns {
     radii: Option<(usize, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
 }
@@ -24,15 +24,15 @@ pub(super) fn field_key(cloud: &Cloud, request: &Request) -> FieldKey {
     (field, neighbors)
 }
 
-impl Known {
+impl DerivedColumns {
     /// Computes the requested data that is missing, and replaces data of another K or field.
     ///
     /// # Errors
     /// The cloud lacks the property of its field.
     pub(super) fn learn(&mut self, cloud: &Cloud, request: &Request, progress: &Progress) -> Result<(), field::Error> {
         let (neighbors, field) = (request.neighbors_of(cloud), field_key(cloud, request));
-        let radii = request.radii && self.radii.as_ref().is_none_or(|(known, _)| *known != neighbors);
-        let fields = request.fields && self.fields.as_ref().is_none_or(|(known, _)| *known != field);
+        let radii = request.radii && self.radii.as_ref().is_none_or(|(computed, _)| *computed != neighbors);
+        let fields = request.fields && self.fields.as_ref().is_none_or(|(computed, _)| *computed != field);
         if !(radii || fields) {
             return Ok(());
         }
