@@ -10,20 +10,20 @@ use pellucid_engine::cloud::Cloud;
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::{Changes, Points};
-use pellucid_engine::scene::tracked::{Known, Tracked};
+use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Light, Scene, Shadows};
 
 /// The clouds as they were read, and data derived from them.
 pub struct Sources {
     clouds: Vec<Cloud>,
-    known: Vec<Known>,
+    derived: Vec<DerivedColumns>,
     seed: u64,
 }
 
 impl Sources {
     pub fn new(clouds: Vec<Cloud>, seed: u64) -> Self {
-        let known = clouds.iter().map(|_| Known::default()).collect();
-        Self { clouds, known, seed }
+        let derived = clouds.iter().map(|_| DerivedColumns::default()).collect();
+        Self { clouds, derived, seed }
     }
 
     /// The clouds.
@@ -71,8 +71,8 @@ impl Placed {
     /// # Errors
     /// No point is left, a cloud lacks what its field is made of, or the device has no room.
     pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &Progress) -> Result<Self> {
-        let Sources { clouds, known, seed } = sources;
-        let arranged = Tracked::new(scene, clouds, known, *seed, progress)?;
+        let Sources { clouds, derived, seed } = sources;
+        let arranged = Tracked::new(scene, clouds, derived, *seed, progress)?;
         let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
         let Some(bounds) = arranged.points().bounds() else { return Err(no_points()) };
         let subject = Subject { bounds, radius: most_radius(arranged.points()), up: scene::up_axis(clouds) };
@@ -101,9 +101,9 @@ impl Placed {
         scene: &Scene,
         progress: &Progress,
     ) -> Result<Option<Changes>> {
-        let Sources { clouds, known, seed } = sources;
+        let Sources { clouds, derived, seed } = sources;
         self.cloud.let_go();
-        let followed = self.arranged.follow(scene, clouds, known, progress);
+        let followed = self.arranged.follow(scene, clouds, derived, progress);
         if let Ok(Some(changes)) = followed {
             self.note(changes);
         }

@@ -24,7 +24,7 @@ pub mod stochastic;
 
 use glam::DVec3;
 
-/// What a method yields, in float64; the twin of [`crate::image::Image`].
+/// A method's result in float64; the counterpart of [`crate::image::Image`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
@@ -33,7 +33,7 @@ pub struct Picture {
     pub height: u32,
     /// Premultiplied R, G, B and A = 1 − T per pixel, row by row from the top.
     pub rgba: Vec<[f64; 4]>,
-    /// z of the first fragment with α > 0, +inf where there is none.
+    /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f64>,
     /// Fragments on each pixel, those with α = 0 included.
     pub counts: Vec<u32>,

@@ -116,7 +116,7 @@ impl Case {
         let model = Model::new(method, points).expect("a soft method");
         let (camera, size) = (&self.camera, self.size);
         let solids = self.solids();
-        let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::of(solids, pixel));
+        let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::from_picture(solids, pixel));
         Scene { camera, size, points, colors: &colors, model }.render(behind)
     }
 

@@ -38,7 +38,7 @@ fn density(positions: &[DVec3]) -> f64 {
 
 /// As the paper has it, rims, centres and all: every sphere's points, its centre among them, over its great circle.
 fn uncorrected(positions: &[DVec3]) -> f64 {
-    let bounds = pellucid_engine::cloud::Bounds::of(positions.iter().copied()).unwrap();
+    let bounds = pellucid_engine::cloud::Bounds::enclosing(positions.iter().copied()).unwrap();
     let radius = bounds.diagonal() / 50.0;
     let step = positions.len().div_ceil(1000);
     let centers: Vec<DVec3> = positions.iter().copied().step_by(step).collect();

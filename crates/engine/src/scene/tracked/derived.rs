@@ -1,4 +1,4 @@
-//! What was found about a cloud's points, kept for as long as the same is asked for.
+//! Derived data of a cloud's points, kept as long as the request stays the same.
 
 use crate::progress::Progress;
 
@@ -6,13 +6,13 @@ use crate::cloud::Cloud;
 use crate::cloud::field::{self, Field};
 use crate::prepare::{self, Request};
 
-/// What decides which field it is: what F is, and K where that matters, of uncertainty.
+/// The properties that determine a field: the definition of F, and K for the uncertainty.
 pub(super) type FieldKey = (Field, Option<usize>);
 
 /// Radii and field of a cloud's points, in its order and units: those of the last K and of the last field that were asked for.
 /// At most 8 bytes a point.
 #[derive(Debug, Clone, Default)]
-pub struct Known {
+pub struct DerivedColumns {
     radii: Option<(usize, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
 }
@@ -24,19 +24,19 @@ pub(super) fn field_key(cloud: &Cloud, request: &Request) -> FieldKey {
     (field, neighbors)
 }
 
-impl Known {
-    /// Finds what a request asks for and isn't known yet, in place of what belongs to another K or field.
+impl DerivedColumns {
+    /// Computes the requested data that is missing, and replaces data of another K or field.
     ///
     /// # Errors
-    /// If the cloud lacks what its field is made of.
+    /// The cloud lacks the property of its field.
     pub(super) fn learn(&mut self, cloud: &Cloud, request: &Request, progress: &Progress) -> Result<(), field::Error> {
         let (neighbors, field) = (request.neighbors_of(cloud), field_key(cloud, request));
-        let radii = request.radii && self.radii.as_ref().is_none_or(|(known, _)| *known != neighbors);
-        let fields = request.fields && self.fields.as_ref().is_none_or(|(known, _)| *known != field);
+        let radii = request.radii && self.radii.as_ref().is_none_or(|(computed, _)| *computed != neighbors);
+        let fields = request.fields && self.fields.as_ref().is_none_or(|(computed, _)| *computed != field);
         if !(radii || fields) {
             return Ok(());
         }
-        // Freed first, so that old and new never lie in memory together.
+        // Freed first, so that old and new never occupy memory together.
         self.radii.take_if(|_| radii);
         self.fields.take_if(|_| fields);
         progress.reset();
