@@ -8,7 +8,7 @@ pub mod limit;
 pub mod noise;
 
 /// Stands for the program's standard output and error.
-pub mod talk {
+pub mod console {
     pub fn say(text: impl std::fmt::Display) {
         drop(text.to_string());
     }
