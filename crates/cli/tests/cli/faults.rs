@@ -21,7 +21,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_testing::has_device;
 use pellucid_testing::signals::heeding;
 use tempfile::TempDir;

@@ -77,7 +77,7 @@ fn info_reads_pictures() {
     let folder = folder();
     // Two by two pixels, one of them nothing.
     let bytes = [[255, 0, 0, 255], [128, 128, 128, 51], [9, 9, 9, 0], [255; 4]].concat();
-    let mut encoder = png::Encoder::new(std::fs::File::create(inside(&folder, "a.png")).unwrap(), 2, 2);
+    let mut encoder = png::Encoder::new(fs::File::create(inside(&folder, "a.png")).unwrap(), 2, 2);
     encoder.set_color(png::ColorType::Rgba);
     encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
     let info = info(&folder, &["a.png"]);

@@ -31,7 +31,6 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::Cloud;
-use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::output::{WriteOptions, write_image};
 use pellucid_engine::scene::{ColorSpace, procedural};

@@ -200,6 +200,13 @@ impl Method {
         matches!(self, Self::Stochastic(_) | Self::Spbr(_) | Self::SpbrSimplified(_))
     }
 
+    /// Settings of this type, if those of the method are of it or hold some.
+    pub(super) fn part<T: 'static>(&self) -> Option<&T> {
+        let mut parts = Vec::new();
+        self.settings()?.parts(&mut parts);
+        parts.into_iter().find_map(|part| part.downcast_ref())
+    }
+
     /// One of its keys with the value in force.
     pub fn key(&self, name: &str) -> Option<Key> {
         self.keys().into_iter().find(|key| key.name == name)

@@ -31,6 +31,14 @@ out of range. A key of a method that is not in force is a warning, since `--meth
 the folder of the scene file. Numbers may be written as integers; NaN and infinities are errors.
 ";
 
+const METHOD: &str = "
+## `[method]`
+
+`name` is `\"auto\"` by default: the cheapest method that is exact for the scene. Methods of one family draw the same things, each in
+its way.
+
+";
+
 fn scene_file() -> String {
     let mut text = INTRODUCTION.to_owned();
     for table in tables() {
@@ -44,10 +52,7 @@ fn scene_file() -> String {
         let rows: Vec<_> = table.keys.into_iter().map(|key| (key, String::new())).collect();
         let _ = write!(text, "\n## `{}`\n\n{about}\n\n{}", table.title, keys_table(&rows, false));
     }
-    text.push_str("\n## `[method]`\n\n`name` is `\"auto\"` by default: the cheapest method that is exact for the scene. Its keys are\n");
-    text.push_str(
-        "those of `abuffer` that don't tell how lists are sorted. Methods of one family draw the same things.\n\n",
-    );
+    text.push_str(METHOD);
     text.push_str(&methods_table());
     text.push_str("\nThe keys beside `name`:\n\n");
     text.push_str(&keys_table(&method_keys(), true));

@@ -24,7 +24,7 @@ pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;
-use super::methods::Method;
+use super::methods::{Family, Method};
 
 /// A scene: everything a frame is made of but the points themselves.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,43 +65,12 @@ pub enum Relief {
 impl Method {
     /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
     pub fn transparent() -> Vec<Self> {
-        vec![
-            Self::ABuffer(Discs::default()),
-            Self::LinkedList(Discs::default()),
-            Self::Sorted(Discs::default()),
-            Self::Peel(Peel::default()),
-        ]
+        Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
     }
 
     /// The settings of the disc family; `None` for other methods.
     pub fn discs(&self) -> Option<&Discs> {
-        match self {
-            Self::ABuffer(discs)
-            | Self::LinkedList(discs)
-            | Self::Sorted(discs)
-            | Self::Peel(Peel { discs, .. })
-            | Self::Stochastic(Stochastic { discs, .. })
-            | Self::Hybrid(Hybrid { discs, .. })
-            | Self::Weighted(discs)
-            | Self::Average(discs)
-            | Self::Unsorted(discs) => Some(discs),
-            Self::Points
-            | Self::Squares(_)
-            | Self::Circles(_)
-            | Self::Paraboloid(_)
-            | Self::Cone(_)
-            | Self::Sphere(_)
-            | Self::Hqs(_)
-            | Self::Splats(_)
-            | Self::SoftBase(_)
-            | Self::SoftConcentric(_)
-            | Self::SoftExpress(_)
-            | Self::OneLayer(_)
-            | Self::ImageSpace(_)
-            | Self::PeelLayers(_)
-            | Self::Spbr(_)
-            | Self::SpbrSimplified(_) => None,
-        }
+        self.part()
     }
 
     /// The settings of a method that collects each pixel's fragments in a list.
@@ -147,10 +116,7 @@ impl Method {
 
     /// The settings of soft transparency; `None` for other methods.
     pub fn soft(&self) -> Option<&Soft> {
-        match self {
-            Self::SoftBase(soft) | Self::SoftConcentric(soft) | Self::SoftExpress(soft) => Some(soft),
-            _ => None,
-        }
+        self.part()
     }
 
     /// The field above which points are soft, if the method tells them from solid ones.
@@ -173,27 +139,12 @@ impl Method {
 
     /// The filters of the image, of methods that have some.
     pub fn filters(&self) -> Option<&ImageSpace> {
-        match self {
-            Self::ImageSpace(filters) | Self::PeelLayers(PeelLayers { filters, .. }) => Some(filters),
-            _ => None,
-        }
+        self.part()
     }
 
     /// Whether `[shadows]` applies to it.
     pub fn takes_shadows(&self) -> bool {
-        matches!(
-            self,
-            Self::Points
-                | Self::Squares(_)
-                | Self::Circles(_)
-                | Self::Paraboloid(_)
-                | Self::Cone(_)
-                | Self::Sphere(_)
-                | Self::Hqs(_)
-                | Self::Splats(_)
-                | Self::ImageSpace(_)
-                | Self::PeelLayers(_)
-        )
+        matches!(self.family(), Family::Opaque | Family::Surfaces)
     }
 
     /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).

@@ -57,8 +57,7 @@ fn update(results: &[(&Case, Verdict)]) {
     let start = page.find("| case |").expect("the table's head");
     let rest = page[start..].find("\n\n").map_or("", |end| &page[start + end + 1..]);
     std::fs::write(path, format!("{}{table}{rest}", &page[..start])).expect("written");
-    std::fs::write(root().join("crates/lab/src/check/released.txt"), check::released_table(results))
-        .expect("written");
+    std::fs::write(root().join("crates/lab/src/check/released.txt"), check::released_table(results)).expect("written");
 }
 
 #[test]

@@ -63,9 +63,10 @@ impl<R: BufRead + Seek> Decoder<R> {
         }
         let (channels, samples) = match (samples, colors) {
             (DecodingResult::U8(rows), ColorType::Gray(1)) => (1, Samples::U8(expanded(&rows, width as usize))),
-            (DecodingResult::U8(inks), ColorType::CMYK(8)) if layout.planes == 1 => {
-                (3, Samples::U8(inks.as_chunks().0.iter().flat_map(|inks| printed(*inks, 255.0, |v| v as u8)).collect()))
-            }
+            (DecodingResult::U8(inks), ColorType::CMYK(8)) if layout.planes == 1 => (
+                3,
+                Samples::U8(inks.as_chunks().0.iter().flat_map(|inks| printed(*inks, 255.0, |v| v as u8)).collect()),
+            ),
             (DecodingResult::U16(inks), ColorType::CMYK(16)) if layout.planes == 1 => {
                 let printed = |inks: &[u16; 4]| printed(*inks, 65535.0, |v| v as u16);
                 (3, Samples::U16(inks.as_chunks().0.iter().flat_map(printed).collect()))

@@ -87,6 +87,7 @@ impl std::fmt::Display for Kind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Number(range) if *range == Range::COORDINATE => f.write_str("number"),
+            Self::Number(range) if *range == Range::UNIT => f.write_str("number from 0 to 1"),
             Self::Number(range) => write!(f, "number{}", range.describe()),
             Self::Integer(min, max) => write!(f, "integer from {min} to {max}"),
             Self::Flag => f.write_str("`true` or `false`"),

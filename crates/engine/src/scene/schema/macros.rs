@@ -91,6 +91,11 @@ macro_rules! settings {
                 .collect()
             }
 
+            fn parts<'a>(&'a self, all: &mut Vec<&'a dyn std::any::Any>) {
+                all.push(self);
+                $($crate::scene::schema::Part::parts(&self.$field, all);)*
+            }
+
             fn read(&mut self, table: &$crate::scene::table::Table<'_>) -> Result<(), $crate::scene::error::Error> {
                 use $crate::scene::schema::{Part, allowed};
                 $(Part::update(&mut self.$field, table, stringify!($field), allowed!($($allowed)?))?;)*
@@ -104,6 +109,10 @@ macro_rules! settings {
 
             fn keys(&self, _: $crate::scene::schema::Key, (): ()) -> Vec<$crate::scene::schema::Key> {
                 $crate::scene::schema::Settings::keys(self)
+            }
+
+            fn parts<'a>(&'a self, all: &mut Vec<&'a dyn std::any::Any>) {
+                $crate::scene::schema::Settings::parts(self, all);
             }
 
             fn update(

@@ -16,6 +16,8 @@ pub use range::Range;
 pub use value::rounded;
 pub(crate) use value::{Part, Value, Vectors};
 
+use std::any::Any;
+
 use super::error::Error;
 use super::table::Table;
 
@@ -23,6 +25,9 @@ use super::table::Table;
 pub(crate) trait Settings {
     /// The keys with the values in force, in the order of their declaration.
     fn keys(&self) -> Vec<Key>;
+
+    /// Adds these settings, and those inside.
+    fn parts<'a>(&'a self, all: &mut Vec<&'a dyn Any>);
 
     /// Takes the values that the table gives. What it doesn't give stays.
     ///

@@ -1,5 +1,6 @@
 //! Types that fields of settings have, and what a file writes for them.
 
+use std::any::Any;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -32,6 +33,9 @@ pub(crate) trait Part {
 
     /// The keys that set it. `key` is what is declared beside the field.
     fn keys(&self, key: Key, allowed: Self::Allowed) -> Vec<Key>;
+
+    /// Adds the settings that it is or holds.
+    fn parts<'a>(&'a self, _: &mut Vec<&'a dyn Any>) {}
 
     /// Takes what the table gives.
     fn update(&mut self, table: &Table<'_>, key: &str, allowed: Self::Allowed) -> Result<(), Error>;

@@ -339,7 +339,7 @@ mod tests {
     #[test]
     fn every_method_is_compared_or_skipped_for_a_reason() {
         let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
-        let surfaces = Surfaces::of(&Method::Points, &Points::default()).unwrap();
+        let surfaces = Surfaces::for_method(&Method::Points, &Points::default()).unwrap();
         let formations =
             [occasion(9).formation, soft, Formation::Ensembles(Spbr::default()), Formation::Surfaces(surfaces)];
         for formation in formations {
@@ -373,7 +373,7 @@ mod tests {
         assert_eq!(exact, [true, false, false, false, false, false]);
         assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
         // What the rows were rendered with, where the scene says something else.
-        let (converted, _) = of(Density::Softness(0.25), true);
+        let (converted, _) = settings_for(Density::Softness(0.25), true);
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }
 }
