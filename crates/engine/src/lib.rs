@@ -78,6 +78,7 @@ pub mod error;
 pub mod identity;
 pub mod image;
 pub mod io;
+pub mod light;
 pub mod methods;
 pub mod metrics;
 pub mod output;

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
-use crate::cloud::shadow_texture::{Casting, ShadowTexture};
+use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
 use crate::prepare::Arranged;
@@ -64,7 +64,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
     let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
     let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
     let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());
-    let wanted = Casting::new(scene.shading.light, &shadows, seed, diagonal);
+    let wanted = shadows.casting(scene.shading.light, seed, diagonal);
     let other = wanted.map(|wanted| texture.casting.differences(&wanted)).unwrap_or_default();
     let why = if clouds.len() > 1 {
         "stored for this cloud by itself".to_owned()

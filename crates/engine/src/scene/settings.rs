@@ -10,6 +10,7 @@ mod soft;
 mod splats;
 mod surfaces;
 
+pub use crate::light::Light;
 pub use camera::CameraSettings;
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
@@ -18,7 +19,7 @@ pub use discs::{
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{Light, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};

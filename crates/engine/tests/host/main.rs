@@ -9,5 +9,6 @@ mod photo;
 mod prepare;
 mod procedural;
 mod reference;
+mod rooms;
 mod scene;
 mod tracked;

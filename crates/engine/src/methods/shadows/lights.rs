@@ -155,7 +155,7 @@ mod tests {
 
     fn casting(light: Light, samples: u32, light_radius: f32, seed: u64) -> Casting {
         let shadows = Shadows { samples, light_radius, ..Shadows::default() };
-        Casting::new(light, &shadows, seed, 1.0).expect("it casts")
+        shadows.casting(light, seed, 1.0).expect("it casts")
     }
 
     /// Asserts that some image has each corner of the bounds and their middle at least half a pixel from its border.

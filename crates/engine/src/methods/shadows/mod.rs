@@ -130,7 +130,7 @@ pub fn refusal(frame: &Frame) -> Option<String> {
 /// What the shadows of a frame of a cloud are; `None` if it has none.
 pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
     let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && !cloud.is_empty())?;
-    Casting::new(frame.shading.light, &shadows, frame.seed, cloud.diagonal())
+    shadows.casting(frame.shading.light, frame.seed, cloud.diagonal())
 }
 
 /// Images of the scene that a casting takes: one for each light, or six.
