@@ -39,7 +39,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Fragments per pixel.
+    /// Counts the fragments of each pixel as `abuffer/count` does, only where list lengths are asked for.
     pub Count(RasterPush) = "peel/count" in "abuffer/count" {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
@@ -74,7 +74,7 @@ pass! {
 }
 
 pass! {
-    /// The layer behind what was peeled before.
+    /// Blends the found fragment behind the layers of its pixel, and makes the pixel ready for the next layer.
     pub Blend(CountPush) = "peel/blend" {
         composing: Shared<ComposingGroup>,
         nearest: ReadWrite<NearestSplat>,
@@ -87,7 +87,7 @@ pass! {
 }
 
 pass! {
-    /// Whether there is a next layer.
+    /// Empties the indirect arguments of everything that follows a layer without a fragment.
     pub Next = "peel/next" {
         work: ReadWrite<PeelWork>,
         arguments: ReadWrite<u32>,

@@ -55,7 +55,7 @@ pass! {
 }
 
 pass! {
-    /// Index to shaded color.
+    /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
     pub Resolve(abuffer::CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,

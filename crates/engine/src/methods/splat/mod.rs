@@ -50,7 +50,7 @@ pass! {
 }
 
 pass! {
-    /// Index to color.
+    /// Turns the index of the nearest splat of each pixel into color and depth.
     pub Resolve(abuffer::CountPush) = "splat/resolve" {
         composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,
