@@ -47,7 +47,8 @@ pass! {
 }
 
 pass! {
-    /// The smallest rank that is left, by one 64-bit minimum.
+    /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel of each splat, among ranks
+    /// behind the last one peeled.
     pub Nearest(RasterPush) = "peel/nearest" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,
@@ -56,7 +57,7 @@ pass! {
 }
 
 pass! {
-    /// The smallest depth that is left, by a 32-bit minimum.
+    /// Finds the depth of `peel/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
     pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest_depth" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,
@@ -65,7 +66,7 @@ pass! {
 }
 
 pass! {
-    /// The smallest index at that depth.
+    /// Finds the smallest index at the depth of `peel/nearest-depth`.
     pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest_id" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,

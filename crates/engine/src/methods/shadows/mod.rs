@@ -51,7 +51,9 @@ pass! {
 }
 
 pass! {
-    /// The nearest depths of a light's image.
+    /// Finds the pixel and depth of each point through a light's camera, and takes the 32-bit atomic minimum of the
+    /// depth key there. It runs, as `shadows/clear`, `shadows/fill` and `shadows/lit` do, once for each light, or for
+    /// each of its six faces.
     pub Nearest(points::PointsPush) = "shadows/nearest" {
         places: Shared<PlacesGroup>,
         nearest: ReadWrite<u32>,

@@ -125,7 +125,8 @@ pass! {
 }
 
 pass! {
-    /// Depth and index by one 64-bit minimum.
+    /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on the
+    /// device.
     pub Nearest(SlotsPush) = "spbr/nearest" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
@@ -133,7 +134,7 @@ pass! {
 }
 
 pass! {
-    /// Depth by a 32-bit minimum.
+    /// Finds the depth of `spbr/nearest` by a 32-bit maximum, where the device has no 64-bit atomics.
     pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest_depth" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
@@ -141,7 +142,7 @@ pass! {
 }
 
 pass! {
-    /// Index among those at the smallest depth.
+    /// Finds the index at the depth of `spbr/nearest-depth` by a second 32-bit pass.
     pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest_id" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
