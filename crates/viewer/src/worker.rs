@@ -277,7 +277,7 @@ impl Work {
     }
 
     fn census(&self) -> News {
-        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
+        News::Clouds(self.stage.clouds().iter().map(Census::from_cloud).collect())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
