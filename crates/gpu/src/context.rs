@@ -16,21 +16,29 @@ use super::{Error, cache, guard};
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
 
+/// A command buffer and its pool. Recording uses the pool, and a pool must not be used from two threads at once, so that each
+/// recorder has one.
+#[derive(Clone, Copy)]
+pub struct Commands {
+    pool: vk::CommandPool,
+    pub buffer: vk::CommandBuffer,
+}
+
 pub struct Context {
     pub device: ash::Device,
     #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
-    #[cfg(feature = "window")]
     pub queue_family: u32,
     pub queue: vk::Queue,
-    pub command_pool: vk::CommandPool,
     pub info: DeviceInfo,
     pub limits: Limits,
     pub debug: Option<ext::debug_utils::Device>,
     pub pipeline_cache: vk::PipelineCache,
     pub instance: Instance,
-    /// Held for every submission: a queue and a command pool must not be used from two threads at once.
+    /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
+    /// Command buffers that nobody records, each with a pool of its own.
+    idle_commands: Mutex<Vec<Commands>>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
@@ -59,12 +67,6 @@ impl Context {
         let device = create_device(&instance, physical, family, &info, robust)?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
-        let pool_info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        // SAFETY: a live device; destroyed in drop.
-        let command_pool =
-            unsafe { device.create_command_pool(&pool_info, None) }.map_err(Error::call("vkCreateCommandPool"))?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: device.clone(),
@@ -90,16 +92,15 @@ impl Context {
             device,
             #[cfg(feature = "window")]
             physical,
-            #[cfg(feature = "window")]
             queue_family: family,
             queue,
-            command_pool,
             info,
             limits,
             debug,
             pipeline_cache,
             instance,
             submission: Mutex::new(()),
+            idle_commands: Mutex::default(),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
@@ -152,6 +153,42 @@ impl Context {
         list
     }
 
+    /// A command buffer to record, used again if one is idle.
+    pub fn take_commands(&self) -> Result<Commands, Error> {
+        if let Some(commands) = lock(&self.idle_commands).pop() {
+            return Ok(commands);
+        }
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
+        // SAFETY: a live device; the pool is destroyed here, by `give_commands_back` or in drop.
+        unsafe {
+            let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            match self.device.allocate_command_buffers(&info) {
+                Ok(buffers) => Ok(Commands { pool, buffer: buffers[0] }),
+                Err(result) => {
+                    self.device.destroy_command_pool(pool, None);
+                    Err(Error::call("vkAllocateCommandBuffers")(result))
+                }
+            }
+        }
+    }
+
+    /// Command buffers that nobody records at the moment.
+    pub fn idle_commands(&self) -> usize {
+        lock(&self.idle_commands).len()
+    }
+
+    /// Keeps a command buffer for the next recording. It must not be pending.
+    pub fn give_commands_back(&self, commands: Commands) {
+        // SAFETY: the caller has waited for the submission, or made none, and holds the only copy of these handles.
+        unsafe {
+            match self.device.reset_command_pool(commands.pool, vk::CommandPoolResetFlags::empty()) {
+                Ok(()) => lock(&self.idle_commands).push(commands),
+                Err(_) => self.device.destroy_command_pool(commands.pool, None),
+            }
+        }
+    }
+
     /// The pipeline of a key, built at its first use.
     pub fn pipeline(
         &self,
@@ -183,7 +220,9 @@ impl Drop for Context {
                 cache::store("pipelines", &self.cache_key, &data);
             }
             self.device.destroy_pipeline_cache(self.pipeline_cache, None);
-            self.device.destroy_command_pool(self.command_pool, None);
+            for commands in lock(&self.idle_commands).drain(..) {
+                self.device.destroy_command_pool(commands.pool, None);
+            }
             drop(lock(&self.allocator).take());
             self.device.destroy_device(None);
         }

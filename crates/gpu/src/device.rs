@@ -310,6 +310,12 @@ impl Device {
         Recorder::new(&self.0)
     }
 
+    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less those
+    /// that there are now.
+    pub fn idle_command_buffers(&self) -> usize {
+        self.0.idle_commands()
+    }
+
     /// Largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
     pub fn peak_bytes(&self) -> u64 {
         self.0.peak_bytes()

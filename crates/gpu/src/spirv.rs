@@ -299,10 +299,7 @@ mod tests {
         let options = crate::DeviceOptions::validated();
         let device = match crate::Device::open(&options) {
             Ok(device) => device,
-            Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
-                panic!("a device is required: {e}")
-            }
-            Err(e) => return eprintln!("skipped, no device: {e}"),
+            Err(e) => return pellucid_testing::skip::skip(pellucid_testing::skip::NO_DEVICE, &e.to_string()),
         };
         for source in [ARRAY, MASK, LENGTHS] {
             assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());

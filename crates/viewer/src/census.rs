@@ -239,7 +239,7 @@ mod tests {
             let scene = document.change(&changes).unwrap();
             let field = census.field(&scene.clouds[0]);
             assert_eq!(field.name(), name);
-            let values = field.of(&cloud).unwrap();
+            let values = field.values(&cloud).unwrap();
             assert_eq!(values.is_none(), name == "uncertainty");
             assert!(values.is_none_or(|values| values.len() == cloud.len()));
         }

@@ -9,7 +9,9 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
+use pellucid_engine::scene::{
+    self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName,
+};
 use pellucid_engine::{Result, output};
 
 use super::console::Console;
@@ -21,18 +23,14 @@ pub struct InputArgs {
     /// that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
-    /// filters of the image close), peel-layers (such surfaces one behind the other), or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles.
-    /// By default the scene file's, else auto: the cheapest one that is exact for the scene (`plan` says which, and why).
-    #[arg(long, value_name = "NAME")]
+    // The help lists all methods.
+    #[arg(long, value_name = "NAME", help = method_help())]
     method: Option<String>,
     /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
-    /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
-    /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
-    #[arg(long, value_name = "KEY=VALUE")]
+    // The help lists all keys.
+    #[arg(long, value_name = "KEY=VALUE", help = SET_HELP, long_help = set_help())]
     set: Vec<String>,
     /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
@@ -95,6 +93,36 @@ impl From<Side> for ViewName {
             Side::Iso => Self::Iso,
         }
     }
+}
+
+/// Every method, family by family.
+fn method_help() -> String {
+    let family = |family: Family| {
+        let names: Vec<_> = family.methods().map(|method| method.name()).collect();
+        format!("{} ({})", names.join(", "), family.title())
+    };
+    let families: Vec<_> = Family::ALL.into_iter().map(family).collect();
+    format!(
+        "The method: {}; or auto, the cheapest one that is exact for the scene (`plan` says which, and why). By default the \
+         scene file's, else auto",
+        families.join("; ")
+    )
+}
+
+const SET_HELP: &str = "Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or \
+    cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms";
+
+/// What the option does, and every key, table by table.
+fn set_help() -> String {
+    let names = |path: &str, keys: &mut dyn Iterator<Item = &'static str>| {
+        let keys: Vec<_> = keys.collect();
+        format!("{path}: {}", keys.join(", "))
+    };
+    let tables = scene::tables();
+    let tables = tables.iter().map(|table| names(table.path, &mut table.keys.iter().map(|key| key.name)));
+    let method = names("method", &mut std::iter::once("name").chain(scene::all_method_keys()));
+    let lines: Vec<_> = tables.chain([method]).collect();
+    format!("{SET_HELP}. The keys (docs/scene-file.md says more):\n{}", lines.join("\n"))
 }
 
 fn finite(text: &str) -> Result<f64, String> {

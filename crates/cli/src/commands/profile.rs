@@ -28,7 +28,7 @@ pub struct ProfileArgs {
     #[command(flatten)]
     along: PathArgs,
     /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
-    /// more than a quarter of a step. Only method sorted stops at all.
+    /// more than a quarter of a step. Only the methods sorted and abuffer stop at all.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.
@@ -78,8 +78,8 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     let mut profile = session.profile();
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    let tiled = session.frame.method.is_tiled();
-    if tiled {
+    let on_demand = session.frame.counts_on_demand();
+    if on_demand {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
@@ -89,7 +89,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;
-        let counted = if moves && tiled { Some(count_lists(&mut session)?) } else { None };
+        let counted = if moves && on_demand { Some(count_lists(&mut session)?) } else { None };
         let mut rendered = session.render()?;
         if let Some(counted) = counted {
             rendered.facts.fragments = counted.facts.fragments;

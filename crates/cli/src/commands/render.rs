@@ -30,8 +30,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub measure: MeasureArgs,
     /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
-    /// .png, in the current folder. For a .png method sorted blends until no 8-bit value would move by more than a
-    /// quarter of a step, for an .exr until no bit would change.
+    /// .png, in the current folder. For a .png the methods sorted and abuffer blend until no 8-bit value would move
+    /// by more than a quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the

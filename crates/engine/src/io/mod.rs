@@ -1,5 +1,6 @@
 //! Readers and writers of point-cloud files, and of pictures that stand for clouds.
 
+pub(crate) mod bitmap;
 mod channel;
 mod columns;
 pub(crate) mod decoder;
@@ -193,7 +194,7 @@ impl Format {
     fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let expected = match extension.as_str() {
-            _ if photo::is_picture(start) => return Ok(Self::Picture),
+            _ if bitmap::is_bitmap(start) => return Ok(Self::Picture),
             _ if start.starts_with(b"LASF") => return Ok(Self::Las),
             _ if start.starts_with(b"ply") => return Ok(Self::Ply),
             _ if start.starts_with(e57::MAGIC) => return Ok(Self::E57),

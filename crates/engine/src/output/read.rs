@@ -7,6 +7,7 @@ use std::path::Path;
 use super::{Error, Format};
 use crate::color::decode_srgb;
 use crate::image::{LinearImage, MAX_SIDE};
+use crate::io::bitmap::{self, Bitmap, PngDecoder, Samples};
 use crate::io::decoder::guard;
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel has at
@@ -61,18 +62,23 @@ fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<
 }
 
 fn read_png(path: &Path) -> Result<LinearImage, Error> {
-    let failed = |error: image::ImageError| Error::Decode { path: path.to_owned(), reason: error.to_string() };
+    let failed = |error: bitmap::Error| Error::Decode { path: path.to_owned(), reason: error.to_string() };
     let (reader, len) = open(path)?;
-    let mut decoder = image::codecs::png::PngDecoder::new(reader).map_err(failed)?;
-    let (width, height) = image::ImageDecoder::dimensions(&decoder);
+    let decoder = PngDecoder::new(reader).map_err(failed)?;
+    let (width, height) = decoder.size();
     check_size(path, width.into(), height.into(), len, 8 * DEFLATE)?;
-    // The largest allowed image at 16 bits, RGBA; the decoder's default would refuse it.
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(u64::from(MAX_SIDE).pow(2) * 8);
-    image::ImageDecoder::set_limits(&mut decoder, limits).map_err(failed)?;
-    let picture = image::DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
-    let pixels = picture.pixels().map(|image::Rgba([r, g, b, a])| [r, g, b].map(|value| decode_srgb(*value) * a));
-    Ok(LinearImage { width, height, pixels: pixels.collect() })
+    let Bitmap { channels, samples, .. } = decoder.read().map_err(failed)?;
+    let encoded = |pixel: usize| match &samples {
+        Samples::U8(bytes) => bitmap::rgba(bytes, channels, pixel, u8::MAX).map(|v| f32::from(v) / f32::from(u8::MAX)),
+        Samples::U16(words) => {
+            bitmap::rgba(words, channels, pixel, u16::MAX).map(|v| f32::from(v) / f32::from(u16::MAX))
+        }
+        Samples::F32(floats) => bitmap::rgba(floats, channels, pixel, 1.0),
+    };
+    let linear = |[r, g, b, a]: [f32; 4]| [r, g, b].map(|value| decode_srgb(value) * a);
+    // Both fit: check_size allowed at most MAX_SIDE.
+    let pixels = (0..width as usize * height as usize).map(|pixel| linear(encoded(pixel))).collect();
+    Ok(LinearImage { width, height, pixels })
 }
 
 fn read_exr(path: &Path) -> Result<LinearImage, Error> {

@@ -108,7 +108,7 @@ impl Frame {
     }
 
     /// The cells along an axis that a sphere around a point of cell `at` meets.
-    fn around(&self, at: usize, axis: usize) -> Range<usize> {
+    fn neighbors(&self, at: usize, axis: usize) -> Range<usize> {
         at.saturating_sub(1)..(at + 2).min(self.cells[axis])
     }
 }
@@ -133,7 +133,7 @@ impl Grid {
         let centers: Vec<DVec3> = centers.iter().map(|&p| frame.local(p)).collect();
         let cells = |center: DVec3| {
             let [x, y, z] = frame.at(center);
-            let (columns, rows, slabs) = (frame.around(x, 0), frame.around(y, 1), frame.around(z, 2));
+            let (columns, rows, slabs) = (frame.neighbors(x, 0), frame.neighbors(y, 1), frame.neighbors(z, 2));
             let [width, height, _] = frame.cells;
             slabs.flat_map(move |z| {
                 let columns = columns.clone();

@@ -9,8 +9,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Picture;
 use super::abuffer::{Composite, Fragment, composite};
+use super::{Picture, dealing};
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
 use crate::prepare::ensembles::{Deal, Dealt, Surface};
@@ -195,7 +195,7 @@ pub fn render(
     rule: &Rule,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    render_with(camera, size, dealt, colors, rule, seed, Deal::hand)
+    render_hands(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
 /// Like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
@@ -208,13 +208,32 @@ pub fn render_with(
     seed: u64,
     hand: impl Fn(&Deal, u32) -> Vec<u64>,
 ) -> (Picture, Vec<DVec3>) {
+    let hands = |deal: &Deal| (0..deal.ensembles).map(|ensemble| hand(deal, ensemble)).collect();
+    render_hands(camera, size, dealt, colors, rule, seed, hands)
+}
+
+fn render_hands(
+    camera: &Camera,
+    size: [u32; 2],
+    dealt: &Dealt,
+    colors: &[DVec3],
+    rule: &Rule,
+    seed: u64,
+    hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
+) -> (Picture, Vec<DVec3>) {
     let view = View { camera, size, dealt, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
+    let of = |(surface, place): (&Surface, u32)| {
+        let share = share(camera, size[1], dealt, surface, rule);
+        let points = surface.points.end - surface.points.start;
+        hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
+    };
+    let hands: Vec<Vec<Vec<u64>>> = dealt.surfaces.iter().zip(0..).map(of).collect();
     for ensemble in 0..rule.ensembles {
-        let image = draw(&view, ensemble, &hand, &mut counts);
+        let image = draw(&view, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
             if let Some(index) = index {
                 let (sum, squares, drawn) = &mut sums[pixel];
@@ -240,18 +259,11 @@ pub fn render_with(
 }
 
 /// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
-fn draw(
-    view: &View<'_>,
-    ensemble: u32,
-    hand: impl Fn(&Deal, u32) -> Vec<u64>,
-    counts: &mut [u32],
-) -> Vec<(f64, Option<usize>)> {
+fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
-    for (surface, place) in view.dealt.surfaces.iter().zip(0..) {
+    for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {
         let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
-        let points = surface.points.end - surface.points.start;
-        let deal = Deal { points, slots: share.slots, ensembles: view.rule.ensembles, place, seed: view.seed };
-        for point in hand(&deal, ensemble) {
+        for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
             let Some(point) = drawn(view, &share, index) else { continue };
             if point.area < 1.0 && !is_drawn(point.area, index, ensemble, view.seed) {

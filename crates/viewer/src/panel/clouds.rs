@@ -9,7 +9,7 @@ use crate::census::{Census, class_name};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{CloudSettings, Method, Setting};
+use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 
 /// Clouds that are listed among the other controls; longer lists scroll on their own.
 const MANY: usize = 15;
@@ -76,7 +76,7 @@ fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
         (least, most, sum) = (least.min(cloud.opacity), most.max(cloud.opacity), sum + f64::from(cloud.opacity));
     }
     let (value, label) = if least == most {
-        (controls::rounded(most), "all opacities")
+        (rounded(most), "all opacities")
     } else {
         (controls::thousandths(sum / clouds.len() as f64), "all (mean)")
     };

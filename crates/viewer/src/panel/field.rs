@@ -7,11 +7,10 @@ use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
 use crate::census::{BINS, FieldFacts, class_name};
-use crate::controls::rounded;
 use crate::hints::hint;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{Change, Setting};
+use pellucid_engine::scene::{Change, Setting, rounded};
 
 /// The classes that a choice of classes begins with: vegetation.
 const VEGETATION: [u8; 3] = [3, 4, 5];

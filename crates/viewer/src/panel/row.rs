@@ -47,16 +47,16 @@ pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry)
 /// Returns the edit, and true if the name was clicked.
 pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
     let given = model.is_given(key);
-    let Entry { control, value, presence } = entry;
+    let Entry { control, value, presence, about } = entry;
     ui.horizontal(|ui| {
         if presence != Presence::Always {
             // Leave room for the switch, so that numbers align below each other.
             ui.spacing_mut().slider_width -= SWITCH;
         }
-        let (on, mut edit) = switch(ui, model, key, &presence, &value);
+        let (on, mut edit) = switch(ui, model, key, &presence, &value, about);
         if on {
             let (response, changed) = change(ui, key, label, control, value);
-            note(ui, model, key, &response.on_hover_text(hint(key)));
+            note(ui, model, key, &response.on_hover_text(about));
             edit = edit.or(changed.map(Edit::To));
         }
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
@@ -64,7 +64,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
         }
         let has_button = given && presence == Presence::Always;
         let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
-        let named = (control != Control::Flag).then(|| name_within(ui, key, label, room));
+        let named = (control != Control::Flag).then(|| name_within(ui, about, label, room));
         if has_button && takes_out(ui, model, key) {
             edit = Some(Edit::Out);
         }
@@ -73,8 +73,15 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
     .inner
 }
 
-/// The switch before a control, if it has one. The flag is true if it is on.
-fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start: &Setting) -> (bool, Option<Edit>) {
+/// The switch before a control, if it has one; whether it is on.
+fn switch(
+    ui: &mut Ui,
+    model: &mut Model,
+    key: &str,
+    presence: &Presence,
+    start: &Setting,
+    about: &str,
+) -> (bool, Option<Edit>) {
     let (mut on, radio) = match presence {
         Presence::Always => return (true, None),
         Presence::Optional { on, .. } => (*on, false),
@@ -84,7 +91,7 @@ fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start:
     let response = if radio { ui.radio(on, "") } else { ui.checkbox(&mut on, "") };
     note(ui, model, &format!("{key}?"), &response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
-    response.on_hover_text(hint(key));
+    response.on_hover_text(about);
     let edit = clicked.then(|| if was { Edit::Out } else { Edit::To(start.clone()) });
     (was, edit)
 }
@@ -92,17 +99,16 @@ fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start:
 /// The name of a row, as long as the row has room for it.
 pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
     let room = ui.available_width() - BUTTON;
-    name_within(ui, key, label, room)
+    name_within(ui, hint(key), label, room)
 }
 
-fn name_within(ui: &mut Ui, key: &str, label: &str, room: f32) -> Response {
+fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
     let label = Label::new(label).truncate().selectable(false).sense(Sense::click());
     let shown = ui.scope(|ui| {
         ui.set_max_width(room.max(0.0));
         ui.add(label)
     });
-    let said = hint(key);
-    if said.is_empty() { shown.inner } else { shown.inner.on_hover_text(said) }
+    if about.is_empty() { shown.inner } else { shown.inner.on_hover_text(about) }
 }
 
 /// The button that removes a given key; keys with a switch have none. Returns true if it was clicked.
@@ -146,7 +152,8 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
             (response, changed)
         }
         (Control::Choice(words), Setting::Word(word)) => {
-            let (response, chosen) = choice(ui, key, &word, words);
+            let words: Vec<&str> = words.iter().map(|word| word.name).collect();
+            let (response, chosen) = choice(ui, key, &word, &words);
             (response, chosen.map(|word| Setting::Word(word.to_owned())))
         }
         (Control::Color, Setting::Numbers(color)) => {

@@ -7,7 +7,7 @@ use super::row::{choice, name, note, row, takes_out, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View};
+use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
 
 /// From where a light comes that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
     };
     for key in keys {
-        if let Some(entry) = controls::shading(&shading, key) {
+        if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
             row(ui, model, &format!("shading.{key}"), key, entry);
         }
     }
@@ -195,7 +195,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
     let default = Shadows::default();
     let (shadows, before) = kept.unwrap_or((default, light));
     let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
-    let number = |x: f32| Setting::Number(controls::rounded(x));
+    let number = |x: f32| Setting::Number(rounded(x));
     let given = [
         ("method", Some(Setting::Word("texture".to_owned()))),
         ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),

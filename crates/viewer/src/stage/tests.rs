@@ -20,10 +20,10 @@ fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
     Stage::new(device, clouds, SEED, None).unwrap()
 }
 
-/// The picture of a fresh stage that reuses the renderer of another one.
-fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
-    (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
-    stage.take(scene, Pose::Scene, Effort::Whole).unwrap()
+/// The picture of a stage and a renderer that know nothing yet, which take the place of `other`.
+fn fresh(other: &mut Stage, device: &Device, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
+    *other = stage(device, clouds.to_vec());
+    other.take(scene, Pose::Scene, Effort::Whole).unwrap()
 }
 
 /// A setting of each kind; each picture but the first few has all earlier ones in force.
@@ -75,7 +75,7 @@ fn each_setting_of(methods: &[&str]) {
                 let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
                 following += usize::from(before == after);
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
-                assert_same(&taken, &fresh(&mut other, &clouds, &scene), &what);
+                assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &what);
                 assert_same_clouds(&mut live, &mut other, &what);
                 live.recycle(taken.rendered.image);
             }
@@ -152,7 +152,7 @@ fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
                 assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");
             }
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &key);
         }
     });
 }
@@ -197,7 +197,7 @@ fn stored_shadows_are_there_for_their_light_only() {
         for (key, value) in settings {
             let scene = document.set(&key, value.clone()).unwrap();
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &format!("{key} = {value:?}"));
             views.push(taken.rendered.facts.light_views);
         }
         // Shadows are cast only for a light the file has none for, and only once.
@@ -217,7 +217,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
         assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.placed.is_some());
         let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
         let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-        assert_same(&taken, &fresh(&mut other, &clouds, &scene), "after an error");
+        assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), "after an error");
     });
 }
 
@@ -249,7 +249,7 @@ fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
             }
             let scene = document.scene().unwrap();
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &key);
             assert_same_clouds(&mut live, &mut other, &key);
         }
     });

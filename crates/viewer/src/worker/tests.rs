@@ -1,5 +1,7 @@
 //! Rendering, stopping and reading cameras in the worker.
 
+use pellucid_testing::skip::{NO_DEVICE, skip};
+
 use super::*;
 use crate::draft::Effort;
 use pellucid_engine::scene::{CameraSettings, Document, Setting};
@@ -52,8 +54,7 @@ const SIZE: [u32; 2] = [48, 32];
 fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     let device = match Device::open(&gpu::DeviceOptions::validated()) {
         Ok(device) => device,
-        Err(error) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device: {error}"),
-        Err(error) => return eprintln!("skipped, no device: {error}"),
+        Err(error) => return skip(NO_DEVICE, &error.to_string()),
     };
     let folder = tempfile::tempdir().unwrap();
     let text: String = (0..300).map(|i| format!("{} {} {} {} 90 20\n", i % 20, i / 20, i % 7, i % 256)).collect();

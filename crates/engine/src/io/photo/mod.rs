@@ -15,9 +15,6 @@ use crate::cloud::{Cloud, UpAxis};
 use picture::Picture;
 use surface::Surface;
 
-/// First bytes of the formats that are read.
-const MAGIC: [&[u8]; 4] = [b"\x89PNG", &[0xff, 0xd8, 0xff], b"II*\0", b"MM\0*"];
-
 /// Pixels of a picture at most, and points that it may become: 2²⁸.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
@@ -41,11 +38,6 @@ pub struct Heights {
     pub path: PathBuf,
     /// Height of white over black, world units, along `right` × `up`; below 0: white is deepest.
     pub scale: f64,
-}
-
-/// True if the bytes start a picture file.
-pub(super) fn is_picture(start: &[u8]) -> bool {
-    MAGIC.iter().any(|magic| start.starts_with(magic))
 }
 
 /// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points' alpha,

@@ -2,6 +2,7 @@
 //! image formation, the Pareto front, and how the error of stochastic methods falls with their samples.
 
 mod analytic;
+mod applicable;
 mod figures;
 mod files;
 mod findings;

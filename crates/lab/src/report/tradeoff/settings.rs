@@ -1,15 +1,13 @@
 //! The methods of one image formation with their settings, which are compared on a scene.
 
 use super::Skipped;
+pub use super::applicable::settings;
 pub use super::surfaces::Surfaces;
-use super::surfaces::ladder;
-use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::passes::project::Parts;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{
-    self, BlendedSplats, Density, DiscShape, Discs, Falloff, Hybrid, Interpolated, LongLists, Method, OneLayer, Peel,
-    Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, Stochastic,
+    self, Density, DiscShape, Discs, Falloff, Ladder, LongLists, Method, Raster, Shells, Soft, SoftLayout, Spbr,
 };
 
 /// An image that several methods form in different ways.
@@ -44,19 +42,22 @@ impl Formation {
     }
 }
 
+/// How many values of each key are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// What a report shows.
+    Full,
+    /// For a first look and for CI.
+    Quick,
+    /// What is chosen from.
+    Fine,
+}
+
 /// The steps of every ladder, ascending.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ladders {
-    /// `samples` of `stochastic`.
-    pub samples: &'static [u32],
-    /// `k` of `hybrid`.
-    pub k: &'static [u32],
-    /// `layers` of `peel`; all of them come on top.
-    pub layers: &'static [u32],
-    /// `shells` of `soft-concentric`; adaptive ones come on top.
-    pub shells: &'static [u32],
-    /// `ensembles` of `spbr`.
-    pub ensembles: &'static [u32],
+    /// Which values of the keys of methods.
+    pub detail: Detail,
     /// `size` of opaque splats.
     pub sizes: &'static [f64],
     /// `fill` and `occlusion` of `image-space`, both alike.
@@ -70,11 +71,7 @@ pub struct Ladders {
 impl Ladders {
     /// The settings of a report.
     pub const FULL: Self = Self {
-        samples: &[1, 4, 16, 64, 256, 1024],
-        k: &[1, 2, 4, 8, 16, 32],
-        layers: &[1, 2, 4, 8, 16, 32, 64],
-        shells: &[1, 2, 4, 8],
-        ensembles: &[1, 3, 10, 30, 100, 300, 1000],
+        detail: Detail::Full,
         sizes: &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
         iterations: &[0, 1, 2, 4, 8],
         thinning: &[1, 4, 16],
@@ -82,22 +79,23 @@ impl Ladders {
     };
     /// The settings for a first look and for CI.
     pub const QUICK: Self = Self {
-        samples: &[1, 8, 64],
-        k: &[1, 8],
-        layers: &[1, 8],
-        shells: &[1, 4],
-        ensembles: &[1, 10, 100],
+        detail: Detail::Quick,
         sizes: &[0.0, 1.0, 2.0],
         iterations: &[0, 1, 4],
         thinning: &[1, 16],
         shadow_samples: &[1, 5],
     };
-    /// The settings that a choice considers.
-    pub const FINE: Self = Self {
-        samples: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
-        ensembles: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
-        ..Self::FULL
-    };
+    /// What is chosen from.
+    pub const FINE: Self = Self { detail: Detail::Fine, ..Self::FULL };
+
+    /// The values of a key that are compared.
+    pub fn steps(&self, ladder: &Ladder) -> &'static [u32] {
+        match self.detail {
+            Detail::Full => ladder.full,
+            Detail::Quick => ladder.quick,
+            Detail::Fine => ladder.fine,
+        }
+    }
 }
 
 /// The properties of a scene that decide which settings apply.
@@ -171,18 +169,12 @@ impl Setting {
 
     /// True if the image depends on the seed.
     pub fn is_stochastic(&self) -> bool {
-        matches!(self.method, Method::Stochastic(_) | Method::Spbr(_))
+        self.method.is_sampled()
     }
 
     /// True if the image is exact except for rounding.
     pub fn is_exact(&self, occasion: &Occasion) -> bool {
-        match self.method {
-            Method::ABuffer(_) | Method::LinkedList(_) | Method::Circles(_) => true,
-            Method::SoftBase(soft) => soft.layout == SoftLayout::Precise,
-            Method::Sorted(_) => !occasion.oriented,
-            Method::Peel(peel) => peel.layers == 0,
-            _ => false,
-        }
+        matches!(self.method, Method::Circles(_)) || self.method.is_exact(occasion.oriented)
     }
 
     /// The setting of a ladder.
@@ -233,172 +225,11 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
         .map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
 }
 
-/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason.
-pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
-    let (mut settings, mut skipped) = (Vec::new(), Vec::new());
-    match occasion.formation {
-        Formation::Discs(discs) => {
-            exact(occasion, discs, &mut settings, &mut skipped);
-            peel(occasion, discs, ladders, &mut settings, &mut skipped);
-            approximate(occasion, discs, ladders, &mut settings, &mut skipped);
-            let soft = Soft::default();
-            let other = [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)];
-            let reason = "draws soft spheres, another image formation";
-            skipped.extend(other.map(|method| Setting::single(method, "").skipped(reason)));
-        }
-        Formation::Ensembles(spbr) => {
-            let step = |ensembles: &u32| {
-                let method = Method::Spbr(Spbr { ensembles: *ensembles, ..spbr });
-                Setting::step(method, ("ensembles", *ensembles), "")
-            };
-            settings.extend(ladders.ensembles.iter().map(step));
-            let reason = "its opacity depends on the number of ensembles: there is no one image to compare them with";
-            skipped.push(Setting::single(Method::SpbrSimplified(Default::default()), "").skipped(reason));
-            let reason = "draws discs that cover each other, each with the opacity that spbr gives to their surface";
-            skipped.push(Setting::single(Method::ABuffer(Discs::default()), "").skipped(reason));
-            let reason = "draws soft spheres, another image formation";
-            skipped.push(Setting::single(Method::SoftBase(Soft::default()), "").skipped(reason));
-        }
-        Formation::Soft { soft, from_lambda } => {
-            let mut all = self::soft(soft, from_lambda, ladders);
-            if soft.modulation.is_some() {
-                // The one setting whose events have no room for W.
-                let reason = "has no room for what method.modulation needs";
-                let packed = |s: &mut Setting| s.method.soft().is_some_and(|soft| soft.layout == SoftLayout::Paper);
-                skipped.extend(all.extract_if(.., packed).map(|setting| setting.skipped(reason)));
-            }
-            settings.extend(all);
-            let reason = "draws opaque discs, another image formation";
-            skipped.push(Setting::single(Method::Circles(ScreenSplats::default()), "").skipped(reason));
-        }
-        Formation::Surfaces(surfaces) => return ladder::settings(&surfaces, ladders),
-    }
-    for opaque in [
-        Method::Points,
-        Method::Squares(ScreenSplats::default()),
-        Method::Paraboloid(Interpolated::default()),
-        Method::Cone(Interpolated::default()),
-        Method::Sphere(ScreenSplats::default()),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-    ] {
-        let reason = "draws opaque points of another shape: its image is not meant to be the same";
-        skipped.push(Setting::single(opaque, "").skipped(reason));
-    }
-    let reason = "draws one transparent layer, another image formation";
-    skipped.push(Setting::single(Method::OneLayer(OneLayer::default()), "").skipped(reason));
-    (settings, skipped)
-}
-
-/// The three models of soft transparency, all with the same softness.
-fn soft(soft: Soft, from_lambda: bool, ladders: &Ladders) -> Vec<Setting> {
-    let rest = match soft.density {
-        Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
-        _ => String::new(),
-    };
-    let text = |own: &str| format!("{own} {rest}").trim().to_owned();
-    let paper = Soft { layout: SoftLayout::Paper, ..soft };
-    let shells = |count: &u32| {
-        let method = Method::SoftConcentric(Soft { shells: Shells::Fixed(*count), ..soft });
-        Setting::step(method, ("shells", *count), &rest)
-    };
-    let mut settings = vec![
-        Setting::single(Method::SoftBase(soft), &rest),
-        Setting::single(Method::SoftBase(paper), &text("method.layout=paper")),
-    ];
-    settings.extend(ladders.shells.iter().map(shells));
-    settings.extend([
-        Setting::single(Method::SoftConcentric(soft), &text("method.shells=adaptive")),
-        Setting::single(Method::SoftExpress(soft), &rest),
-    ]);
-    settings
-}
-
-fn exact(occasion: &Occasion, discs: Discs, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let max_list = occasion.max_list;
-    let hardware = Discs { raster: Raster::Hardware, ..discs };
-    let in_place = Discs { long_lists: LongLists::InPlace, ..discs };
-    settings.push(Setting::single(Method::ABuffer(discs), ""));
-    settings.push(Setting::single(Method::ABuffer(hardware), "method.raster=hardware"));
-    let in_place = Setting::single(Method::ABuffer(in_place), "method.long_lists=in-place");
-    if max_list > LOCAL_LENGTH {
-        settings.push(in_place);
-    } else {
-        skipped.push(in_place.skipped(format!("the longest list has {max_list} fragments: none is long")));
-    }
-    settings.push(Setting::single(Method::LinkedList(discs), ""));
-    settings.push(Setting::single(Method::Sorted(discs), ""));
-    // Without the clamp of opaque splats the image is that of the A-buffer.
-    let unclamped = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
-    let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={:e}", f32::MAX));
-    if !occasion.opaque {
-        skipped.push(circles.skipped("draws opaque discs, and not all of this scene are"));
-    } else if occasion.oriented {
-        skipped.push(circles.skipped("draws discs that face the screen, and those of this scene don't"));
-    } else {
-        settings.push(circles);
-    }
-}
-
-/// Adds a ladder; steps beyond the longest list change nothing any more.
-fn climb(
-    occasion: &Occasion,
-    ladder: impl Iterator<Item = Setting>,
-    settings: &mut Vec<Setting>,
-    skipped: &mut Vec<Skipped>,
-) {
-    let mut reached = false;
-    for setting in ladder {
-        if reached {
-            let longest = occasion.max_list;
-            skipped.push(setting.skipped(format!("the longest list has {longest} fragments: the step before has all")));
-        } else {
-            reached = setting.step.is_some_and(|(_, value)| value >= f64::from(occasion.max_list));
-            settings.push(setting);
-        }
-    }
-}
-
-fn peel(occasion: &Occasion, discs: Discs, ladders: &Ladders, settings: &mut Vec<Setting>, skipped: &mut Vec<Skipped>) {
-    let step = |layers: &u32| Setting::step(Method::Peel(Peel { discs, layers: *layers }), ("layers", *layers), "");
-    climb(occasion, ladders.layers.iter().map(step), settings, skipped);
-    let all = Setting::single(Method::Peel(Peel { discs, layers: 0 }), "");
-    settings.push(Setting { effort: Some(occasion.max_list.into()), ..all });
-}
-
-fn approximate(
-    occasion: &Occasion,
-    discs: Discs,
-    ladders: &Ladders,
-    settings: &mut Vec<Setting>,
-    skipped: &mut Vec<Skipped>,
-) {
-    let hybrid = |k: &u32| Setting::step(Method::Hybrid(Hybrid { discs, k: *k }), ("k", *k), "");
-    climb(occasion, ladders.k.iter().map(hybrid), settings, skipped);
-    // The rasteriser takes samples in a way of its own.
-    let ways = [
-        (Raster::Auto, true, ""),
-        (Raster::Auto, false, "method.alpha_correction=false"),
-        (Raster::Hardware, true, "method.raster=hardware"),
-    ];
-    for (raster, alpha_correction, rest) in ways {
-        let stochastic = |samples: &u32| {
-            let discs = Discs { raster, ..discs };
-            let method = Method::Stochastic(Stochastic { discs, samples: *samples, alpha_correction });
-            // Samples are drawn in groups of four.
-            Setting { effort: Some(samples.div_ceil(4).into()), ..Setting::step(method, ("samples", *samples), rest) }
-        };
-        settings.extend(ladders.samples.iter().map(stochastic));
-    }
-    for method in [Method::Weighted(discs), Method::Average(discs), Method::Unsorted(discs)] {
-        settings.push(Setting::single(method, ""));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use pellucid_engine::scene::MethodChoice;
+    use pellucid_engine::scene::{BlendedSplats, OneLayer, Peel};
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());
@@ -506,6 +337,22 @@ mod tests {
     }
 
     #[test]
+    fn every_method_is_compared_or_skipped_for_a_reason() {
+        let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
+        let surfaces = Surfaces::for_method(&Method::Points, &Points::default()).unwrap();
+        let formations =
+            [occasion(9).formation, soft, Formation::Ensembles(Spbr::default()), Formation::Surfaces(surfaces)];
+        for formation in formations {
+            let (settings, skipped) = settings(&Occasion { formation, ..occasion(9) }, &Ladders::QUICK);
+            for method in Method::all().iter().map(Method::name) {
+                let is_compared = settings.iter().any(|setting| setting.method.name() == method);
+                let is_skipped = skipped.iter().any(|skipped| skipped.method == method && !skipped.reason.is_empty());
+                assert!(is_compared || is_skipped, "{method}: {formation:?}");
+            }
+        }
+    }
+
+    #[test]
     fn soft_spheres_have_three_models() {
         let settings_for = |density, from_lambda| {
             let formation = Formation::Soft { soft: Soft { density, ..Soft::default() }, from_lambda };
@@ -524,12 +371,8 @@ mod tests {
         assert_eq!(keys, expected);
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
         assert_eq!(exact, [true, false, false, false, false, false]);
-        let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(
-            names,
-            ["circles", "points", "squares", "paraboloid", "cone", "sphere", "hqs", "splats", "one-layer"]
-        );
-        // The rows show the converted density rather than the scene's own form.
+        assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
+        // What the rows were rendered with, where the scene says something else.
         let (converted, _) = settings_for(Density::Softness(0.25), true);
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }

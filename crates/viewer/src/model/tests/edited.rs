@@ -50,7 +50,7 @@ fn every_method_can_be_chosen_from_every_other() {
         }
         controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
         controls::Control::Flag => Setting::Flag(last),
-        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }]),
+        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }].name),
         controls::Control::Color => Setting::Numbers(vec![0.0; 3]),
     };
     for first in METHODS {
@@ -58,7 +58,7 @@ fn every_method_can_be_chosen_from_every_other() {
             model.set_method(first);
             for key in method_keys(first) {
                 let method = model.scene().method;
-                let control = controls::control(&method.representative(), key, model.extent()).unwrap().control;
+                let control = controls::method(&method.representative(), key, model.extent()).unwrap().control;
                 model.change(&controls::method_changes(&method.representative(), key, Some(end(control, last))));
             }
             let edited = model.document.clone();

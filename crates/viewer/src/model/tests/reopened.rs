@@ -1,5 +1,7 @@
 //! A scene that was saved and is opened again, by the worker on a device.
 
+use pellucid_testing::skip::{NO_DEVICE, skip};
+
 use super::*;
 use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::{Device, DeviceOptions};
@@ -43,8 +45,7 @@ fn write_clouds(folder: &Path) {
 fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let device = match Device::open(&DeviceOptions::validated()) {
         Ok(device) => device,
-        Err(error) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device: {error}"),
-        Err(error) => return eprintln!("skipped, no device: {error}"),
+        Err(error) => return skip(NO_DEVICE, &error.to_string()),
     };
     let folder = tempfile::tempdir().unwrap();
     write_clouds(folder.path());

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_testing::skip::{NO_DEVICE, skip};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -17,8 +18,7 @@ pub fn with_device(test: impl FnOnce(&Device)) {
             test(&device);
             assert_eq!(device.validation_messages(), Vec::<String>::new());
         }
-        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
-        Err(e) => eprintln!("skipped, no device: {e}"),
+        Err(e) => skip(NO_DEVICE, &e.to_string()),
     }
 }
 

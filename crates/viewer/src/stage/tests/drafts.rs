@@ -167,7 +167,7 @@ fn lights_of_an_area_come_one_by_one() {
         assert_eq!(lights(Effort::Moving(1e9)), (Some([10, 10]), true));
         let live = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         let mut other = self::stage(device, clouds.clone());
-        assert_same(&live, &fresh(&mut other, &clouds, &scene), "after fewer lights");
+        assert_same(&live, &fresh(&mut other, device, &clouds, &scene), "after fewer lights");
         // Another light restarts the refinement.
         let moved = document.set("shading.light", Setting::Numbers(vec![-0.5, -1.0, -0.5])).unwrap();
         let taken = stage.take(&moved, Pose::Scene, Effort::Moving(1e9)).unwrap();

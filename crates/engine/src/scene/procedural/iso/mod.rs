@@ -1,7 +1,8 @@
-//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). Unlike the other built-in scenes it
-//! needs a file.
+//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or that of a
+//! hydrogen orbital.
 
 mod field;
+mod orbital;
 mod surface;
 
 use glam::DVec3;
@@ -16,9 +17,8 @@ use surface::Surface;
 /// Its name in `pellucid scene`.
 pub const NAME: &str = "iso";
 /// A single line for `--list`.
-pub const SUMMARY: &str =
-    "nested surfaces of equal value in a volume (--volume FILE), at --values or at some chosen ones";
-/// The parameters of `--set`.
+pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
+/// What `--set` can change.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
     Parameter::count("surfaces", 3.0, 1.0, MAX_SURFACES as f64, "surfaces, if no values are given"),
@@ -52,8 +52,14 @@ const NESTED: [f64; 3] = [0.5, 0.3, 1.0];
 /// Layers that are seen: a single surface is crossed four times, nested ones six times (Figs. 18 and 19).
 const LAYERS: [u32; 2] = [4, 6];
 
-/// Builds the scene from a volume, whose longest side becomes 2 world units around the origin. `values` are the
-/// isovalues; if empty, nested surfaces are chosen.
+/// The volume where none is given: the density of the electron in a hydrogen atom's state 3d (m = 0), 64³ numbers from 0 to 1
+/// within 20 Bohr radii of the nucleus.
+pub fn built_in() -> Volume {
+    orbital::orbital()
+}
+
+/// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field has
+/// surfaces; none: chosen such that they lie within each other.
 ///
 /// # Errors
 /// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different

@@ -3,9 +3,9 @@
 use super::Surfaces;
 use crate::report::tradeoff::Skipped;
 use crate::report::tradeoff::settings::{Ladders, Setting};
-use pellucid_engine::scene::{Discs, ImageSpace, Method, OneLayer, PeelLayers, Relief, Soft, Spbr, SplatShape};
+use pellucid_engine::scene::{ImageSpace, Method, Relief, SplatShape};
 
-/// All of them, cloud after cloud; and what draws something else.
+/// All of them, cloud after cloud; and the methods of opaque points that are left out.
 pub(in super::super) fn settings(surfaces: &Surfaces, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let settings = ladders.thinning.iter().flat_map(|thinning| of_cloud(surfaces, ladders, *thinning)).collect();
     (settings, skipped(surfaces))
@@ -52,19 +52,10 @@ fn sized(surfaces: &Surfaces) -> Vec<Sized> {
 
 fn skipped(surfaces: &Surfaces) -> Vec<Skipped> {
     let relief = "a relief like that of paraboloid; compared where it is the scene's method";
-    let layers = "draws layers that are seen through, another image formation";
-    let discs = "draws transparent discs, another image formation";
-    let soft = "draws soft spheres, another image formation";
-    let ensembles = "draws surfaces that are seen through, another image formation";
     let others = [
         (Method::Cone(surfaces.interpolated(1.0)), relief, surfaces.relief != Relief::Cone),
         (Method::Sphere(surfaces.splats), relief, surfaces.relief != Relief::Sphere),
         (Method::Splats(Default::default()), "no point has a normal: the same as hqs", !surfaces.normals),
-        (Method::PeelLayers(PeelLayers::default()), layers, true),
-        (Method::OneLayer(OneLayer::default()), layers, true),
-        (Method::ABuffer(Discs::default()), discs, true),
-        (Method::SoftBase(Soft::default()), soft, true),
-        (Method::Spbr(Spbr::default()), ensembles, true),
     ];
     let skipped = others.into_iter().filter(|(.., is_skipped)| *is_skipped);
     skipped.map(|(method, reason, _)| Setting::single(method, "").skipped(reason)).collect()
@@ -96,7 +87,7 @@ mod tests {
         assert!(matches!(all[18].method, Method::ImageSpace(ImageSpace { fill: 4, occlusion: 4, smooth: 1, .. })));
         assert_eq!(all[37].stem(), "image-space-fill-4-occlusion-4-thinning-16");
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(names, ["cone", "sphere", "peel-layers", "one-layer", "abuffer", "soft-base", "spbr"]);
+        assert_eq!(names, ["cone", "sphere"]);
     }
 
     #[test]
