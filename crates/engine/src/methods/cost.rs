@@ -1,8 +1,9 @@
-//! What exact methods cost on a device: `auto` takes the cheaper of those that are exact for a scene.
+//! The cost of exact methods on a device: `auto` chooses the cheaper of those that are exact for a scene.
 //!
 //! The time of a frame is modelled as a sum of non-negative costs per frame, splat, pixel of the splats' rectangles and
-//! pixel of the image. They are fitted once per device, driver and version to frames of small random clouds, and kept on
-//! disk: small and large splats apart, since `abuffer` works differently for them, and for each falloff.
+//! pixel of the image. They are fitted once per device, driver and version to frames of small random clouds, and kept
+//! on disk. Small and large splats are fitted separately, since `abuffer` handles them differently, and so is each
+//! falloff.
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ use crate::points::Points;
 use crate::prepare::order;
 use crate::scene::{ColorSpace, Discs, Falloff, Method, Shading};
 
-/// What a frame's cost depends on.
+/// The factors of a frame's cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Splats that touch the image.
@@ -41,13 +42,13 @@ const TERMS: usize = 4;
 /// Milliseconds per frame, million splats, million pixels of rectangles, million pixels of the image.
 type Costs = [f64; TERMS];
 
-/// What a frame's cost depends on, and the milliseconds that it took.
+/// The factors of a frame's cost, and its measured milliseconds.
 type Sample = ([f64; TERMS], f64);
 
 /// The fitted costs of the methods that are exact for flat discs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
-    /// Of small and of large splats.
+    /// For small and for large splats.
     abuffer: [Costs; 2],
     sorted: [Costs; 2],
 }
