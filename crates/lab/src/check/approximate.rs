@@ -1,4 +1,4 @@
-//! Approximations of transparency: what each of them does exactly.
+//! Approximations of transparency: the parts that each of them computes exactly.
 
 use glam::{DVec3, Vec3};
 
@@ -18,8 +18,8 @@ type Found = Result<Finding, Trouble>;
 const ULP: f64 = 2.0 * HALF_ULP;
 /// Color that has no exact float32.
 const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);
-/// What a compensated sum of any length is off (2 units: Kahan 1965), for color and weight, their quotient (2.5 units) and two
-/// products, relative.
+/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
+/// (2.5 units) and two products.
 const COMPENSATED: f64 = 9.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -132,8 +132,8 @@ fn behind_one(stage: &mut Stage, method: Method) -> Found {
     dots.insert(0, dot(0.75, Vec3::X, 0.999));
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
-    // Green alone. Each layer of a run rounds A, which is nearly 1, by half a unit, and what lies behind is that much too bright
-    // or dark; green opacities are 1 in all.
+    // Green alone. Each layer of a run rounds A, which is nearly 1, by half a unit, and changes the brightness of the
+    // layers behind it by as much; green opacities sum to 1.
     let bound = roundings(&method, 2001) / 4.0 * HALF_ULP;
     let error = apart(&found[1..2], &wanted[1..2]);
     // Stopping where an 8-bit step is saturated loses the last of them: behind T of 1/512 nothing is drawn.

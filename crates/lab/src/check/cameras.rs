@@ -1,4 +1,4 @@
-//! Cameras at their ends: angles, ranges of depth, what lies behind.
+//! Cameras at their limits: angles, ranges of depth, points behind the eye.
 
 use glam::{DVec3, Vec3};
 
@@ -63,7 +63,7 @@ fn looking(eye: DVec3, target: DVec3, degrees: f64, near: f64, far: f64) -> Came
         .unwrap_or_else(|| unreachable!("no view is along the vertical"))
 }
 
-/// Some discs around a place, as they come of a few multiplications, in a box of these half sides.
+/// Discs around a position, spread by a few multiplications, in a box of these half sides.
 fn some(count: u32, middle: DVec3, half: DVec3, radius: f32) -> Vec<Dot> {
     let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 5) % 4096) / 2048.0 - 1.0;
     let of = |i: u32| {
@@ -152,7 +152,7 @@ fn through_the_eye(stage: &mut Stage, method: Method) -> Found {
         ..*dot
     };
     let dots: Vec<Dot> = some(60, DVec3::NEG_Z * 2.0, DVec3::new(1.0, 1.0, 1.0), 0.1).iter().map(tilted).collect();
-    // An outline from the corners of a box, of which some have a negative depth: as if the discs ended before the eye.
+    // The outline from the corners of a box, some with a negative depth: as if the discs ended before the eye.
     let cut = |dot: &Dot| Dot { radius: dot.radius.min(-dot.position.z as f32), ..*dot };
     against_float64(stage, &dots, camera, method, cut)
 }
@@ -210,7 +210,7 @@ fn behind(stage: &mut Stage, method: Method) -> Found {
     let image = stage.image(&dots, camera, [9, 9], method)?;
     let drawn = image.rgba.iter().flatten().map(|c| if *c == 0.0 { 0.0 } else { 1.0 }).fold(0.0, f64::max);
     let deep = if image.depth.iter().all(|z| *z == f32::INFINITY) { 0.0 } else { 1.0 };
-    // Divided by a negative depth they lie in the image, upside down.
+    // Divided by a negative depth they appear in the image, upside down.
     let focal = camera.focal_px(9) as f32;
     let is_inside = |dot: &Dot| {
         let p = dot.position.as_vec3();

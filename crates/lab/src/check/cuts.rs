@@ -40,7 +40,7 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// Discs over an image of 48 × 32 pixels, some of one depth, all of which hold more than a fragment for each pixel.
+/// Discs over an image of 48 × 32 pixels, some at the same depth, in which every pixel holds more than one fragment.
 fn crowd(count: u32, radius: f32) -> Vec<Dot> {
     let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 9) % 4096;
     let of = |i: u32| {
@@ -59,7 +59,8 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
 
 fn budget(stage: &mut Stage, method: Method) -> Found {
     let size = [48, 32];
-    // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
+    // Without lists of fragments fewer things are cut: only the state that tiles of more than 2048 splats pass to their
+    // next run.
     let tiled = method.is_tiled() && !matches!(method, Method::Stochastic(_));
     let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
     let whole = frame(pixels(size), size, method);

@@ -1,4 +1,4 @@
-//! What the methods are made of: prefix sums and radix sorts. Whole numbers, so exactly.
+//! The building blocks of the methods: prefix sums and radix sorts. Integers, so exact.
 
 use super::verdict::Naive::{Computed, Stated};
 use super::verdict::Trouble;
@@ -27,7 +27,7 @@ fn any(n: usize) -> impl Iterator<Item = u32> {
     (0..n as u32).map(|i| i.wrapping_mul(2_654_435_761) ^ (i >> 3).wrapping_mul(2_246_822_519))
 }
 
-/// Prefix sums on the device, and whether it says that they overflow.
+/// Prefix sums on the device, and true if it reports an overflow.
 fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool), Trouble> {
     let (device, n) = (stage.device(), values.len() as u64);
     let input = device.upload("values", values)?;
@@ -69,7 +69,7 @@ fn overflow(stage: &mut Stage) -> Found {
             let mut values = vec![0u32; n];
             (values[0], values[n - 1]) = (first, last);
             error += usize::from(scan(stage, &values)?.1 != beyond);
-            // A sum that wraps is told by nothing if it is looked at alone.
+            // A sum that wraps looks valid on its own.
             let sum = values.iter().fold(0u32, |sum, value| sum.wrapping_add(*value));
             naive += usize::from((u64::from(sum) > u64::from(most)) != beyond);
         }

@@ -59,7 +59,7 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// One point for each 64 pixels of a line of 16384, a little before a border of pixels.
+/// One point for each 64 pixels of a line of 16384, slightly before a border of pixels.
 fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> Found {
     let along = |i: u32| f64::from(64 * i + 63) - 2f64.powi(-14);
     let dot = |i: u32| Dot { position: place(along(i)) - DVec3::Z * 8.0, ..Dot::default() };
@@ -88,8 +88,8 @@ fn one_sphere(stage: &mut Stage, method: Method) -> Found {
     let scene = Scene { camera: &pixels(size), size, points: &points, colors: &[DVec3::ONE], model };
     let wanted = scene.render(|_| Behind::NOTHING).rgba;
     let image = stage.image(&dots, pixels(size), size, method)?;
-    // The quadrature and the distance of the ray, x exp(-x) ≤ 1/e of which are seen; two ends and their roundings for each
-    // shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
+    // The quadrature and the distance of the ray, whose effect is at most x exp(-x) ≤ 1/e; two ends and their roundings
+    // for each shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
     let bound = 1e-5 / E + 24.0 * HALF_ULP * 4.0 + 128.0 * 1e-3 * 1e-6 + 64.0 * 8.0 * HALF_ULP;
     let why = "an invocation that visits all pixels of a sphere ends where a driver allows 65 535 turns of a loop";
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Stated { why } })
@@ -119,8 +119,8 @@ fn one_point(stage: &mut Stage, method: Method) -> Found {
     let deep =
         |depths: &[f32]| depths.iter().zip(&depth).filter(|(z, wanted)| f64::from(**z) != **wanted).count() as f64;
     let error = pixels_apart(&image.rgba, &wanted).max(deep(&image.depth));
-    // A disc of a radius of 0 covers no pixel, not even the one in whose centre it lies: 0 / 0 is not at most 1. The depth of
-    // one that has a radius comes from a buffer between near and far.
+    // A disc of a radius of 0 covers no pixel, not even with its centre in the pixel's: 0 / 0 is not at most 1. The
+    // depth of one with a radius comes from a buffer between near and far.
     let (rgba, z): (Vec<[f32; 4]>, Vec<f32>) = (0..16).map(|i| naive::pixel(&[dot], [i % 4, i / 4])).unzip();
     let z: Vec<f32> = z.iter().map(|z| if z.is_finite() { naive::stored_depth(*z, 0.5, 1e7) } else { *z }).collect();
     let naive = pixels_apart(&rgba, &wanted).max(deep(&z));

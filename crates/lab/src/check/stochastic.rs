@@ -16,7 +16,7 @@ type Found = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [32, 32];
 const PIXELS: f64 = 1024.0;
-/// Standard errors that are allowed: 1 in 150 000 of normally distributed means lies beyond.
+/// The allowed number of standard errors: 1 in 150 000 of normally distributed means lies beyond.
 const ERRORS: f64 = 4.5;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -84,7 +84,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
-/// One pixel of layers on the host, with the random words of another rule for a layer and a stratum.
+/// One pixel of layers on the host, with another rule for the random words of a layer and a stratum.
 fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
     let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
     let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
@@ -156,7 +156,7 @@ fn known_variance(layers: &[(f64, f64)]) -> f64 {
     square - mean * mean
 }
 
-/// What shines through a black layer of an opacity, before white: one number for each pixel.
+/// The light that passes a black layer of an opacity, in front of white: one number for each pixel.
 fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>, Trouble> {
     let found = images(stage, &layers(&[(Vec3::ZERO, opacity), (Vec3::ONE, 1.0)]), method, seeds)?;
     Ok(found.iter().map(|image| image.iter().map(|pixel| f64::from(pixel[0])).collect()).collect())
@@ -164,9 +164,9 @@ fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Re
 
 fn rounding(stage: &mut Stage, method: Method) -> Found {
     let found = mean(&through(stage, method, 0.1, &[0])?[0]);
-    // One sample of four with probability 0.4, none else.
+    // One sample of four with probability 0.4, no others.
     let error = (0.4f64 * 0.6 / 16.0 / PIXELS).sqrt();
-    // Rounded to the nearest number, none ever.
+    // Rounded to the nearest number, it is always 0.
     let naive = 1.0 - (4f32 * 0.1).round() / 4.0;
     Ok(Finding { error: (found - 0.9).abs(), bound: ERRORS * error, naive: Computed(apart(&[naive], &[0.9])) })
 }
@@ -179,7 +179,7 @@ fn through_on_host(samples: u32, words: impl Fn([u32; 2], u32, u32) -> u32) -> V
     (0..1024).map(pixel).collect()
 }
 
-/// One or two samples of four, each as often.
+/// One or two samples of four, equally often.
 const OPACITY: f32 = 0.375;
 
 /// The largest correlation of an image with itself some pixels away, in standard errors.
@@ -235,7 +235,7 @@ mod tests {
         let (found, known) = (variance(&values), known_variance(&channel));
         // The variance of a sample variance is below 2 σ⁴ / n for values that are as bounded as these; 4.5 errors.
         assert!((found / known - 1.0).abs() < ERRORS * (2.0 / f64::from(1 << 16)).sqrt(), "{found}, not {known}");
-        // One layer: 4α is rounded at random, Bernoulli of a quarter of α.
+        // A single layer: 4α is rounded at random, Bernoulli of a quarter of α.
         assert!((known_variance(&[(0.375, 0.0), (1.0, 1.0)]) - 0.25 / 16.0).abs() < 1e-15);
     }
 }

@@ -84,8 +84,8 @@ fn red(_: u32, _: u32) -> Vec3 {
 }
 
 fn holes(stage: &mut Stage) -> Found {
-    // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with it, in
-    // the next iteration, the ends of the sides: what is left of a hole after each is found by hand.
+    // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with
+    // it, in the next iteration, the ends of the sides: the remainder of a hole after each was derived by hand.
     let known = [(1u32, 1u32), (2, 1), (3, 2), (4, 3), (5, 5), (6, 6)];
     let mut error = 0;
     for (side, iterations) in known {
@@ -129,7 +129,8 @@ fn silhouette(stage: &mut Stage) -> Found {
 fn tilted(stage: &mut Stage) -> Found {
     let size = [40, 30];
     let (mut error, mut naive) = (0.0, 0);
-    // Along an axis five neighbors are as far or farther, whatever d̃; between, those of one side are nearer by less than it.
+    // Along an axis five neighbors are as far or farther, for any d̃; between, those of one side are nearer by less
+    // than it.
     for (gx, gy, distance) in [(0.0, 0.0, 0.01), (0.5, 0.0, 0.01), (0.0, -0.5, 0.01), (0.125, 0.25, 0.5)] {
         let depth = |x: u32, y: u32| 50.0 + gx * f64::from(x) + gy * f64::from(y);
         let dots = surface(size, mixed, |x, y| Some(depth(x, y)));
@@ -138,7 +139,7 @@ fn tilted(stage: &mut Stage) -> Found {
         for occlusion in [1, 5] {
             error += bytes_apart(&image(stage, &dots, size, ImageSpace { occlusion, ..filters })?, &plain);
         }
-        // One neighbor that is nearer by d̃ hides a pixel.
+        // One neighbor that is nearer by d̃ occludes a pixel.
         let hidden = |x: u32, y: u32| x > 0 && depth(x - 1, y) <= depth(x, y) - f64::from(distance);
         naive += (0..40 * 30).filter(|i| hidden(i % 40, i / 40)).count();
     }
@@ -151,14 +152,14 @@ fn tiny(stage: &mut Stage) -> Found {
     let sheet = surface(size, mixed, |_, _| Some(4.0));
     let plain = image(stage, &sheet, size, filters)?;
     let left = image(stage, &sheet, size, ImageSpace { occlusion: 3, ..filters })?;
-    // One pixel a unit in the last place behind the others, which all are red.
+    // One pixel a unit in the last place behind the others, which are all red.
     let behind = f64::from(4f32.next_up());
     let dots = surface(size, red, |x, y| Some(if (x, y) == (7, 5) { behind } else { 4.0 }));
     let dots: Vec<Dot> = dots.iter().map(|dot| if dot.position.z == -4.0 { *dot } else { blue(dot) }).collect();
     let replaced = image(stage, &dots, size, ImageSpace { occlusion: 1, ..filters })?;
     let wrong = replaced.rgba.iter().filter(|rgba| **rgba != [1.0, 0.0, 0.0, 1.0]).count();
     let error = bytes_apart(&plain, &left) + wrong as f64;
-    // Not behind 4 - 1e-30, which is 4: the whole sheet is taken for what lies behind it.
+    // Not behind 4 - 1e-30, which is 4: the whole sheet counts as lying behind it.
     let hidden = |dot: &&Dot| (-dot.position.z as f32) <= -dot.position.z as f32 - 1e-30;
     let naive = sheet.iter().filter(hidden).count();
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
@@ -174,7 +175,7 @@ fn huge(stage: &mut Stage) -> Found {
     let dots = surface(size, mixed, |x, y| (x != 3 || y > 4).then_some(if x == 7 { 9e6 } else { 1.0 }));
     let plain = image(stage, &dots, size, filters)?;
     let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
-    // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ no number.
+    // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ is NaN.
     let naive = bytes_of(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
     Ok(Finding { error: bytes_apart(&plain, &filtered), bound: 0.0, naive: Computed(naive) })
 }
@@ -185,8 +186,8 @@ fn thresholds(stage: &mut Stage) -> Found {
     let dots = surface(size, color, |x, _| (x < 6).then_some(if x < 3 { 4.0 } else { 6.0 }));
     let (mut error, mut naive) = (0f64, 0f64);
     let plain = naive::Filtered::new(&image(stage, &dots, size, PLAIN)?);
-    // With d̃ = 2 the step is a quarter of an edge, and the outline, to far at 1e7, all of one. Red and alpha of the row in the
-    // middle: (1 - t/2) own + (t/2) mean; powers of two, exact.
+    // With d̃ = 2 the step is a quarter of an edge, and the outline, to far at 1e7, a full edge. Red and alpha of the
+    // row in the middle: (1 - t/2) own + (t/2) mean; powers of two, exact.
     for (threshold, step) in [(0.0, [0.03125, 0.96875]), (1.0, [0.0, 1.0])] {
         let filters =
             ImageSpace { antialias: true, antialias_threshold: threshold, min_layer_distance: Some(2.0), ..PLAIN };
@@ -255,7 +256,7 @@ fn huge_layers(stage: &mut Stage) -> Found {
     let found = on_a_ray(stage, &dots, Some(3e38), 9)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
     let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
-    // A distance that is cut to the depth of the scene finds what lies at its end.
+    // A distance clamped to the depth of the scene finds the points at its far end.
     let naive = apart(&peel(&dots, 3e38f32.min(9e6 - 1.0), 0.0, 9).0, &wanted);
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
@@ -267,7 +268,7 @@ fn three_planes(stage: &mut Stage) -> Found {
     let found = on_a_ray(stage, &shuffled, Some(0.25), 4)?.image.rgba[0];
     // For each layer: color times alpha, 1 - α, their product and a sum.
     let bound = 4.0 * 3.0 * HALF_ULP;
-    // As they came.
+    // In the order of arrival.
     Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&shuffled), &wanted)) })
 }
 
@@ -310,7 +311,7 @@ fn all_equal(stage: &mut Stage) -> Found {
     let found = on_a_ray(stage, &dots, None, 4)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
     let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
-    // Nothing behind it: the same point in every layer.
+    // Empty behind it: otherwise the same point would be in every layer.
     Ok(Finding { error, bound: 0.0, naive: Computed(apart(&peel(&dots, 0.0, 0.0, 4).0, &wanted)) })
 }
 

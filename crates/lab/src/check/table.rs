@@ -7,11 +7,11 @@ use super::{Case, Finding, Naive, Verdict, released};
 pub struct Group {
     /// The part of the name behind the method's.
     pub case: String,
-    /// What it is about.
+    /// Its description.
     pub about: &'static str,
     /// The methods, in the order of the cases.
     pub methods: Vec<String>,
-    /// Where its cases stand in the list.
+    /// The indices of its cases in the list.
     pub members: Vec<usize>,
 }
 
@@ -70,7 +70,7 @@ fn finding(verdict: &Verdict) -> Option<Finding> {
     }
 }
 
-/// The smallest error that was computed, and what was stated in place of others.
+/// The smallest error that was computed, and the statements in place of others.
 fn naive(found: &[Finding]) -> String {
     let (mut least, mut parts): (Option<f64>, Vec<String>) = (None, Vec::new());
     for finding in found {

@@ -104,8 +104,8 @@ pub(super) fn leftover(stage: &mut Stage, method: Method) -> Found {
     let dots: Vec<Dot> = (0..300).map(blue).chain([red]).collect();
     let (size, method) = ([1, 1], lambda(method, 0.04));
     let naive = naive::Soft::new(0.04).image(&dots, &pixels(size), size);
-    // Where red is alone, its weight cancels. Its own distance from the rim is 1/128 of the radius, so that an error of d
-    // counts 128-fold, to the power 1.5, in an optical depth of 0.2; as its weight among the blue ones it is nothing.
+    // Where red is alone, its weight cancels. Its own distance from the rim is 1/128 of the radius, so that an error of
+    // d counts 128-fold, to the power 1.5, in an optical depth of 0.2; its weight among the blue ones is negligible.
     let own = 1.5 * 128.0 * DISTANCE * 0.2;
     against_float64(
         stage,

@@ -1,4 +1,4 @@
-//! One sphere or one disc: densities, distances of the ray and radii at their ends.
+//! One sphere or one disc: densities, distances of the ray and radii at their limits.
 
 use std::f64::consts::{E, PI};
 
@@ -61,7 +61,8 @@ pub(super) fn grazing(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
-/// A sphere of radius 1, cut by near and a solid point behind it: what is seen of it, and what the naive formula finds.
+/// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
+/// formula.
 fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
     let length = 2f64.powi(-17);
     let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
@@ -84,7 +85,7 @@ fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
     let wanted = opacity(1e5 * density);
     let whole = naive::Soft { limits: [near as f32, (near + length) as f32], ..naive::Soft::new(1e5) };
     let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
-    // Centre and both ends are binary fractions, exact wherever depths are counted from, and so is the segment's length.
+    // Centre and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
     Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
@@ -102,7 +103,7 @@ pub(super) fn no_radius(stage: &mut Stage, method: Method) -> Found {
     let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
     let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
     let wanted: Vec<[f64; 4]> = match method {
-        // A disc covers the pixel of its centre, of which it is the middle, unless it has no radius at all.
+        // A disc covers the pixel of its centre, except with a radius of 0.
         Method::SoftExpress(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
         _ => vec![[0.0; 4]; 3],
     };
@@ -186,7 +187,7 @@ pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
     let plain = match method {
         Method::SoftExpress(_) => peak * ((PI * distance / radius).cos() + 1.0) / 2.0,
         Method::SoftBase(_) => opacity(-(-peak).ln_1p() * chord(radius, distance) / (radius * radius)),
-        // One shell: λ μ' and the chord.
+        // A single shell: λ μ' and the chord.
         _ => {
             let length = 2.0 * ((radius - distance) * (radius + distance)).sqrt();
             opacity(-(-peak).ln_1p() / (2.0 * radius) * (1.0 - distance / radius) * length)
