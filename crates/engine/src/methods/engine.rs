@@ -64,7 +64,7 @@ pub(crate) trait Engine {
     /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
     ///
     /// # Errors
-    /// What the device lacks or has no memory for, however small the window.
+    /// The device lacks a feature or memory, even for the smallest window.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error>;
 
     /// Counts of the window that was rendered last, where the frame asks for them.
@@ -86,7 +86,7 @@ pub(crate) trait Engine {
 pub(crate) struct Channels {
     /// Lengths of lists.
     pub fragments: Fragments,
-    /// Whether it counts layers that were peeled.
+    /// True if it counts peeled layers.
     pub layers: bool,
 }
 

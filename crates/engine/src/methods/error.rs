@@ -199,8 +199,8 @@ fn smaller_image(largest: u32) -> String {
 }
 
 impl Error {
-    /// Whether this is something that one method with its settings can't do here, while another may: not a device that
-    /// failed, nor a frame that none could render.
+    /// True if only this method with its settings fails here, while another may succeed: neither a failed device nor a
+    /// frame that no method could render.
     pub fn is_refusal(&self) -> bool {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {

@@ -84,7 +84,7 @@ impl Frame {
         self.fragments || self.spread || self.max_error.is_some()
     }
 
-    /// Whether list lengths cost passes of their own, because the images of its method need none.
+    /// True if list lengths need passes of their own, because the images of its method don't use them.
     pub fn counts_on_demand(&self) -> bool {
         engine_of(&self.method).channels().fragments == Fragments::Beside
     }
