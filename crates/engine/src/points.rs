@@ -66,8 +66,8 @@ impl Points {
     /// The points at these places, in that order, with radii times a factor.
     pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
         fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-            let of = |place: &u32| column[*place as usize];
-            if column.is_empty() { Vec::new() } else { places.par_iter().map(of).collect() }
+            let value_at = |place: &u32| column[*place as usize];
+            if column.is_empty() { Vec::new() } else { places.par_iter().map(value_at).collect() }
         }
         Self {
             positions: pick(&self.positions, places),

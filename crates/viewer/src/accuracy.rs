@@ -27,7 +27,7 @@ pub enum Standing {
 
 impl Standing {
     /// For a method that is applied to these points.
-    pub fn of(method: &Method, points: &Points) -> Self {
+    pub fn for_method(method: &Method, points: &Points) -> Self {
         let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
         let exact = method.is_exact(oriented && points.normals.is_some());
         match settings::formation(method, points) {
@@ -145,23 +145,26 @@ mod tests {
 
     #[test]
     fn exact_methods_are_told_from_others() {
-        let of = |method| Standing::of(&method, &points(true));
+        let standing_of = |method| Standing::for_method(&method, &points(true));
         let discs = Discs::default();
         let oriented = Discs { shape: DiscShape::Oriented, ..discs };
-        assert_eq!(of(Method::Sorted(discs)), Standing::Exact);
-        assert_eq!(of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
-        assert_eq!(Standing::of(&Method::Sorted(oriented), &points(false)), Standing::Exact);
-        assert_eq!(of(Method::Peel(Default::default())), Standing::Exact);
+        assert_eq!(standing_of(Method::Sorted(discs)), Standing::Exact);
+        assert_eq!(standing_of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
+        assert_eq!(Standing::for_method(&Method::Sorted(oriented), &points(false)), Standing::Exact);
+        assert_eq!(standing_of(Method::Peel(Default::default())), Standing::Exact);
         let cut = Method::Peel(Peel { layers: 3, ..Default::default() });
-        assert_eq!(of(cut), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(cut), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
         let sampled = Method::Stochastic(Stochastic::default());
-        assert_eq!(of(sampled), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(of(Method::SoftBase(Soft::default())), Standing::Exact);
-        assert!(matches!(of(Method::SoftExpress(Soft::default())), Standing::Approximation(Method::SoftBase(_))));
-        assert_eq!(of(Method::Spbr(Spbr::default())), Standing::Sampled);
+        assert_eq!(standing_of(sampled), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(Method::SoftBase(Soft::default())), Standing::Exact);
+        assert!(matches!(
+            standing_of(Method::SoftExpress(Soft::default())),
+            Standing::Approximation(Method::SoftBase(_))
+        ));
+        assert_eq!(standing_of(Method::Spbr(Spbr::default())), Standing::Sampled);
         for own in [Method::Points, Method::Hqs(Default::default()), Method::PeelLayers(PeelLayers::default())] {
-            assert_eq!(of(own), Standing::Own);
+            assert_eq!(standing_of(own), Standing::Own);
         }
     }
 

@@ -319,19 +319,19 @@ mod tests {
     #[test]
     fn black_empty_and_small() {
         let (black, gray) = (vec![[0.0, 0.0, 0.0, 1.0]; 1000], vec![[0.2, 0.2, 0.2, 1.0]; 1000]);
-        let of = |image: &[[f32; 4]], reference: &[[f32; 4]]| factor(image, reference, ColorSpace::Encoded);
-        assert_eq!(of(&black, &black), Brightening { factor: 1.0, window: [0, 0], end: End::Met });
-        assert_eq!(of(&black, &gray), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
-        assert_eq!(of(&[], &gray).end, End::TooDark);
-        assert_eq!(of(&gray, &[]).factor, 1.0);
+        let factor_for = |image: &[[f32; 4]], reference: &[[f32; 4]]| factor(image, reference, ColorSpace::Encoded);
+        assert_eq!(factor_for(&black, &black), Brightening { factor: 1.0, window: [0, 0], end: End::Met });
+        assert_eq!(factor_for(&black, &gray), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
+        assert_eq!(factor_for(&[], &gray).end, End::TooDark);
+        assert_eq!(factor_for(&gray, &[]).factor, 1.0);
         // Objects that cover at most 1% of the picture have no effect.
         let mut small = vec![[0.0; 4]; 1000];
         small[..10].fill([1.0; 4]);
-        assert_eq!(of(&gray, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
+        assert_eq!(factor_for(&gray, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
         small[10] = [1.0; 4];
-        assert_eq!(of(&gray, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
+        assert_eq!(factor_for(&gray, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
         // NaN, and colors beyond 1 that stay.
-        assert_eq!(of(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &gray).factor, 1.0);
+        assert_eq!(factor_for(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &gray).factor, 1.0);
         let mut bright = [[2.0, 0.4, -0.5, 0.5], [0.7, 0.1, 0.0, 1.0]];
         brighten(&mut bright, 2.0);
         assert_eq!(bright, [[2.0, 0.8, -1.0, 0.5], [1.0, 0.2, 0.0, 1.0]]);
@@ -339,13 +339,17 @@ mod tests {
 
     #[test]
     fn metadata_and_warnings() {
-        let of = |window, end| Applied { factor: 2.52, found: Some(Brightening { factor: 2.52, window, end }) };
+        let applied = |window, end| Applied { factor: 2.52, found: Some(Brightening { factor: 2.52, window, end }) };
         let given = Applied { factor: 2.5, found: None };
         assert_eq!(given.json().to_string(), r#"{"p":2.5,"threshold":null,"largest":null}"#);
-        assert_eq!(of([3, 200], End::Met).json().to_string(), r#"{"p":2.52,"threshold":3,"largest":200}"#);
-        assert!([given, of([3, 200], End::Met), of([3, 200], End::JumpedOver)].iter().all(|x| x.warning().is_none()));
-        assert!(of([0, 200], End::Met).warning().unwrap().contains("closer view"));
-        assert!(of([3, 200], End::TooDark).warning().unwrap().contains("no factor up to 1000"));
+        assert_eq!(applied([3, 200], End::Met).json().to_string(), r#"{"p":2.52,"threshold":3,"largest":200}"#);
+        assert!(
+            [given, applied([3, 200], End::Met), applied([3, 200], End::JumpedOver)]
+                .iter()
+                .all(|x| x.warning().is_none())
+        );
+        assert!(applied([0, 200], End::Met).warning().unwrap().contains("closer view"));
+        assert!(applied([3, 200], End::TooDark).warning().unwrap().contains("no factor up to 1000"));
     }
 
     #[test]

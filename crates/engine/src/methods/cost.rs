@@ -55,7 +55,7 @@ pub struct Model {
 
 impl Model {
     /// The model of a device, from the disk or fitted now, which takes seconds.
-    pub fn of(device: &Device, falloff: Falloff) -> Result<Self, Error> {
+    pub fn for_device(device: &Device, falloff: Falloff) -> Result<Self, Error> {
         let info = device.info();
         let identity = format!("{} {} {} {falloff:?} {SAMPLES:?}", env!("CARGO_PKG_VERSION"), info.name, info.driver);
         let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
@@ -72,8 +72,8 @@ impl Model {
 
     /// Predicted milliseconds of `abuffer` and of `sorted`.
     pub fn predict(&self, load: &Load) -> [f64; 2] {
-        let of = |costs: &[Costs; 2]| dot(&costs[usize::from(load.large())], &load.terms());
-        [of(&self.abuffer), of(&self.sorted)]
+        let predicted = |costs: &[Costs; 2]| dot(&costs[usize::from(load.large())], &load.terms());
+        [predicted(&self.abuffer), predicted(&self.sorted)]
     }
 
     fn fit(device: &Device, falloff: Falloff) -> Result<Self, Error> {
@@ -128,7 +128,7 @@ pub fn choose(
         return Ok((Method::ABuffer(discs), format!("{why}; memory does not allow to sort {} splats", cloud.len())));
     }
     let load = renderer.load(cloud, frame, &discs)?;
-    let [abuffer, sorted] = Model::of(&device, discs.falloff)?.predict(&load);
+    let [abuffer, sorted] = Model::for_device(&device, discs.falloff)?.predict(&load);
     let method = if sorted <= abuffer { Method::Sorted(discs) } else { Method::ABuffer(discs) };
     let each = load.area as f64 / load.splats.max(1) as f64;
     let reason = format!(

@@ -33,9 +33,9 @@ pub fn load_clouds(scene: &Scene, progress: &Progress) -> Result<Vec<Cloud>, io:
 pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>, Error> {
     let find = |settings: &CloudSettings| {
         let path = &settings.path;
-        let is = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
+        let is_named = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
         let missing = || Error::Usage(format!("{}: the built-in scene has no such cloud", path.display()));
-        generated.clouds.iter().find(|(name, _)| is(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
+        generated.clouds.iter().find(|(name, _)| is_named(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
     };
     scene.clouds.iter().map(find).collect()
 }
@@ -48,12 +48,12 @@ pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
 
 /// Warnings about data of prepared clouds that the scene can't use, one sentence each.
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
-    let of = |(settings, cloud): (&CloudSettings, &Cloud)| {
+    let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
         notes.into_iter().map(move |note| format!("{path}: {note}"))
     };
-    scene.clouds.iter().zip(clouds).flat_map(of).collect()
+    scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
 }
 
 /// The shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one sentence,

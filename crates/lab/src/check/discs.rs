@@ -52,12 +52,12 @@ pub(super) fn cases() -> Vec<Case> {
 /// Lists around the sizes at which another kernel takes over.
 fn lengths() -> Vec<Case> {
     let about = "a list of so many layers against float64";
-    let of = |n: u32| {
+    let case = |n: u32| {
         let discs = Discs::default();
         let run = move |stage: &mut Stage| layers(stage, Method::ABuffer(discs), n);
         Case { name: format!("abuffer/list-of-{n}"), about, run: Box::new(run) }
     };
-    [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(of).into()
+    [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(case).into()
 }
 
 /// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;

@@ -48,7 +48,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn dots() -> Vec<Dot> {
     let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 7) % 2048;
     let coordinate = |i: u32, factor: u32| f64::from(part(i, factor)) / 1024.0 - 1.0;
-    let of = |i: u32| Dot {
+    let dot = |i: u32| Dot {
         position: DVec3::new(coordinate(i, 2_654_435_761), coordinate(i, 2_246_822_519), coordinate(i, 3_266_489_917)),
         color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
         opacity: 0.1 + 0.1 * (i % 8) as f32,
@@ -56,7 +56,7 @@ fn dots() -> Vec<Dot> {
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
         field: if i.is_multiple_of(3) { 0.0 } else { 1.0 },
     };
-    (1..400).map(of).collect()
+    (1..400).map(dot).collect()
 }
 
 fn camera() -> Camera {

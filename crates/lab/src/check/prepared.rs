@@ -16,7 +16,7 @@ use pellucid_engine::io;
 use pellucid_engine::prepare::{radius, uncertainty};
 use pellucid_engine::scene::{self, Discs, Method, Scene};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -39,7 +39,7 @@ fn scene() -> Result<Scene, Trouble> {
     Ok(Scene::from_toml(text, Path::new("check"))?)
 }
 
-fn all_equal(stage: &mut Stage) -> Found {
+fn all_equal(stage: &mut Stage) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
     let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
@@ -70,7 +70,7 @@ fn middle_in_float32(positions: &[DVec3]) -> f32 {
     2.0 * near.iter().map(|p| p.as_vec3().distance(own)).fold(0.0, f32::max) / 24f32.sqrt()
 }
 
-fn line() -> Found {
+fn line() -> CaseResult {
     let found = radii(&in_a_row());
     let wanted = 2.0 * 12.0 / 16.0 / 24f64.sqrt();
     let error = apart(&found[12..988], &[wanted; 976]);
@@ -82,7 +82,7 @@ fn line() -> Found {
     Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive: Computed(naive) })
 }
 
-fn plane() -> Found {
+fn plane() -> CaseResult {
     // So far from the origin that a covariance, computed as the mean of products minus the product of means, has no
     // digit left in float64.
     let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
@@ -99,7 +99,7 @@ fn plane() -> Found {
     Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
-fn georeferenced() -> Found {
+fn georeferenced() -> CaseResult {
     let here = radii(&in_a_row());
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     // Along y, where float32 knows halves.
@@ -110,7 +110,7 @@ fn georeferenced() -> Found {
     Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
-fn scale() -> Found {
+fn scale() -> CaseResult {
     let here = radii(&in_a_row());
     let large: Vec<DVec3> = in_a_row().iter().map(|p| *p * 1000.0).collect();
     let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r) * 1000.0).collect();
@@ -146,7 +146,7 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 
-fn not_finite(stage: &mut Stage) -> Found {
+fn not_finite(stage: &mut Stage) -> CaseResult {
     let odd = [
         "nan -0.5 -8 1 1 1 1 0 0 1 0.5",
         "0.5 inf -8 1 1 1 1 0 0 1 0.5",

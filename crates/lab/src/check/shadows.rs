@@ -15,7 +15,7 @@ use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const DOWN: Light = Light::Direction(DVec3::NEG_Z);
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
@@ -64,7 +64,7 @@ fn sheet(columns: std::ops::Range<i32>, rows: std::ops::Range<i32>, depth: f64, 
     rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(point).collect()
 }
 
-fn slanted(stage: &mut Stage) -> Found {
+fn slanted(stage: &mut Stage) -> CaseResult {
     let resolution = 16;
     let across = 1.5 * 48f64.hypot(40.0) / f64::from(resolution - 2);
     // Over a pixel of the light, from corner to corner, depths of a plane differ by tan θ of its width, and the filter
@@ -92,7 +92,7 @@ fn hit(camera: &Camera, resolution: u32, positions: &[DVec3]) -> Vec<[u32; 2]> {
     positions.iter().map(pixel).collect()
 }
 
-fn behind(stage: &mut Stage) -> Found {
+fn behind(stage: &mut Stage) -> CaseResult {
     let resolution = 44;
     // Pixels of the light are 32 / 42 units wide: two adjacent columns or rows of them are never free. The lid extends
     // beyond the floor, so that its border covers none of it.
@@ -114,7 +114,7 @@ fn behind(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn half_a_disc(stage: &mut Stage) -> Found {
+fn half_a_disc(stage: &mut Stage) -> CaseResult {
     let (samples, seeds, resolution, radius) = (100u32, 8, 512, 10.0f64);
     // Right below the border of what covers the left half, at x = 32.
     let below = Dot { position: DVec3::new(32.0, -4.5, -FLOOR), ..Dot::default() };
@@ -159,7 +159,7 @@ fn sphere(radius: f64, count: u32) -> impl Iterator<Item = Dot> {
     })
 }
 
-fn inside(stage: &mut Stage) -> Found {
+fn inside(stage: &mut Stage) -> CaseResult {
     let points = cloud(&sphere(10.0, 20_000).chain(sphere(20.0, 5000)).collect::<Vec<_>>());
     let lamp = DVec3::new(0.3, -0.2, 0.1);
     let found = shares(stage, &points, &lit_frame(Light::Position(lamp), hard(16, 3.0), 0))?;
@@ -177,15 +177,15 @@ fn inside(stage: &mut Stage) -> Found {
 /// Points on a grid of 1/1024 in a cube of side 2.
 fn on_a_grid() -> Vec<Dot> {
     let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 2048) / 1024.0 - 1.0;
-    let of = |i: u32| Dot {
+    let dot = |i: u32| Dot {
         position: DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917)),
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
         ..Dot::default()
     };
-    (1..2000).map(of).collect()
+    (1..2000).map(dot).collect()
 }
 
-fn georeferenced(stage: &mut Stage) -> Found {
+fn georeferenced(stage: &mut Stage) -> CaseResult {
     // Differences of depths on the grid are no d̃ of this kind, so that no roundings decide.
     let shadows = hard(77, 0.097_31);
     let dots = on_a_grid();
@@ -210,7 +210,7 @@ fn georeferenced(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn along(stage: &mut Stage) -> Found {
+fn along(stage: &mut Stage) -> CaseResult {
     // Each row is a pixel of the light, with the first point's depth. |n·f| is 0 and counts as 0.1: 5.2 units are lit.
     let points = cloud(&sheet(0..48, 0..40, 400.0, 0.0, Vec3::Z));
     let light = Light::Direction(DVec3::X);
@@ -224,7 +224,7 @@ fn along(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn one_pixel(stage: &mut Stage) -> Found {
+fn one_pixel(stage: &mut Stage) -> CaseResult {
     let lid = Dot { position: at(5, 5, LID), ..Dot::default() };
     let floor = sheet(0..16, 0..16, FLOOR, 0.0, Vec3::ZERO);
     let points = cloud(&[vec![lid], floor.clone()].concat());
@@ -236,7 +236,7 @@ fn one_pixel(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
-fn all_equal(stage: &mut Stage) -> Found {
+fn all_equal(stage: &mut Stage) -> CaseResult {
     let place = at(3, 4, 5.0);
     let (mut error, mut naive) = (0.0, 0);
     for count in [1, 500] {

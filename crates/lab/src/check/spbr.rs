@@ -16,7 +16,7 @@ use pellucid_engine::random::threefry2x32;
 use pellucid_engine::reference::spbr::slanted;
 use pellucid_engine::scene::{Method, Spbr, SpbrSimplified};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;
@@ -132,7 +132,7 @@ fn density(alpha: f64, k: f64) -> f64 {
     f64::from(ENSEMBLES) * -(-alpha).ln_1p() / k
 }
 
-fn white_plane(stage: &mut Stage, k: f64) -> Found {
+fn white_plane(stage: &mut Stage, k: f64) -> CaseResult {
     let list = dealt(vec![plane(10 + k as u64, density(0.5, k), 0.0, 10.0, 0.5)]);
     let found = alphas(stage, &list, Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() }))?;
     let naive = if k > 1.0 {
@@ -145,7 +145,7 @@ fn white_plane(stage: &mut Stage, k: f64) -> Found {
     Ok(mean_alpha(&found, 0.5, k, naive))
 }
 
-fn tilted(stage: &mut Stage, method: Method) -> Found {
+fn tilted(stage: &mut Stage, method: Method) -> CaseResult {
     let list = dealt(vec![plane(2, density(0.3, 0.5), 60.0, 200.0, 0.3)]);
     let both = [slanted(0.3, 0.5), 0.3];
     let [wanted, naive] = match method {
@@ -155,7 +155,7 @@ fn tilted(stage: &mut Stage, method: Method) -> Found {
     Ok(mean_alpha(&alphas(stage, &list, method)?, wanted, 0.5, naive))
 }
 
-fn two_planes(stage: &mut Stage, method: Method) -> Found {
+fn two_planes(stage: &mut Stage, method: Method) -> CaseResult {
     let front = plane(3, density(0.4, 0.5), 0.0, 10.0, 0.4);
     let back = plane(4, density(0.7, 0.5), 0.0, 20.0, 0.7);
     let found = alphas(stage, &dealt(vec![back, front]), method)?;
@@ -163,7 +163,7 @@ fn two_planes(stage: &mut Stage, method: Method) -> Found {
     Ok(mean_alpha(&found, 0.4 + 0.6 * 0.7, 0.5, f64::from((0.4f32 + 0.7).min(1.0))))
 }
 
-fn independent(stage: &mut Stage, method: Method) -> Found {
+fn independent(stage: &mut Stage, method: Method) -> CaseResult {
     let list = dealt(vec![plane(5, density(0.5, 1.0), 0.0, 10.0, 0.5)]);
     let found = variance(&alphas(stage, &list, method)?);
     let wanted = 0.5 * 0.5 / f64::from(ENSEMBLES);
@@ -187,7 +187,7 @@ fn grid(opacity: f32) -> Dealt {
     dealt(vec![(points, 1.0)])
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> Found {
+fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for opacity in [0.0, 1.0] {
         let found = alphas(stage, &grid(opacity), method)?;
@@ -201,7 +201,7 @@ fn extremes(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn once(stage: &mut Stage, method: Method) -> Found {
+fn once(stage: &mut Stage, method: Method) -> CaseResult {
     let found = alphas(stage, &grid(1.0), method)?;
     let apart = |alpha: &f64| (alpha - 1.0 / 7.0).abs();
     // Each point in each image with probability 1/7.

@@ -132,9 +132,9 @@ mod tests {
 
     #[test]
     fn a_group_shows_its_least_naive_error_and_each_statement_once() {
-        let of = |naive| Finding { error: 0.0, bound: 0.0, naive };
-        let stated = of(Naive::Stated { why: "it is lost" });
-        let all = [of(Naive::Computed(2.0)), stated, of(Naive::Computed(0.25)), stated];
+        let finding = |naive| Finding { error: 0.0, bound: 0.0, naive };
+        let stated = finding(Naive::Stated { why: "it is lost" });
+        let all = [finding(Naive::Computed(2.0)), stated, finding(Naive::Computed(0.25)), stated];
         assert_eq!(naive(&all), "0.25; stated: it is lost");
     }
 }

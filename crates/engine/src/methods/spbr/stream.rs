@@ -41,7 +41,7 @@ pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
 
 /// Consecutive points, and where the first one is among those on the device.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Held {
+struct Resident {
     points: Range<u64>,
     place: u64,
 }
@@ -52,9 +52,9 @@ struct Shelf {
     /// The number of points that fit.
     capacity: u64,
     /// Ranges of points, one behind the other.
-    held: Vec<Held>,
+    resident: Vec<Resident>,
     /// Ranges added since [`Self::begin`].
-    fresh: Vec<Held>,
+    fresh: Vec<Resident>,
 }
 
 impl Shelf {
@@ -64,8 +64,8 @@ impl Shelf {
 
     /// The place of a range's first point, if the whole range is present.
     fn place(&self, points: &Range<u64>) -> Option<u64> {
-        let around = |held: &&Held| held.points.start <= points.start && points.end <= held.points.end;
-        self.held.iter().rev().find(around).map(|held| held.place + (points.start - held.points.start))
+        let around = |resident: &&Resident| resident.points.start <= points.start && points.end <= resident.points.end;
+        self.resident.iter().rev().find(around).map(|resident| resident.place + (points.start - resident.points.start))
     }
 
     /// Begins with these points: earlier ones are dropped if there is no room beside them.
@@ -74,7 +74,7 @@ impl Shelf {
         if self.admit(points) {
             return true;
         }
-        self.held.clear();
+        self.resident.clear();
         self.admit(points)
     }
 
@@ -83,8 +83,8 @@ impl Shelf {
         if self.place(points).is_some() {
             return true;
         }
-        let end = self.held.last().map_or(0, |last| last.place + (last.points.end - last.points.start));
-        if let Some(last) = self.held.last_mut()
+        let end = self.resident.last().map_or(0, |last| last.place + (last.points.end - last.points.start));
+        if let Some(last) = self.resident.last_mut()
             && (last.points.start..=last.points.end).contains(&points.start)
         {
             let more = last.points.end..points.end;
@@ -92,16 +92,16 @@ impl Shelf {
                 return false;
             }
             last.points.end = points.end;
-            self.fresh.push(Held { points: more, place: end });
+            self.fresh.push(Resident { points: more, place: end });
             return true;
         }
         let place = end.next_multiple_of(ALIGNED);
         if place + (points.end - points.start) > self.capacity {
             return false;
         }
-        let held = Held { points: points.clone(), place };
-        self.fresh.push(held.clone());
-        self.held.push(held);
+        let resident = Resident { points: points.clone(), place };
+        self.fresh.push(resident.clone());
+        self.resident.push(resident);
         true
     }
 }
@@ -160,9 +160,9 @@ impl Stream {
     /// Packs what is new, for [`Self::record`].
     pub fn pack(&mut self, cloud: &DeviceCloud) {
         self.packed.clear();
-        for held in &self.shelf.fresh {
+        for resident in &self.shelf.fresh {
             for column in cloud.columns() {
-                cloud.pack(*column, held.points.clone(), &mut self.packed);
+                cloud.pack(*column, resident.points.clone(), &mut self.packed);
             }
         }
         self.staging.get_mut().write(&self.packed);
@@ -172,7 +172,7 @@ impl Stream {
     /// Records the copies of what is new.
     pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         let mut from = 0;
-        for Held { points, place } in &self.shelf.fresh {
+        for Resident { points, place } in &self.shelf.fresh {
             let count = points.end - points.start;
             for column in 0..self.columns {
                 let to = self.window.get().slice(column * self.shelf.capacity + place, count);

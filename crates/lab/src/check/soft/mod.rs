@@ -15,7 +15,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const ULP: f64 = 2.0 * HALF_ULP;
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
@@ -146,7 +146,7 @@ fn against_float64(
     method: Method,
     bound: f64,
     naive: &[[f32; 4]],
-) -> Found {
+) -> CaseResult {
     let wanted = truth(dots, &camera, size, method);
     let image = stage.image(dots, camera, size, method)?;
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(naive, &wanted)) })
