@@ -236,7 +236,7 @@ fn create_device(
     info: &DeviceInfo,
     robust: bool,
 ) -> Result<ash::Device, Error> {
-    let mut robustness = if robust { Robustness::of(instance, physical) } else { Robustness::default() };
+    let mut robustness = if robust { Robustness::query(instance, physical) } else { Robustness::default() };
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
     let core = vk::PhysicalDeviceFeatures::default()
@@ -280,7 +280,7 @@ struct Robustness {
 }
 
 impl Robustness {
-    fn of(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
+    fn query(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
         let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
         let mut second = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
         // SAFETY: plain queries on a live instance; a struct is only asked for where its extension is present.

@@ -111,9 +111,9 @@ pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>),
     Ok((found.into_iter().map(|(info, _)| info).collect(), taken))
 }
 
-type Found = (DeviceInfo, vk::PhysicalDevice);
+type Candidate = (DeviceInfo, vk::PhysicalDevice);
 
-fn enumerate(instance: &Instance) -> Result<Vec<Found>, Error> {
+fn enumerate(instance: &Instance) -> Result<Vec<Candidate>, Error> {
     // SAFETY: a plain query on a live instance.
     let physical =
         unsafe { instance.raw.enumerate_physical_devices() }.map_err(Error::call("vkEnumeratePhysicalDevices"))?;
@@ -121,7 +121,7 @@ fn enumerate(instance: &Instance) -> Result<Vec<Found>, Error> {
 }
 
 /// Discrete before integrated before virtual before CPU; the first of equals.
-fn best(found: &[Found]) -> Option<&Found> {
+fn best(found: &[Candidate]) -> Option<&Candidate> {
     found.iter().filter(|(info, _)| info.lacks.is_empty()).min_by_key(|(info, _)| (info.rank, info.index))
 }
 
@@ -371,7 +371,7 @@ impl ValidationLog {
     }
 }
 
-fn named<'a>(found: &'a [Found], wanted: &str) -> Result<&'a Found, Error> {
+fn named<'a>(found: &'a [Candidate], wanted: &str) -> Result<&'a Candidate, Error> {
     let lower = wanted.to_lowercase();
     let by_index = wanted.parse::<usize>().ok().and_then(|i| found.get(i));
     by_index.or_else(|| found.iter().find(|(info, _)| info.name.to_lowercase().contains(&lower))).ok_or_else(|| {

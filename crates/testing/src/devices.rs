@@ -46,8 +46,8 @@ fn use_new(test: impl FnOnce(&Device)) {
     assert_clean(&device);
 }
 
-/// Whether there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. Without one the test is
-/// skipped.
+/// True if a device with validation exists: the one that `PELLUCID_TEST_DEVICE` names, or the best. Without one the
+/// test is skipped.
 #[track_caller]
 pub fn has_device() -> bool {
     static FOUND: OnceLock<Result<(), String>> = OnceLock::new();

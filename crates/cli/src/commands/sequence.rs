@@ -204,7 +204,7 @@ fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, sessio
     let info = session.device.info();
     let metadata = resolved.metadata(session.frame.method.name(), &info.name);
     let written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
-    let whole = identity::of(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
+    let whole = identity::hash(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
     let count = cameras.len();
     let one = |(number, camera): (usize, &Camera)| {
         // Debug output of floats is exact.

@@ -28,7 +28,7 @@ fn shoot(display: &Display, window: &mut Window, folder: &Path) -> Vec<u8> {
     std::fs::read(folder.join(format!("{name}.png"))).unwrap()
 }
 
-/// What a dialog is told, key by key, as fast as a hand.
+/// Types into a dialog, key by key, as fast as a hand.
 fn choose(display: &Display, told: &[&str]) {
     for told in told.iter().chain(&["key Return"]) {
         std::thread::sleep(Duration::from_millis(400));

@@ -1,4 +1,4 @@
-//! What a scene file holds, with every default applied and every range checked.
+//! The content of a scene file, with every default applied and every range checked.
 
 mod camera;
 mod cloud;
@@ -42,17 +42,17 @@ pub struct Scene {
     pub method: MethodChoice,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
     pub shadows: Option<Shadows>,
-    /// What was given but has no effect, one sentence each.
+    /// Warnings about keys without effect, one sentence each.
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
     pub settings: String,
 }
 
-/// How far the fragments of an opaque splat move toward the viewer, in drawn radii, at the distance ρ from its centre, in
-/// radii (Schütz and Wimmer 2015).
+/// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
+/// centre, in radii (Schütz and Wimmer 2015).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relief {
-    /// Not at all.
+    /// No displacement.
     #[default]
     Flat = 0,
     /// 1 − ρ².
@@ -64,7 +64,7 @@ pub enum Relief {
 }
 
 impl Method {
-    /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
+    /// The methods that blend discs and compute the same image, each with its defaults; `stress` compares them.
     pub fn transparent() -> Vec<Self> {
         Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
     }
@@ -82,7 +82,7 @@ impl Method {
         }
     }
 
-    /// The splats of which the nearest one wins on each pixel; `None` for other methods.
+    /// The splats where only the nearest one counts on each pixel; `None` for other methods.
     pub fn nearest_splats(&self) -> Option<&ScreenSplats> {
         match self {
             Self::Squares(splats)
@@ -94,13 +94,13 @@ impl Method {
         }
     }
 
-    /// Who shall visit the pixels of its splats.
+    /// The requested raster path of its splats.
     pub fn raster(&self) -> Raster {
         let nearest = self.nearest_splats().map(|splats| splats.raster);
         nearest.or(self.discs().map(|discs| discs.raster)).unwrap_or_default()
     }
 
-    /// How far its fragments move toward the viewer.
+    /// The displacement of its fragments toward the viewer.
     pub fn relief(&self) -> Relief {
         match self {
             Self::Paraboloid(_) => Relief::Paraboloid,
@@ -110,7 +110,7 @@ impl Method {
         }
     }
 
-    /// Whether it goes through tiles of splats, and needs no lists of fragments.
+    /// True if it works on tiles of splats, and needs no lists of fragments.
     pub fn is_tiled(&self) -> bool {
         self.discs().is_some() && self.lists().is_none() && !matches!(self, Self::Peel(_))
     }
@@ -120,7 +120,7 @@ impl Method {
         self.part()
     }
 
-    /// The field above which points are soft, if the method tells them from solid ones.
+    /// The field above which points are soft, if the method distinguishes them from solid ones.
     pub fn threshold(&self) -> Option<f32> {
         match self {
             Self::OneLayer(settings) => Some(settings.threshold),
@@ -128,12 +128,12 @@ impl Method {
         }
     }
 
-    /// Whether the image depends on the points' scalar field.
+    /// True if the image depends on the points' scalar field.
     pub fn needs_field(&self) -> bool {
         self.threshold().is_some()
     }
 
-    /// Whether the image depends on the points' radii, so that missing ones must be estimated.
+    /// True if the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
         !matches!(self, Self::Points | Self::ImageSpace(_) | Self::PeelLayers(_)) && !self.is_dealt()
     }
@@ -143,12 +143,12 @@ impl Method {
         self.part()
     }
 
-    /// Whether `[shadows]` applies to it.
+    /// True if `[shadows]` applies to it.
     pub fn takes_shadows(&self) -> bool {
         matches!(self.family(), Family::Opaque | Family::Surfaces)
     }
 
-    /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
+    /// True if it needs points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
     pub fn is_dealt(&self) -> bool {
         self.ensembles().is_some()
     }

@@ -464,8 +464,8 @@ fn a_declaration_that_differs_from_its_shader_is_refused() {
     }
 }
 
-/// What every driver computes in its own way, or in an order of its own, is written out in shared/elementary.wgsl. A sum of two
-/// products has no order, so that `dot` of two components may stay.
+/// Operations that drivers compute differently, or in another order, are written out in shared/elementary.wgsl. A sum
+/// of two products has only one order, so `dot` of two components is allowed.
 #[test]
 fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
     const OWN: &[&str] = &[

@@ -1,4 +1,4 @@
-//! What needs no device: files, scenes, points, camera paths, images and the float64 references.
+//! Tests without a device: files, scenes, points, camera paths, images and the float64 references.
 
 mod camera_paths;
 mod ensembles;

@@ -12,7 +12,7 @@ fn run(device: &pellucid_engine::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
     cases.iter().map(|case| case.run(&mut stage)).collect()
 }
 
-/// What is wrong on any device.
+/// Failures on any device.
 fn wrong(results: &[(&Case, Verdict)]) -> Vec<String> {
     let mut wrong = Vec::new();
     for (case, verdict) in results {
@@ -28,7 +28,7 @@ fn wrong(results: &[(&Case, Verdict)]) -> Vec<String> {
     wrong
 }
 
-/// What is wrong on the device of the release.
+/// Regressions on the device of the release.
 fn worse(results: &[(&Case, Verdict)]) -> Vec<String> {
     let mut worse = Vec::new();
     for (case, verdict) in results {

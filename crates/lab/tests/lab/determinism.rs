@@ -44,7 +44,7 @@ fn known(device: &Device) -> Vec<Known> {
     found
 }
 
-/// What differed, a line each.
+/// The differences, one per line.
 #[derive(Default)]
 struct Wrong(Vec<String>);
 
@@ -215,8 +215,8 @@ fn otherwise(device: &Device, all: &[Known], wrong: &mut Wrong) {
     }
 }
 
-/// What `auto` finds cheaper on a device depends on times. Which it takes does not show but in tiles with long lists: those
-/// are composed in runs of 256 by one, in runs over a tile's splats by the other: another order of the same roundings.
+/// The choice of `auto` on a device depends on times. It must not show, except in tiles with long lists: one method
+/// composes those in runs of 256, the other in runs over a tile's splats, which is another order of the same roundings.
 #[test]
 fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
     with_device(|device| {

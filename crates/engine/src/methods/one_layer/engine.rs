@@ -14,7 +14,7 @@ use crate::scene::OneLayer;
 
 /// The nearest soft points as a transparent layer over everything else.
 pub(crate) struct OneLayerEngine {
-    /// What is soft, and how opaque the layer is.
+    /// The threshold of soft points, and the opacity of the layer.
     pub settings: OneLayer,
 }
 
@@ -27,8 +27,8 @@ impl Engine for OneLayerEngine {
         Channels::NONE
     }
 
-    /// Soft points into the layer; then all, but soft ones only behind it, which is laid over them. Where there is no layer, the
-    /// solid points.
+    /// Draws soft points into the layer, then all points, soft ones only behind the layer, and lays the layer over
+    /// them. Without a layer it draws the solid points.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let OneLayer { threshold, softness } = self.settings;
         let mut met = Vec::new();
@@ -69,7 +69,7 @@ impl Engine for OneLayerEngine {
         Ok(Counts::default())
     }
 
-    /// How many splats are solid is not known.
+    /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         pass.projected(false)
     }

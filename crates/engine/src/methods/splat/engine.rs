@@ -1,4 +1,4 @@
-//! The engine of opaque splats of which the nearest wins.
+//! The engine of opaque splats where only the nearest one counts.
 
 use super::PIXEL_BYTES;
 use crate::methods::bytes::PassRuns;
@@ -12,7 +12,7 @@ use crate::passes::project::{DeviceCloud, Footprint, Part};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Interpolated, Relief, ScreenSplats};
 
-/// Opaque splats of which the nearest wins.
+/// Opaque splats where only the nearest one counts.
 pub(crate) struct NearestEngine {
     /// Size, clamp and rasteriser.
     pub splats: ScreenSplats,
@@ -23,7 +23,7 @@ pub(crate) struct NearestEngine {
 }
 
 impl NearestEngine {
-    /// Of splats with an outline.
+    /// For splats with an outline.
     pub fn outlined(Interpolated { splats, shape }: Interpolated, relief: Relief) -> Self {
         Self { splats, footprint: outlined(shape), relief }
     }
@@ -85,7 +85,7 @@ impl Engine for NearestEngine {
 /// The passes that find the nearest splats, by 64-bit atomics and without.
 const NEAREST: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
 
-/// Counters that most methods clear, and what the projection finds.
+/// Counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
     PassGroup::new(&COUNTERS, Absent::Always("ensembles have counters of their own"))
 }
@@ -95,7 +95,7 @@ pub(crate) fn tile_group() -> PassGroup {
     PassGroup::new(&TILES, Absent::Always("no stage visits pixels splat by splat"))
 }
 
-/// The passes of opaque splats of which the nearest wins.
+/// The passes of opaque splats where only the nearest one counts.
 pub(crate) fn pass_group() -> PassGroup {
     let names = NEAREST.into_iter().chain(["splat/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no opaque splats") }

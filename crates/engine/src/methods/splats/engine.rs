@@ -63,24 +63,24 @@ impl Engine for SplatsEngine {
 
 /// Splats that are drawn in three passes.
 pub(crate) struct Drawing<'a> {
-    /// What their projection found, chunk by chunk.
+    /// The results of their projection, by chunk.
     pub stats: &'a [Stats],
     /// Which pixels a splat covers.
     pub footprint: Footprint,
-    /// What lies up to so many radii behind the nearest is blended with it.
+    /// Fragments up to this many radii behind the nearest are blended with it.
     pub blend_depth: f32,
     /// Bytes per pixel that are in use meanwhile.
     pub used_bytes: u64,
-    /// What they are drawn into.
+    /// Their destination.
     pub onto: Onto,
 }
 
-/// What three-pass splats are drawn into.
+/// The destination of three-pass splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Onto {
     /// The target.
     Target,
-    /// The target; only what is solid or lies behind the layer.
+    /// The target; only solid fragments, and those behind the layer.
     TargetBehindLayer,
     /// The layer.
     Layer,
@@ -111,7 +111,7 @@ pub(crate) fn draw(
     splatter.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
 }
 
-/// How a part of a cloud's points becomes splats that are drawn in three passes: as those of `splats`, with its defaults.
+/// The conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its defaults.
 pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
     frame.projecting(cloud, Footprint::Oriented, ScreenSplats::default(), part)
 }

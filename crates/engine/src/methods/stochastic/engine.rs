@@ -139,7 +139,7 @@ fn correction(settings: &Stochastic) -> &'static str {
     if settings.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" }
 }
 
-/// Splats in tiles, and what goes through them for each few strata of samples.
+/// Splats in tiles, and the passes over them for each few strata of samples.
 fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
     let (why, alpha) = (plan.why, correction(settings));
     let counters = if plan.seen() { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
