@@ -14,7 +14,7 @@ use pellucid_engine::scene::{
 };
 use pellucid_engine::{Result, output};
 
-use super::talk::Talk;
+use super::console::Console;
 
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
@@ -155,7 +155,7 @@ impl Resolved {
         self.arranged.points()
     }
 
-    /// What the clouds of [`Arranged::surfaces`] are called. Clouds without points are not among them.
+    /// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
     pub fn cloud_names(&self) -> Vec<String> {
         let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
         if clouds.len() == count {
@@ -165,14 +165,14 @@ impl Resolved {
         }
     }
 
-    /// The metadata of an image. `method` and `device` are what was taken in the end.
+    /// The metadata of an image. `method` and `device` are those finally used.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         output::tags(&self.name, method, &self.scene.settings, device, self.seed)
     }
 }
 
 impl InputArgs {
-    /// The method that was asked for by `--method`; `auto` asks for none.
+    /// The method requested by `--method`; `None` for `auto`.
     pub fn asked_method(&self) -> Option<&str> {
         self.method.as_deref().filter(|name| *name != "auto")
     }
@@ -182,12 +182,12 @@ impl InputArgs {
         self.named(".png")
     }
 
-    /// As [`InputArgs::default_output`], for the steps of a time series.
+    /// Like [`InputArgs::default_output`], for the steps of a time series.
     pub fn default_steps(&self) -> PathBuf {
         self.named("_%02d.png")
     }
 
-    /// As [`InputArgs::default_output`], for the frames of a camera path.
+    /// Like [`InputArgs::default_output`], for the frames of a camera path.
     pub fn default_frames(&self) -> PathBuf {
         self.named("_%04d.png")
     }
@@ -216,7 +216,7 @@ impl InputArgs {
             overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
         }
         if let Some(background) = &self.background {
-            // Spelled anew, since TOML does not know .5.
+            // Reformat the number, because TOML rejects a form like .5.
             let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
             let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
             overrides.set(format!("--background {background}"), "image.background", &array)?;
@@ -242,8 +242,8 @@ impl InputArgs {
 }
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
-pub fn prepare(args: &InputArgs, talk: Talk, progress: &Bar) -> Result<Resolved> {
-    read(args, None, talk, progress)?.resolve(None, talk, progress)
+pub fn prepare(args: &InputArgs, console: Console, progress: &Bar) -> Result<Resolved> {
+    read(args, None, console, progress)?.resolve(None, console, progress)
 }
 
 /// A scene and its clouds as they were read.
@@ -251,13 +251,13 @@ pub fn prepare(args: &InputArgs, talk: Talk, progress: &Bar) -> Result<Resolved>
 pub struct Loaded {
     name: String,
     scene: Scene,
-    /// Those of the scene, in its order.
+    /// The clouds of the scene, in its order.
     clouds: Vec<Cloud>,
     seed: u64,
 }
 
 impl Loaded {
-    /// How many clouds there are.
+    /// The number of clouds.
     pub fn count(&self) -> usize {
         self.clouds.len()
     }
@@ -271,66 +271,66 @@ impl Loaded {
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
-    pub fn resolve_with_radii(mut self, talk: Talk, progress: &Bar) -> Result<Resolved> {
+    pub fn resolve_with_radii(mut self, console: Console, progress: &Bar) -> Result<Resolved> {
         let method = self.scene.method;
         if matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
             // Like these two it wants the points in canonical order, and nothing else of them.
             self.scene.method = Method::Circles(ScreenSplats::default()).into();
         }
-        let mut resolved = self.resolve(None, talk, progress)?;
+        let mut resolved = self.resolve(None, console, progress)?;
         resolved.scene.method = method;
         Ok(resolved)
     }
 
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
-    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &Bar) -> Result<Resolved> {
+    pub fn resolve(self, given: Option<Camera>, console: Console, progress: &Bar) -> Result<Resolved> {
         let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
             Some(camera) => Ok((camera, Vec::new())),
             None => Ok(scene::camera(scene, points, up)?),
         };
-        self.resolve_by(find, talk, progress)
+        self.resolve_by(find, console, progress)
     }
 
     /// Makes points of the clouds, and has the camera found for these and the clouds' vertical; warnings go to standard error.
     pub fn resolve_by(
         self,
         find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
-        talk: Talk,
+        console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
-        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
-        note.iter().for_each(|note| talk.note(note));
+        note.iter().for_each(|note| console.note(note));
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
-        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
         for warning in scene.warnings.iter().chain(&warnings) {
-            talk.warn(warning);
+            console.warn(warning);
         }
         Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
     }
 }
 
-/// Reads the inputs and applies the options; `size` is that of the image where no option says.
-pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &Bar) -> Result<Loaded> {
+/// Reads the inputs and applies the options. `size` is the image size for when no option gives one.
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress: &Bar) -> Result<Loaded> {
     let overrides = args.overrides(size)?;
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
     scene.camera.view = args.view();
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
-        report_cloud(&settings.path, cloud, talk);
+        report_cloud(&settings.path, cloud, console);
     }
     Ok(Loaded { name, scene, clouds, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.
-pub fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
+pub fn report_cloud(path: &Path, cloud: &Cloud, console: Console) {
     let path = path.display();
-    talk.detail(format_args!("{path}: {} points", cloud.len()));
+    console.detail(format_args!("{path}: {} points", cloud.len()));
     if cloud.non_finite > 0 {
-        talk.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+        console.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
-    cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{path}: {warning}")));
+    cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{path}: {warning}")));
 }

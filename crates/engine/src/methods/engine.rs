@@ -85,16 +85,29 @@ pub(crate) trait Engine {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Channels {
     /// Lengths of lists.
-    pub fragments: bool,
-    /// Layers that were peeled.
+    pub fragments: Fragments,
+    /// Whether it counts layers that were peeled.
     pub layers: bool,
+}
+
+/// How an engine knows the lengths of a pixel's lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fragments {
+    /// Not at all.
+    Never,
+    /// By passes of their own, where a frame asks for them: images need none.
+    Beside,
+    /// By the passes that render.
+    Within,
 }
 
 impl Channels {
     /// Nothing.
-    pub const NONE: Self = Self { fragments: false, layers: false };
-    /// Lengths of lists alone.
-    pub const FRAGMENTS: Self = Self { fragments: true, layers: false };
+    pub const NONE: Self = Self { fragments: Fragments::Never, layers: false };
+    /// Lengths of lists alone, by the passes that render.
+    pub const LISTS_WITHIN: Self = Self { fragments: Fragments::Within, layers: false };
+    /// Lengths of lists alone, by passes of their own.
+    pub const LISTS_BESIDE: Self = Self { fragments: Fragments::Beside, layers: false };
 }
 
 /// What was counted for each pixel of a window, in its order; `None` for what was not.

@@ -1,6 +1,7 @@
 //! A frame: camera, size, method and what else decides an image of an uploaded cloud.
 
-use super::{Error, Stop};
+use super::engine::Fragments;
+use super::{Error, Stop, engine_of};
 use crate::camera::Camera;
 use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Method, Scene, Shading, Shadows};
@@ -80,6 +81,11 @@ impl Frame {
     /// Whether methods that draw random samples find their standard error.
     pub(super) fn wants_spread(&self) -> bool {
         self.fragments || self.spread || self.max_error.is_some()
+    }
+
+    /// Whether list lengths cost passes of their own, because the images of its method need none.
+    pub fn counts_on_demand(&self) -> bool {
+        engine_of(&self.method).channels().fragments == Fragments::Beside
     }
 
     /// Near and far, as the device compares depths with them.

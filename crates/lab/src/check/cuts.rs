@@ -5,7 +5,9 @@ use glam::{DVec3, Vec3};
 use super::discs::roundings;
 use super::lists::{except, of_families, tilted, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::{Computed, Stated};
+use super::verdict::Trouble;
+use super::{Case, Finding, Lack, Stage, each, naive};
 use pellucid_engine::methods::Frame;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
 use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
@@ -74,8 +76,8 @@ fn budget(stage: &mut Stage, method: Method) -> Found {
     };
     let was_cut = cut.facts.windows > free.facts.windows || cut.facts.bands > free.facts.bands;
     let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
-    // A pool of fixed size loses what comes last: the pixels beyond it, 20 bytes each.
-    Ok(Finding { error, bound: 0.0, naive: f64::from(size[0] * size[1] / 2) * 20.0 })
+    let why = "a pool of a fixed size loses the fragments that come last";
+    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
 fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
@@ -86,8 +88,12 @@ fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
     let size = [4, 3];
     let merged = stage.image(&dots, pixels(size), size, discs(LongLists::Merge))?;
     let sorted = stage.image(&dots, pixels(size), size, method)?;
-    // Kept as they came, every color differs.
-    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: f64::from(size[0] * size[1]) * 12.0 })
+    // Composed as they came; each disc covers every pixel.
+    let mut by_depth = dots.clone();
+    by_depth.sort_by(|a, b| b.position.z.total_cmp(&a.position.z));
+    let pixels = (size[0] * size[1]) as usize;
+    let naive = naive::bytes_apart(&vec![naive::over(&dots); pixels], &vec![naive::over(&by_depth); pixels]);
+    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: Computed(naive) })
 }
 
 /// Layers of [`beyond`].
@@ -98,7 +104,7 @@ fn beyond(stage: &mut Stage, method: Method) -> Found {
     let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
     if side > 1536 {
         let what = format!("to bind less than {binding} bytes at a time: more fragments than are worth rendering");
-        return Err(Trouble::Lacks(what));
+        return Err(Trouble::Lacks(Lack::Limits, what));
     }
     let size = [side, side];
     let layer = |i: u32| Dot {
@@ -117,6 +123,6 @@ fn beyond(stage: &mut Stage, method: Method) -> Found {
     let found = stage.render(&cloud(&dots), &frame(pixels(size), size, method))?;
     let error = found.image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
     let error = if found.facts.bands > 1 { error } else { f64::INFINITY };
-    // What is written beyond the end of a binding is gone, and with it whole pixels.
-    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: wanted[3] })
+    let why = "what is written beyond the end of a binding is gone, and whole pixels with it";
+    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: Stated { why } })
 }

@@ -1,4 +1,4 @@
-//! The picture: what is behind it, how it is blended, and what is over it.
+//! The picture: its background, its blending, and its overlays.
 
 use egui::Ui;
 

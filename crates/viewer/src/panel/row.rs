@@ -13,17 +13,17 @@ const BUTTON: f32 = 20.0;
 /// Room that a switch takes before a control, in points.
 const SWITCH: f32 = 26.0;
 
-/// What was done to a key.
+/// An edit of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
-    /// It got a value.
+    /// Sets the key to a value.
     To(Setting),
-    /// It was taken out.
+    /// Removes the key.
     Out,
 }
 
 impl Edit {
-    /// The value, if there is one.
+    /// The new value, if any.
     pub fn value(self) -> Option<Setting> {
         match self {
             Self::To(value) => Some(value),
@@ -32,7 +32,7 @@ impl Edit {
     }
 }
 
-/// A row whose key changes by itself; whether its name was clicked.
+/// A row that applies its own edits. Returns true if its name was clicked.
 pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> bool {
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
     match edit {
@@ -43,14 +43,14 @@ pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry)
     clicked
 }
 
-/// A control with its name and, if its key is given, a button that takes it out; notes where the control is. What was done, and
-/// whether the name was clicked.
+/// A control with its name and, if its key is given, a button that removes the key; records the control's position.
+/// Returns the edit, and true if the name was clicked.
 pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
     let given = model.is_given(key);
     let Entry { control, value, presence, about } = entry;
     ui.horizontal(|ui| {
         if presence != Presence::Always {
-            // What the switch takes, so that numbers stand below each other.
+            // Leave room for the switch, so that numbers align below each other.
             ui.spacing_mut().slider_width -= SWITCH;
         }
         let (on, mut edit) = switch(ui, model, key, &presence, &value, about);
@@ -96,7 +96,7 @@ fn switch(
     (was, edit)
 }
 
-/// What a row is called, as long as there is room.
+/// The name of a row, as long as the row has room for it.
 pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
     let room = ui.available_width() - BUTTON;
     name_within(ui, hint(key), label, room)
@@ -111,7 +111,7 @@ fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
     if about.is_empty() { shown.inner } else { shown.inner.on_hover_text(about) }
 }
 
-/// The button that takes a given key out; those with a switch have none.
+/// The button that removes a given key; keys with a switch have none. Returns true if it was clicked.
 pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
     let response = ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default");
     note(ui, model, &format!("{key} default"), &response);
@@ -172,7 +172,7 @@ fn slider(x: &mut f64, from: f64, to: f64) -> Slider<'_> {
     Slider::new(x, from..=to).clamping(SliderClamping::Edits).update_while_editing(false)
 }
 
-/// One of some words, and the one that was chosen instead.
+/// A choice between words; returns the one that was chosen, if it changed.
 pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (Response, Option<&'a str>) {
     let mut chosen = word;
     let combo = ComboBox::from_id_salt(key).selected_text(word).width(110.0).truncate();
@@ -184,7 +184,7 @@ pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (
     (shown.response, (chosen != word).then_some(chosen))
 }
 
-/// Three numbers, by their name; what they were changed to.
+/// Three numbers with a name; returns them if they changed.
 pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed: f64) -> Option<[f64; 3]> {
     let mut changed = vector;
     ui.horizontal(|ui| {
@@ -213,7 +213,7 @@ mod tests {
     fn numbers_are_short() {
         for (x, wanted) in [(0.0, "0"), (0.012_345_6, "0.01235"), (1234.56, "1235"), (1.5e-7, "1.5e-7"), (2e9, "2e9")] {
             assert_eq!(short(x), wanted);
-            // What is written there can be typed again.
+            // The displayed text can be typed again.
             assert_eq!(wanted.parse(), Ok(significant(x)));
         }
     }

@@ -90,7 +90,7 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// The axis that elevations are counted from: what the scene's camera has at its top, else the clouds' vertical.
+/// The axis that elevations refer to: the up direction of the scene's camera, else the clouds' vertical.
 fn vertical(model: &Model) -> UpAxis {
     match model.scene().camera.up {
         Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
@@ -118,7 +118,7 @@ fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
     let light = if turned != angles {
         Some(direction(turned, up))
     } else {
-        // What has no direction is not taken, as while all three are typed anew.
+        // A vector without a direction is ignored, as happens while all three numbers are being typed.
         numbers.map(DVec3::from).filter(|v| v.try_normalize().is_some())
     };
     if let Some(light) = light {
@@ -140,12 +140,12 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
         UpAxis::Y => (DVec3::Z, DVec3::Y),
     };
     let [x, y] = [from.x, from.dot(front)];
-    // A vertical has none, and 0 would be 180 by the sign of a zero.
+    // A vertical direction has no azimuth, and the sign of a zero would make it 180.
     let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
     [azimuth, from.dot(vertical).clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
-/// Whether the section on shadows is there.
+/// True if the scene has a section on shadows.
 pub fn has_shadows(scene: &Scene) -> bool {
     scene.method.may_take_shadows()
 }
@@ -155,7 +155,7 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     let mut on = model.is_given("shadows");
     let response = ui.checkbox(&mut on, "cast shadows");
     note(ui, model, "shadows.method", &response);
-    // What was switched off comes back as it was.
+    // Shadows that were switched off return with the same settings.
     let id = egui::Id::new("shadows, switched off");
     if response.changed() && on {
         let kept: Option<(Shadows, Light)> = ui.data(|data| data.get_temp(id));

@@ -76,7 +76,7 @@ impl Engine for ListEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels::FRAGMENTS
+        Channels::LISTS_WITHIN
     }
 
     fn render(

@@ -3,7 +3,7 @@
 use super::{WindowJob, pixel_bytes};
 use crate::methods::abuffer;
 use crate::methods::bytes::PassRuns;
-use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
 use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
@@ -24,7 +24,7 @@ impl Engine for PeelEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels { fragments: true, layers: true }
+        Channels { fragments: Fragments::Within, layers: true }
     }
 
     fn render(

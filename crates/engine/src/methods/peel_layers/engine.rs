@@ -32,7 +32,7 @@ impl Engine for PeelLayersEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels { fragments: false, layers: true }
+        Channels { layers: true, ..Channels::NONE }
     }
 
     /// How many layers there are only peeling tells: a survey does it, too.

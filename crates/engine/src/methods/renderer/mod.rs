@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use super::abuffer::{self, ListEngine, Lists};
 use super::bytes::aggregate;
 use super::cost::Load;
-use super::engine::{Counts, Engine, Switches, Work, project};
+use super::engine::{Counts, Engine, Fragments, Switches, Work, project};
 use super::{
     Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
 };
@@ -355,7 +355,7 @@ fn blank(spare: Option<Image>, engine: &dyn Engine, frame: &Frame) -> Image {
     let [width, height] = frame.size;
     let pixels = width as usize * height as usize;
     let channels = engine.channels();
-    let fragments = (frame.fragments && channels.fragments).then(|| vec![0; pixels]);
+    let fragments = (frame.fragments && channels.fragments != Fragments::Never).then(|| vec![0; pixels]);
     let layers = (frame.fragments && channels.layers).then(|| vec![0; pixels]);
     let stderr = (engine.samples(frame).is_some() && frame.wants_spread()).then(|| vec![[0.0; 3]; pixels]);
     match spare {

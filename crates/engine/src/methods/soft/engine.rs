@@ -82,7 +82,7 @@ impl Engine for SpheresEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels::FRAGMENTS
+        Channels::LISTS_WITHIN
     }
 
     /// Solid points decide how much of a sphere there is to count: a survey draws them, too, if there are spheres.
@@ -174,7 +174,7 @@ impl Engine for ExpressEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels::FRAGMENTS
+        Channels::LISTS_WITHIN
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {

@@ -48,7 +48,7 @@ impl Engine for SortedEngine {
     }
 
     fn channels(&self) -> Channels {
-        Channels::FRAGMENTS
+        Channels::LISTS_BESIDE
     }
 
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {

@@ -1,4 +1,4 @@
-//! The methods of one image formation with their settings: what is compared on a scene.
+//! The methods of one image formation with their settings, which are compared on a scene.
 
 use super::Skipped;
 pub use super::applicable::settings;
@@ -10,7 +10,7 @@ use pellucid_engine::scene::{
     self, Density, DiscShape, Discs, Falloff, Ladder, LongLists, Method, Raster, Shells, Soft, SoftLayout, Spbr,
 };
 
-/// What several methods draw alike, each in its way.
+/// An image that several methods form in different ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Formation {
     /// Transparent discs.
@@ -19,19 +19,19 @@ pub enum Formation {
     Soft {
         /// Threshold, softness (never a factor λ, whose meaning differs between the models) and modulation.
         soft: Soft,
-        /// Whether the scene gives a factor instead, from which the softness follows.
+        /// True if the scene gives the factor λ, from which the softness was derived.
         from_lambda: bool,
     },
     /// Points of surfaces with an opacity, dealt to ensembles. Their number is not the scene's but a setting, and nothing is
     /// brightened.
     Ensembles(Spbr),
-    /// Opaque points of surfaces. Each method draws an image of its own; what they are held against is the surface.
+    /// Opaque points of surfaces. Each method draws an image of its own; the surface is the reference for all.
     Surfaces(Surfaces),
 }
 
 impl Formation {
-    /// The method that draws it exactly, but for rounding. No number of ensembles does: the method itself. Of surfaces the one
-    /// that draws them best, if there are many samples in a pixel.
+    /// The method that forms the image exactly, except for rounding. Ensembles are exact for no finite number, so the
+    /// method itself is returned. For surfaces it is the method that draws them best when given many samples per pixel.
     pub fn exact(&self) -> Method {
         match *self {
             Self::Discs(discs) => Method::ABuffer(discs),
@@ -62,14 +62,14 @@ pub struct Ladders {
     pub sizes: &'static [f64],
     /// `fill` and `occlusion` of `image-space`, both alike.
     pub iterations: &'static [u32],
-    /// Opaque points are drawn as they are and with one point of so many; the first is 1.
+    /// Opaque points are drawn completely and thinned to every n-th point; the first entry is 1.
     pub thinning: &'static [u32],
     /// `samples` of `[shadows]`.
     pub shadow_samples: &'static [u32],
 }
 
 impl Ladders {
-    /// What a report shows.
+    /// The settings of a report.
     pub const FULL: Self = Self {
         detail: Detail::Full,
         sizes: &[0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
@@ -77,7 +77,7 @@ impl Ladders {
         thinning: &[1, 4, 16],
         shadow_samples: &[1, 5, 10, 30],
     };
-    /// For a first look and for CI.
+    /// The settings for a first look and for CI.
     pub const QUICK: Self = Self {
         detail: Detail::Quick,
         sizes: &[0.0, 1.0, 2.0],
@@ -98,21 +98,21 @@ impl Ladders {
     }
 }
 
-/// What decides which settings make sense.
+/// The properties of a scene that decide which settings apply.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Occasion {
     /// The image formation.
     pub formation: Formation,
-    /// Of discs: whether every fragment is opaque.
+    /// For discs: true if every fragment is opaque.
     pub opaque: bool,
-    /// Whether discs have a depth for each pixel.
+    /// True if discs have a depth for each pixel.
     pub oriented: bool,
     /// Longest list of fragments.
     pub max_list: u32,
 }
 
 impl Occasion {
-    /// Of a scene's points.
+    /// Properties of a scene's points.
     pub fn new(points: &Points, formation: Formation, max_list: u32) -> Self {
         let (opaque, oriented) = match formation {
             Formation::Discs(Discs { falloff, shape, .. }) => (
@@ -125,20 +125,20 @@ impl Occasion {
     }
 }
 
-/// One method with one setting.
+/// A method with one setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// What is rendered.
+    /// The method to render.
     pub method: Method,
-    /// As options of the command line would give it, beside `--method`; empty for the defaults.
+    /// Written as options of the command line, beside `--method`; empty for the defaults.
     pub text: String,
-    /// What is turned, and how far.
+    /// The key that varies, and its value.
     pub step: Option<(&'static str, f64)>,
-    /// What settings of one ladder share; of others the name.
+    /// A name shared by the settings of one ladder; without a ladder the method's name.
     pub series: String,
-    /// What the time grows with along the series.
+    /// The quantity that the time grows with along the series.
     pub effort: Option<f64>,
-    /// One point of so many is drawn, of opaque ones; 1: all.
+    /// For opaque points, draw every n-th; 1 means all.
     pub thinning: u32,
 }
 
@@ -148,7 +148,7 @@ impl Setting {
         Self { method, text: text.to_owned(), step: None, series, effort: None, thinning: 1 }
     }
 
-    /// What is turned may be several keys, as in `fill+occlusion`.
+    /// The varied key may stand for several keys, as in `fill+occlusion`.
     pub(super) fn step(method: Method, (key, value): (&'static str, impl Into<f64>), rest: &str) -> Self {
         let value = value.into();
         let turned: String = key.split('+').map(|key| format!("method.{key}={value} ")).collect();
@@ -167,12 +167,12 @@ impl Setting {
         self.key().replace("method.", "").replace([' ', '=', '_'], "-")
     }
 
-    /// Whether the image depends on the seed.
+    /// True if the image depends on the seed.
     pub fn is_stochastic(&self) -> bool {
         self.method.is_sampled()
     }
 
-    /// Whether the image is exact but for rounding.
+    /// True if the image is exact except for rounding.
     pub fn is_exact(&self, occasion: &Occasion) -> bool {
         matches!(self.method, Method::Circles(_)) || self.method.is_exact(occasion.oriented)
     }
@@ -183,16 +183,16 @@ impl Setting {
     }
 }
 
-/// What a method draws, if others draw it too. A factor λ becomes the softness that it means for the method and these
-/// points.
+/// The image that a method forms, if other methods form it, too. A factor λ is converted to the softness it gives this
+/// method and these points.
 ///
 /// # Errors
-/// A method of opaque points, or of one transparent layer: no other one has its image formation.
+/// A method of opaque points, or of one transparent layer: no other method shares its image formation.
 pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
     if let Some(soft) = method.soft() {
         let from_lambda = matches!(soft.density, Density::Lambda(_));
         let model = SoftModel::new(method, soft, Parts::of(points, soft.threshold).median_radius);
-        // How the same image is made is what the settings differ in; `pixels_per_shell` is the scene's.
+        // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
         let (shells, layout) = (Shells::default(), SoftLayout::default());
         return Ok(Formation::Soft {
             soft: Soft { density: Density::Softness(model.peak), shells, layout, ..*soft },
@@ -215,12 +215,14 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
     Ok(Formation::Discs(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
 }
 
-/// As [`formation`], and [`Formation::Surfaces`] for methods of opaque points, which draw no image alike but the same surfaces.
+/// Like [`formation`], but returns [`Formation::Surfaces`] for methods of opaque points, whose images differ but show
+/// the same surfaces.
 ///
 /// # Errors
 /// A method of one transparent layer, or of layers of points.
 pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
-    Surfaces::of(method, points).map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
+    Surfaces::for_method(method, points)
+        .map_or_else(|| formation(method, points), |surfaces| Ok(Formation::Surfaces(surfaces)))
 }
 
 #[cfg(test)]
@@ -254,12 +256,16 @@ mod tests {
     #[test]
     fn ladders_end_at_the_longest_list() {
         let keys = keys(&occasion(5));
-        let of = |name: &str| keys.iter().filter(|key| key.split(' ').next() == Some(name)).count();
+        let count_of = |name: &str| keys.iter().filter(|key| key.split(' ').next() == Some(name)).count();
         // 1, 2, 4, 8; and all layers.
-        assert_eq!((of("hybrid"), of("peel"), of("stochastic")), (4, 5, 18), "{keys:?}");
+        assert_eq!((count_of("hybrid"), count_of("peel"), count_of("stochastic")), (4, 5, 18), "{keys:?}");
         let (_, skipped) = settings(&occasion(5), &Ladders::FULL);
-        let of = |name: &str| skipped.iter().filter(|skipped| skipped.method == name).count();
-        assert_eq!((of("hybrid"), of("peel"), of("abuffer"), of("circles")), (2, 3, 1, 1), "{skipped:?}");
+        let count_of = |name: &str| skipped.iter().filter(|skipped| skipped.method == name).count();
+        assert_eq!(
+            (count_of("hybrid"), count_of("peel"), count_of("abuffer"), count_of("circles")),
+            (2, 3, 1, 1),
+            "{skipped:?}"
+        );
     }
 
     #[test]
@@ -276,20 +282,20 @@ mod tests {
     fn methods_of_one_image_formation_are_compared() {
         let gaussian = Discs { falloff: Falloff::Gaussian, raster: Raster::Hardware, ..Discs::default() };
         let plain = Formation::Discs(Discs { raster: Raster::Auto, ..gaussian });
-        let of = |method: Method| formation(&method, &Points::default());
-        assert_eq!(of(MethodChoice::Auto(gaussian).representative()).unwrap(), plain);
-        assert_eq!(of(Method::Peel(Peel { discs: gaussian, layers: 3 })).unwrap(), plain);
+        let formation_of = |method: Method| formation(&method, &Points::default());
+        assert_eq!(formation_of(MethodChoice::Auto(gaussian).representative()).unwrap(), plain);
+        assert_eq!(formation_of(Method::Peel(Peel { discs: gaussian, layers: 3 })).unwrap(), plain);
         let own = [
             Method::Points,
             Method::OneLayer(OneLayer::default()),
             Method::Hqs(BlendedSplats::default()),
             Method::Splats(BlendedSplats::default()),
         ];
-        assert!(own.into_iter().all(|method| of(method).is_err()));
+        assert!(own.into_iter().all(|method| formation_of(method).is_err()));
         let soft = Soft { layout: SoftLayout::Paper, shells: Shells::Fixed(3), threshold: 0.25, ..Soft::default() };
         let same = Soft { threshold: 0.25, ..Soft::default() };
         for method in [Method::SoftBase(soft), Method::SoftConcentric(soft), Method::SoftExpress(soft)] {
-            assert_eq!(of(method).unwrap(), Formation::Soft { soft: same, from_lambda: false });
+            assert_eq!(formation_of(method).unwrap(), Formation::Soft { soft: same, from_lambda: false });
         }
     }
 
@@ -333,7 +339,7 @@ mod tests {
     #[test]
     fn every_method_is_compared_or_skipped_for_a_reason() {
         let soft = Formation::Soft { soft: Soft::default(), from_lambda: false };
-        let surfaces = Surfaces::of(&Method::Points, &Points::default()).unwrap();
+        let surfaces = Surfaces::for_method(&Method::Points, &Points::default()).unwrap();
         let formations =
             [occasion(9).formation, soft, Formation::Ensembles(Spbr::default()), Formation::Surfaces(surfaces)];
         for formation in formations {
@@ -348,11 +354,11 @@ mod tests {
 
     #[test]
     fn soft_spheres_have_three_models() {
-        let of = |density, from_lambda| {
+        let settings_for = |density, from_lambda| {
             let formation = Formation::Soft { soft: Soft { density, ..Soft::default() }, from_lambda };
             settings(&Occasion { formation, ..occasion(9) }, &Ladders::QUICK)
         };
-        let (given, skipped) = of(Density::Softness(0.5), false);
+        let (given, skipped) = settings_for(Density::Softness(0.5), false);
         let keys: Vec<String> = given.iter().map(Setting::key).collect();
         let expected = [
             "soft-base",
@@ -367,7 +373,7 @@ mod tests {
         assert_eq!(exact, [true, false, false, false, false, false]);
         assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
         // What the rows were rendered with, where the scene says something else.
-        let (converted, _) = of(Density::Softness(0.25), true);
+        let (converted, _) = settings_for(Density::Softness(0.25), true);
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What the panel does to the scene.
+//! Edits of the scene by the panel.
 
 use super::*;
 use crate::census::{Census, FieldFacts};
@@ -10,7 +10,7 @@ fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())
 }
 
-/// Every change asks for a picture at once, also while another one is on its way; what is no scene asks for none.
+/// Every change requests a picture at once, even while another one is being rendered; an invalid change requests none.
 #[test]
 fn every_change_asks_for_a_picture() {
     let (mut model, _) = settled();
@@ -78,7 +78,7 @@ fn values_of_another_method_make_room() {
     model.set_method("peel");
     model.set("method.layers", Setting::Integer(0));
     model.set("method.shape", word("oriented"));
-    // Peeling points has no "all layers"; what both have stays.
+    // Peeling points has no "all layers"; keys that both methods share stay.
     model.set_method("peel-layers");
     assert!(matches!(model.scene().method.fixed(), Some(Method::PeelLayers(layers)) if layers.layers == 4));
     model.set_method("sorted");

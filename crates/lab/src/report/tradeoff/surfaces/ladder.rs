@@ -16,7 +16,7 @@ fn of_cloud(surfaces: &Surfaces, ladders: &Ladders, thinning: u32) -> Vec<Settin
     let mut settings = vec![Setting::single(Method::Points, &rest)];
     for method in sized(surfaces) {
         settings.extend(ladders.sizes.iter().map(|size| Setting {
-            // The pixels of a splat, and what it takes without any.
+            // The pixels of a splat, plus the fixed cost.
             effort: Some(1.0 + size * size),
             ..Setting::step(method(surfaces, *size), ("size", *size), &rest)
         }));
@@ -66,14 +66,14 @@ mod tests {
     use super::*;
     use pellucid_engine::points::Points;
 
-    fn of(method: Method, normals: bool) -> (Vec<Setting>, Vec<Skipped>) {
+    fn ladder_of(method: Method, normals: bool) -> (Vec<Setting>, Vec<Skipped>) {
         let points = Points { normals: normals.then(Vec::new), ..Points::default() };
-        settings(&Surfaces::of(&method, &points).unwrap(), &Ladders::QUICK)
+        settings(&Surfaces::for_method(&method, &points).unwrap(), &Ladders::QUICK)
     }
 
     #[test]
     fn every_cloud_has_every_ladder() {
-        let (all, skipped) = of(Method::Points, true);
+        let (all, skipped) = ladder_of(Method::Points, true);
         // Points, three sizes of five methods, three numbers of iterations; of all points and of a sixteenth.
         assert_eq!(all.len(), 2 * (1 + 5 * 3 + 3));
         let keys: Vec<String> = all[..19].iter().map(Setting::key).collect();
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn names_differ_and_ladders_ascend() {
-        let (all, _) = of(Method::Cone(Default::default()), true);
+        let (all, _) = ladder_of(Method::Cone(Default::default()), true);
         assert!(all.iter().any(|setting| setting.method.name() == "cone"));
         let mut keys: Vec<String> = all.iter().map(Setting::key).chain(all.iter().map(Setting::stem)).collect();
         let count = keys.len();
@@ -103,7 +103,7 @@ mod tests {
         for pair in all.windows(2).filter(|pair| pair[0].series == pair[1].series) {
             assert!(pair[0].effort < pair[1].effort && pair[0].step.unwrap().1 < pair[1].step.unwrap().1, "{pair:?}");
         }
-        let (flat, skipped) = of(Method::Sphere(Default::default()), false);
+        let (flat, skipped) = ladder_of(Method::Sphere(Default::default()), false);
         assert!(flat.iter().all(|setting| setting.method.name() != "splats"));
         assert!(skipped.iter().any(|skipped| skipped.method == "splats" && skipped.reason.contains("no point")));
     }
