@@ -3,6 +3,8 @@
 mod common;
 
 use common::with_device;
+use pellucid_engine::methods::{Renderer, TILE_METHODS};
+use pellucid_engine::scene::Method;
 use pellucid_lab::check::{self, Group, Verdict};
 
 #[test]
@@ -59,4 +61,22 @@ fn the_page_about_numerics_holds_them_all() {
         );
     }
     assert_eq!(rows.len(), wanted.len());
+}
+
+/// `pellucid devices` names the methods that need what tiles need.
+#[test]
+fn methods_that_go_through_tiles_are_listed() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        for subject in check::subjects() {
+            let method = subject.frame.method;
+            // Those that do without tiles where they must, and soft points without solid ones.
+            if matches!(method, Method::ABuffer(_)) || method.soft().is_some() || subject.name != method.name() {
+                continue;
+            }
+            let rendered = subject.render_arranged(&mut renderer, &subject.arranged()).expect("rendered");
+            let through_tiles = rendered.profile.passes.iter().any(|pass| pass.name.starts_with("bin/"));
+            assert_eq!(through_tiles, TILE_METHODS.contains(&method.name()), "{}", subject.name);
+        }
+    });
 }

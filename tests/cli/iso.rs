@@ -71,12 +71,7 @@ fn wrong_volumes_are_refused() {
     // The built-in volume goes from 0 to 1.
     refused(&["--values", "2"], 2, &["value 2", "from 0"]);
     refused(&["--dims", "2x2x2"], 2, &["--volume"]);
-    assert_refused(
-        &folder,
-        &["scene", "tori", "-o", "new", "--volume", "b_2x2x2_uint8.raw"],
-        2,
-        &["belong to", "iso"],
-    );
+    assert_refused(&folder, &["scene", "tori", "-o", "new", "--volume", "b_2x2x2_uint8.raw"], 2, &["belong to", "iso"]);
     assert_refused(&folder, &["scene", "tori", "-o", "new", "--values", "1"], 2, &["belong to", "iso"]);
     let (code, list, _) = run(&folder, &["scene", "--list"]);
     assert!(code == 0 && list.lines().any(|line| line.starts_with("iso ") && line.contains("points=")), "{list}");

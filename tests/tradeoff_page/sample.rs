@@ -154,8 +154,7 @@ pub fn write_pictures(folder: &Path, report: &Tradeoff) {
             }
         }
     }
-    let save =
-        |name: &str, pixels: &[[f32; 3]]| write_rgb_png(&folder.join(name), [width, height], pixels).unwrap();
+    let save = |name: &str, pixels: &[[f32; 3]]| write_rgb_png(&folder.join(name), [width, height], pixels).unwrap();
     save(&report.reference.picture, &truth);
     for row in &report.rows {
         let rmse = row.errors.rmse as f32;

@@ -161,8 +161,7 @@ impl Context {
         let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
         // SAFETY: a live device; the pool is destroyed here, by `give_commands_back` or in drop.
         unsafe {
-            let pool =
-                self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
+            let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             match self.device.allocate_command_buffers(&info) {
                 Ok(buffers) => Ok(Commands { pool, buffer: buffers[0] }),

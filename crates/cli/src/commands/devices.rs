@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid_engine::{Result, gpu};
+use pellucid_engine::{Result, gpu, methods};
 use serde_json::json;
 
 use super::talk::{Talk, print, print_json};
@@ -31,7 +31,11 @@ pub fn run(args: DevicesArgs, _talk: Talk) -> Result<ExitCode> {
     let mut text = String::new();
     for d in &devices {
         let mark = if taken == Some(d.index) { '*' } else { ' ' };
-        let lacks = if d.lacks.is_empty() { "nothing".to_owned() } else { d.lacks.join(", ") };
+        let lacks = match methods::out_of_reach(d) {
+            _ if !d.lacks.is_empty() => d.lacks.join(", "),
+            Some(lacks) => lacks,
+            None => "nothing".to_owned(),
+        };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
     }
     text += if taken.is_some() { "* would be taken\n" } else { "none can be taken\n" };

@@ -25,6 +25,27 @@ pub use sorted::Stop;
 
 use bytesize::ByteSize;
 
+/// Methods that go through tiles of splats, besides the soft ones where there are solid points: they need subgroups of 8 to 32
+/// invocations, of a size that is known beforehand, with ballots and shuffles.
+pub const TILE_METHODS: &[&str] =
+    &["sorted", "stochastic", "hybrid", "weighted", "average", "unsorted", "hqs", "splats", "one-layer"];
+
+/// Which methods a device can't run, and for want of what; `None` if it runs all of them.
+pub fn out_of_reach(device: &crate::gpu::DeviceInfo) -> Option<String> {
+    without(device.subgroup, device.multisampled.is_some())
+}
+
+fn without(subgroup: Option<u32>, multisampled: bool) -> Option<String> {
+    if subgroup.is_some() {
+        return None;
+    }
+    // `stochastic` leaves its samples to the rasteriser where it can.
+    let kept = |name: &&&str| !(multisampled && **name == "stochastic");
+    let names: Vec<&str> = TILE_METHODS.iter().filter(kept).copied().collect();
+    let names = names.join(", ");
+    Some(format!("subgroups of 8 to 32 invocations with shuffles for {names}, and solid points of the soft methods"))
+}
+
 /// What became of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
@@ -153,7 +174,8 @@ pub enum Error {
     NotDealt,
     /// The device has no shuffles.
     #[error(
-        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
+        "methods that go through tiles of splats ({}, and the soft ones where there are solid points) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles",
+        TILE_METHODS.join(", ")
     )]
     NoSubgroups {
         /// The device.

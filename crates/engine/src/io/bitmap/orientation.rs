@@ -112,7 +112,11 @@ mod tests {
             let mut seen = std::collections::BTreeSet::new();
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 let [source_x, source_y] = orientation.source(x, y, stored);
-                assert_eq!((source_y == 0, source_x == 0), (is_at(row, x, y), is_at(column, x, y)), "{number}: {x} {y}");
+                assert_eq!(
+                    (source_y == 0, source_x == 0),
+                    (is_at(row, x, y), is_at(column, x, y)),
+                    "{number}: {x} {y}"
+                );
                 assert!(source_x < 3 && source_y < 2 && seen.insert([source_x, source_y]), "{number}: {x} {y}");
             }
         }

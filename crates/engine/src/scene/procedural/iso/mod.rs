@@ -17,8 +17,7 @@ use surface::Surface;
 /// What `pellucid scene` calls it.
 pub const NAME: &str = "iso";
 /// One line for `--list`.
-pub const SUMMARY: &str =
-    "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
+pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
 /// What `--set` can change.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
