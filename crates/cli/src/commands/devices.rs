@@ -31,7 +31,7 @@ pub fn run(args: DevicesArgs, _talk: Talk) -> Result<ExitCode> {
     let mut text = String::new();
     for d in &devices {
         let mark = if taken == Some(d.index) { '*' } else { ' ' };
-        let lacks = match methods::out_of_reach(d) {
+        let lacks = match methods::lacks_for_methods(d) {
             _ if !d.lacks.is_empty() => d.lacks.join(", "),
             Some(lacks) => lacks,
             None => "nothing".to_owned(),

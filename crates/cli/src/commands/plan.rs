@@ -28,7 +28,7 @@ pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
     let resolved = prepare(&args.input, talk, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
     // As `profile` renders: with list lengths, but for a method that has no lists.
-    session.frame.fragments = !session.frame.method.is_tiled();
+    session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
     let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);

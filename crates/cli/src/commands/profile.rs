@@ -78,8 +78,8 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let mut profile = session.profile();
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    let tiled = session.frame.method.is_tiled();
-    if tiled {
+    let on_demand = session.frame.counts_on_demand();
+    if on_demand {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
@@ -89,7 +89,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;
-        let counted = if moves && tiled { Some(count_lists(&mut session)?) } else { None };
+        let counted = if moves && on_demand { Some(count_lists(&mut session)?) } else { None };
         let mut rendered = session.render()?;
         if let Some(counted) = counted {
             rendered.facts.fragments = counted.facts.fragments;

@@ -10,7 +10,7 @@
 //! four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the store no faster.
 
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::bands::Band;
+use crate::passes::bands::Band;
 use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
 

@@ -1,8 +1,8 @@
 //! Composing: how stages that blend reach every splat by its index, however many there are.
 
+use super::Error;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
 use crate::group;
-use crate::methods::Error;
 use crate::passes::project::{DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 

@@ -1,6 +1,9 @@
 //! Points on the device, and their projection to splats.
 
 mod change;
+mod placed;
+
+pub use placed::Placed;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +15,6 @@ use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::spbr::share::Placed;
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;

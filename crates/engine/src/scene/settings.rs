@@ -8,7 +8,6 @@ use super::view::View;
 use crate::cloud::field::Field;
 use crate::io::photo::Photo;
 use crate::io::{ColumnNames, Hints};
-use crate::passes::bin::Order;
 
 /// Layers that depth peeling goes through at most, since each of them visits every splat.
 pub const MAX_LAYERS: u32 = 65_536;
@@ -774,16 +773,6 @@ impl Method {
     /// Whether it goes through tiles of splats, and needs no lists of fragments.
     pub fn is_tiled(&self) -> bool {
         self.discs().is_some() && self.lists().is_none() && !matches!(self, Self::Peel(_))
-    }
-
-    /// The order in which it wants splats.
-    pub fn order(&self) -> Order {
-        match self {
-            Self::Stochastic(_) | Self::Weighted(_) | Self::Average(_) => Order::Index,
-            Self::Hqs(_) | Self::Splats(_) | Self::OneLayer(_) => Order::Index,
-            Self::Unsorted(_) => Order::File,
-            _ => Order::Depth,
-        }
     }
 
     /// The settings of soft transparency; `None` for other methods.

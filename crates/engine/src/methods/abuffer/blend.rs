@@ -3,9 +3,9 @@
 use super::passes::*;
 use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::bands::{self, Band};
-use crate::methods::renderer::Target;
+use crate::methods::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
+use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
 use crate::passes::project::Footprint;

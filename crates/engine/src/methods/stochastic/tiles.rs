@@ -2,8 +2,7 @@
 
 use super::{Batch, Kind, Sampler, WindowJob};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
-use crate::methods::Error;
-use crate::methods::renderer::Target;
+use crate::methods::{Error, Target};
 use crate::passes::bin::{self, FoldPush, FoldingGroup, OrderedTiles};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};

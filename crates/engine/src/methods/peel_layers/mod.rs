@@ -5,12 +5,16 @@
 //! left out. Layers are submitted by the batch, their dispatches indirect: after a layer without a point the device makes
 //! those that follow empty, and the host looks only between batches.
 
-use super::Error;
-use super::bands::{self, Window};
+mod engine;
+
+pub(crate) use engine::{PeelLayersEngine, pass_group};
+
+use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
 use super::peel::{Next, PeelWork};
-use super::renderer::{Facts, Target, Timeline};
+use super::{Error, Target};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
 use crate::{gpu_struct, pass};
 
@@ -107,15 +111,13 @@ impl LayerPeeler {
     }
 
     /// Peels a window into the target.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         images: &mut Filterer,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &LayersJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
     ) -> Result<(), Error> {
+        let (device, target) = (work.device, work.target);
         let image = &job.image;
         let pixels = bands::pixels(image.window);
         images.reserve(device, image)?;
@@ -129,15 +131,15 @@ impl LayerPeeler {
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
         recorder.fill("image/clear", target.image().first(pixels), 0)?;
         recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
-        timeline.add(recorder.submit("peel-layers/clear")?);
+        work.timeline.add(recorder.submit("peel-layers/clear")?);
 
-        let layers = self.peel(images, device, job, dispatches, target, timeline)?;
-        facts.layers = facts.layers.max(layers);
-        images.note(image, layers, facts);
+        let layers = self.peel(images, work, job, dispatches)?;
+        work.facts.layers = work.facts.layers.max(layers);
+        images.note(image, layers, work.facts);
         if job.read_back {
             let mut recorder = device.recorder()?;
             target.record_read_back(&mut recorder, pixels)?;
-            timeline.add(recorder.submit("image/read-back")?);
+            work.timeline.add(recorder.submit("image/read-back")?);
         }
         Ok(())
     }
@@ -157,12 +159,11 @@ impl LayerPeeler {
     fn peel(
         &self,
         images: &Filterer,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &LayersJob<'_>,
         dispatches: Dispatches<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
     ) -> Result<u32, Error> {
+        let (device, target) = (work.device, work.target);
         let cut = Cut::new(device, job.image.cloud.len())?;
         let mut recorded = 0;
         loop {
@@ -182,7 +183,7 @@ impl LayerPeeler {
             }
             recorder.copy("peel-layers/summary", images.work.all(), self.work_host.all())?;
             images.record_summary(&mut recorder)?;
-            timeline.add(recorder.submit("layers of points")?);
+            work.timeline.add(recorder.submit("layers of points")?);
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;
             if layers < recorded || recorded == job.layers {

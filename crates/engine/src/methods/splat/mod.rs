@@ -2,10 +2,14 @@
 //!
 //! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
 
-use super::bands::{self, Band};
-use super::renderer::{Target, Timeline};
+mod engine;
+
+pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
+
+use super::engine::Work;
 use super::{Error, abuffer};
-use crate::gpu::{Device, Dispatch, Kept, Memory, Run, Variant};
+use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
+use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{ChunkGroup, Raster, RasterPush};
@@ -75,16 +79,9 @@ impl Default for Opaque {
 }
 
 impl Opaque {
-    /// Renders a window into the target; `wide` says whether 64-bit atomics are used, `relief` how far fragments are moved.
-    pub fn render(
-        &mut self,
-        device: &Device,
-        raster: &Raster<'_>,
-        wide: bool,
-        relief: Relief,
-        target: &Target,
-        timeline: &mut Timeline,
-    ) -> Result<(), Error> {
+    /// Renders a window into the target; `relief` says how far fragments are moved.
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, raster: &Raster<'_>, relief: Relief) -> Result<(), Error> {
+        let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
         let pixels = bands::pixels(raster.window);
         self.nearest.reserve(device, pixels)?;
 
@@ -109,7 +106,7 @@ impl Opaque {
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("splat/nearest")?);
+        work.timeline.add(recorder.submit("splat/nearest")?);
         Ok(())
     }
 }

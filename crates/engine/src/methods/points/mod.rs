@@ -3,11 +3,14 @@
 //!
 //! The equations are those of the other opaque methods ([`super::splat`]), the projection is `splat/project`'s own.
 
-use super::bands::{self, Window};
-use super::renderer::{Target, Timeline};
+mod engine;
+
+pub(crate) use engine::{PointsEngine, pass_group};
+
+use super::engine::Work;
 use super::splat::{NearestSplat, Opaque};
 use super::{Error, abuffer};
-use crate::gpu::{Device, Dispatch, Recorder, Run, Slice, Variant};
+use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Stats, View};
 use crate::{gpu_struct, pass};
@@ -65,6 +68,9 @@ pass! {
     }
 }
 
+/// The passes that find the nearest points, by 64-bit atomics and without.
+pub(crate) const NEAREST: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
+
 /// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
 /// such ends.
 pub(super) const RUN: u64 = 16;
@@ -98,16 +104,14 @@ pub fn resolve_variant(cut: Cut, how: &Projecting, normals: bool) -> Variant {
 
 impl Opaque {
     /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk.
-    pub fn render_points(
+    pub(crate) fn render_points(
         &mut self,
-        device: &Device,
+        work: &mut Work<'_>,
         cloud: &DeviceCloud,
-        (window, how): (Window, &Projecting),
-        wide: bool,
-        target: &Target,
-        timeline: &mut Timeline,
+        how: &Projecting,
     ) -> Result<Vec<Stats>, Error> {
-        let pixels = bands::pixels(window);
+        let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
+        let pixels = work.pixels();
         self.nearest.reserve(device, pixels)?;
         let mut recorder = device.recorder()?;
         let nearest = self.nearest.get().slice(0, pixels);
@@ -130,7 +134,7 @@ impl Opaque {
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(resolve_variant(cut, how, cloud.has_normals())))?;
         target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("points/nearest")?);
+        work.timeline.add(recorder.submit("points/nearest")?);
         Ok(cloud.stats())
     }
 }

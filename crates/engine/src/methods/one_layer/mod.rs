@@ -4,10 +4,13 @@
 //!
 //! Reference: [`crate::reference::one_layer`].
 
-use super::Error;
-use super::bands::{self, Window};
-use super::splats::Pixels;
+mod engine;
+
+pub(crate) use engine::{OneLayerEngine, pass_group};
+
+use super::{Error, Pixels};
 use crate::gpu::{Dispatch, Recorder, Run};
+use crate::passes::bands::{self, Window};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {

@@ -3,11 +3,15 @@
 //!
 //! The order is that of the A-buffer, depth and then content.
 
+mod engine;
+
+pub(crate) use engine::SortedEngine;
+
 use super::abuffer::record_nothing;
-use super::bands;
-use super::renderer::{Facts, Target, Timeline};
-use super::{Error, Outcome};
-use crate::gpu::{Device, Dispatch, Recorder, Run, Variant};
+use super::engine::Work;
+use super::{Error, Frame, Outcome, Target};
+use crate::gpu::{Dispatch, Recorder, Run, Variant};
+use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
@@ -55,39 +59,30 @@ pub struct WindowJob<'a> {
     pub bin: bin::Job<'a>,
     /// Shape and falloff.
     pub discs: Discs,
-    /// In which space colors are blended.
-    pub color: ColorSpace,
     /// Upper bound of the color components that are blended.
     pub most_color: f32,
-    /// When to stop.
-    pub stop: Stop,
 }
 
 /// Sorts, bins and blends a window into the target.
-pub fn render(
-    bins: &mut Bins,
-    device: &Device,
-    job: &WindowJob<'_>,
-    target: &Target,
-    timeline: &mut Timeline,
-    facts: &mut Facts,
-) -> Result<Outcome, Error> {
+pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    let (device, target) = (work.device, work.target);
     let window = job.bin.raster.window;
     let mut recorder;
-    match bins.bin(device, &job.bin, timeline, facts)? {
+    match bins.bin(device, &job.bin, work.timeline)? {
         Bin::TooLarge => return Ok(Outcome::Overflow),
         Bin::Nothing => {
             recorder = device.recorder()?;
             record_nothing(&mut recorder, target, window)?;
         }
         Bin::Done(binned) => {
-            facts.bands += 1;
+            work.facts.note_binned(binned);
+            work.facts.bands += 1;
             recorder = device.recorder()?;
-            record_blend(bins, &mut recorder, job, binned, target)?;
+            record_blend(bins, &mut recorder, work.frame, job, binned, target)?;
         }
     }
     target.record_read_back(&mut recorder, bands::pixels(window))?;
-    timeline.add(recorder.submit("sorted/blend")?);
+    work.timeline.add(recorder.submit("sorted/blend")?);
     Ok(Outcome::Done)
 }
 
@@ -95,6 +90,7 @@ pub fn render(
 fn record_blend<'a>(
     bins: &'a Bins,
     recorder: &mut Recorder<'a>,
+    frame: &Frame,
     job: &WindowJob<'a>,
     binned: Binned,
     target: &'a Target,
@@ -102,7 +98,7 @@ fn record_blend<'a>(
     let cloud = job.bin.raster.cloud;
     let tiles = bins.tiles(binned).folding(cloud.view());
     let blend = Blend { tiles, image: target.image(), depths: target.depths() };
-    let (stop, most_color) = stop(job.stop, job.color, job.most_color);
+    let (stop, most_color) = stop(frame.stop, frame.color, job.most_color);
     let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
         let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);

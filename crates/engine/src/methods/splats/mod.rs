@@ -7,11 +7,17 @@
 //!
 //! Reference: [`crate::reference::splats`].
 
+mod engine;
+
+pub(crate) use engine::{
+    Onto, SOLID_BYTES, SplatsEngine, draw_solid, explain_solids, explain_windows, pass_group, solid_projecting,
+};
+
 use super::abuffer::CountPush;
-use super::bands::{self, Window};
-use super::renderer::{Facts, Timeline};
-use super::{Error, Outcome};
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Pixels};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
@@ -66,25 +72,6 @@ pub const PASSES: [&str; 3] = ["splats/visibility", "splats/attributes", "splats
 /// Device bytes per pixel of a window, besides tiles and what is drawn into.
 pub const PIXEL_BYTES: u64 = 4 + 16;
 
-/// What is drawn into; at least as many elements as the window has pixels.
-#[derive(Clone, Copy)]
-pub struct Pixels<'a> {
-    /// Premultiplied color; A = 1 where anything is, else all 0.
-    pub image: Slice<'a, [f32; 4]>,
-    /// Depths along the viewing axis, +inf where nothing is.
-    pub depths: Slice<'a, f32>,
-}
-
-impl<'a> Pixels<'a> {
-    /// Records that nothing is there.
-    pub fn record_nothing(self, recorder: &mut Recorder<'a>, window: Window) -> Result<(), Error> {
-        let pixels = bands::pixels(window);
-        recorder.fill("image/clear", self.image.first(pixels), 0)?;
-        recorder.fill("image/clear", self.depths.first(pixels), f32::INFINITY.to_bits())?;
-        Ok(())
-    }
-}
-
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
@@ -114,19 +101,18 @@ impl Default for Splatter {
 
 impl Splatter {
     /// Bins a window's projected splats and draws them; nothing is read back.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         bins: &mut Bins,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &WindowJob<'_>,
         into: Pixels<'_>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        let device = work.device;
         let window = job.bin.raster.window;
         let mut recorder;
         // Where there is nothing to bin, a device need not be able to.
-        let bin = if is_seen(&job.bin) { bins.bin(device, &job.bin, timeline, facts)? } else { Bin::Nothing };
+        let bin = if is_seen(&job.bin) { bins.bin(device, &job.bin, work.timeline)? } else { Bin::Nothing };
         match bin {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
@@ -137,12 +123,13 @@ impl Splatter {
                 let pixels = bands::pixels(window);
                 self.limits.reserve(device, pixels)?;
                 self.excess.reserve(device, if binned.segments() > 1 { pixels } else { 1 })?;
-                facts.splatted += 1;
+                work.facts.note_binned(binned);
+                work.facts.splatted += 1;
                 recorder = device.recorder()?;
                 self.record(bins, &mut recorder, job, binned, into)?;
             }
         }
-        timeline.add(recorder.submit("splats/visibility and attributes")?);
+        work.timeline.add(recorder.submit("splats/visibility and attributes")?);
         Ok(Outcome::Done)
     }
 
@@ -198,7 +185,7 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
         return Ok(Outcome::Done);
     }
     let mut found = Facts { bands: 0, ..facts.clone() };
-    let outcome = Bins::survey(device, job, &mut found)?;
+    let outcome = found.note_survey(Bins::survey(device, job)?);
     *facts = Facts { splatted: facts.splatted + found.bands, bands: facts.bands, ..found };
     Ok(outcome)
 }

@@ -5,14 +5,16 @@
 //! none is lost. Layers are submitted by the batch, their dispatches indirect: after a layer without a fragment the device
 //! makes those that follow empty, and the host looks only between batches.
 
-use crate::progress::Progress;
+mod engine;
 
-use super::Error;
+pub(crate) use engine::{PeelEngine, pass_group};
+
 use super::abuffer::CountPush;
-use super::bands::{self, Band, Window};
-use super::renderer::{Facts, Target, Timeline};
+use super::engine::Work;
 use super::splat::NearestSplat;
+use super::{Error, Facts, Target};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
@@ -115,8 +117,6 @@ pub struct WindowJob<'a> {
     pub wide: bool,
     /// Layers after which all of them are too many.
     pub limit: u32,
-    /// Counts finished pixels and says how many layers there are so far.
-    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {
@@ -150,14 +150,8 @@ impl Peeler {
     }
 
     /// Peels a window into the target.
-    pub fn render(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<(), Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+        let (device, target) = (work.device, work.target);
         let pixels = bands::pixels(job.raster.window);
         self.reserve(device, job)?;
         let mut recorder = device.recorder()?;
@@ -166,31 +160,26 @@ impl Peeler {
         let arguments = device.upload("layer dispatches", dispatches.as_flattened())?;
         self.record_count(&mut recorder, job)?;
         self.record_nothing(&mut recorder, pixels, target)?;
-        timeline.add(recorder.submit("peel/clear")?);
-        self.note_counts(job, facts)?;
+        work.timeline.add(recorder.submit("peel/clear")?);
+        self.note_counts(job, work.facts)?;
 
-        let layers = self.peel(device, job, arguments.all(), target, timeline)?;
-        facts.layers = facts.layers.max(layers);
+        let layers = self.peel(work, job, arguments.all())?;
+        work.facts.layers = work.facts.layers.max(layers);
         let mut recorder = device.recorder()?;
         target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("image/read-back")?);
-        job.progress.inc(pixels);
+        work.timeline.add(recorder.submit("image/read-back")?);
+        work.finish();
         Ok(())
     }
 
     /// Only counts, if that is asked for.
-    pub fn survey(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<(), Error> {
+    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+        let device = work.device;
         self.reserve(device, job)?;
         let mut recorder = device.recorder()?;
         self.record_count(&mut recorder, job)?;
-        timeline.add(recorder.submit("peel/count")?);
-        self.note_counts(job, facts)
+        work.timeline.add(recorder.submit("peel/count")?);
+        self.note_counts(job, work.facts)
     }
 
     /// List length and peeled layers of every pixel of the window, in its order; what the last counted window left.
@@ -242,14 +231,8 @@ impl Peeler {
     }
 
     /// Batch after batch until nothing is left or enough was peeled; the number of layers.
-    fn peel(
-        &self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        arguments: Slice<'_, u32>,
-        target: &Target,
-        timeline: &mut Timeline,
-    ) -> Result<u32, Error> {
+    fn peel(&self, work: &mut Work<'_>, job: &WindowJob<'_>, arguments: Slice<'_, u32>) -> Result<u32, Error> {
+        let (device, target) = (work.device, work.target);
         let cut = Cut::new(device, job.raster.cloud.len())?;
         let most = job.most();
         let mut recorded = 0;
@@ -260,7 +243,7 @@ impl Peeler {
                 self.record_layer(&mut recorder, job, cut, arguments, target)?;
             }
             recorder.copy("peel/summary", self.work.all(), self.work_host.all())?;
-            timeline.add(recorder.submit("peel/nearest and blend")?);
+            work.timeline.add(recorder.submit("peel/nearest and blend")?);
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;
             if job.peel.layers == 0 && layers > job.limit {
@@ -269,7 +252,7 @@ impl Peeler {
             if u64::from(layers) < recorded || recorded == most {
                 return Ok(layers);
             }
-            job.progress.set_message(format!("rendering, {layers} layers"));
+            work.progress.set_message(format!("rendering, {layers} layers"));
         }
     }
 

@@ -2,15 +2,19 @@
 //! `average`, `unsorted` and `hybrid`. Sums are compensated, so that neither the number of fragments nor where a run
 //! over a tile's splats ends shows in them.
 
+mod engine;
+
+pub(crate) use engine::ApproximateEngine;
+
 use super::abuffer::record_nothing;
-use super::bands::{self, Budget};
-use super::renderer::{Facts, Target, Timeline};
-use super::{Error, Outcome};
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Target};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::passes::bands::{self, Budget};
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
-use crate::scene::{DiscShape, Discs, Hybrid, Method};
+use crate::scene::{DiscShape, Discs};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -120,19 +124,6 @@ pub enum Kind {
     Hybrid(u32),
 }
 
-impl Kind {
-    /// Of a method; `None` if it is no approximation of this module.
-    pub fn of(method: &Method) -> Option<Self> {
-        match method {
-            Method::Weighted(_) => Some(Self::Weighted),
-            Method::Average(_) => Some(Self::Average),
-            Method::Unsorted(_) => Some(Self::Unsorted),
-            Method::Hybrid(Hybrid { k, .. }) => Some(Self::Hybrid(*k)),
-            _ => None,
-        }
-    }
-}
-
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
@@ -160,9 +151,9 @@ fn rounds(k: u32) -> Vec<u32> {
 }
 
 /// Device bytes of a pixel that a method always needs.
-pub fn pixel_bytes(method: &Method) -> u64 {
-    match method {
-        Method::Hybrid(Hybrid { discs, k }) if discs.shape == DiscShape::Oriented => round_bytes(&rounds(*k)),
+pub fn pixel_bytes(kind: Kind, shape: DiscShape) -> u64 {
+    match (kind, shape) {
+        (Kind::Hybrid(k), DiscShape::Oriented) => round_bytes(&rounds(k)),
         _ => 0,
     }
 }
@@ -206,28 +197,27 @@ impl Default for Approximations {
 
 impl Approximations {
     /// Bins a window's splats and accumulates them into the target.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         bins: &mut Bins,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        let (device, target) = (work.device, work.target);
         let (window, rounds) = (job.bin.raster.window, job.rounds());
         let pixels = bands::pixels(window);
         let mut bin = job.bin;
         bin.counted_bytes += pixels * round_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
         let mut recorder;
         let runs = SMALL_WINDOW * run_bytes(&rounds);
-        match bins.bin(device, &bin, timeline, facts).map_err(|error| beside(error, runs))? {
+        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), runs))? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = device.recorder()?;
                 record_nothing(&mut recorder, target, window)?;
             }
             Bin::Done(binned) => {
+                work.facts.note_binned(binned);
                 if binned.segments() > 1 && pixels > SMALL_WINDOW {
                     let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
                     if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
@@ -235,13 +225,13 @@ impl Approximations {
                     }
                 }
                 self.reserve(device, pixels, binned, &rounds)?;
-                facts.bands += 1;
+                work.facts.bands += 1;
                 recorder = device.recorder()?;
                 self.record(bins, &mut recorder, job, binned, &rounds, target)?;
             }
         }
         target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("accumulate")?);
+        work.timeline.add(recorder.submit("accumulate")?);
         Ok(Outcome::Done)
     }
 
@@ -367,12 +357,12 @@ pub fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
 
 /// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, in
 /// each round, and the window's pixels.
-pub fn least_bytes(name: &str, facts: &Facts, method: &Method, tilted: bool, pixels: u64) -> Option<u64> {
+pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
     if !name.ends_with("/accumulate") {
         return None;
     }
-    let rounds = match method {
-        Method::Hybrid(Hybrid { k, .. }) if tilted => rounds(*k).len() as u64,
+    let rounds = match kind {
+        Kind::Hybrid(k) if tilted => rounds(k).len() as u64,
         _ => 1,
     };
     // Rank, then record, footprint and color.
@@ -392,21 +382,20 @@ mod tests {
         assert_eq!(rounds(9), [8, 1]);
         assert_eq!(rounds(24), [8, 8, 8]);
         assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
-        let hybrid = |k, shape| Method::Hybrid(Hybrid { discs: Discs { shape, ..Discs::default() }, k });
-        assert_eq!(pixel_bytes(&hybrid(9, DiscShape::Oriented)), 8);
-        assert_eq!(pixel_bytes(&hybrid(8, DiscShape::Oriented)), 0);
-        assert_eq!(pixel_bytes(&hybrid(9, DiscShape::Flat)), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Oriented), 8);
+        assert_eq!(pixel_bytes(Kind::Hybrid(8), DiscShape::Oriented), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Flat), 0);
         assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
     }
 
     #[test]
     fn least_bytes_by_hand() {
         let facts = Facts { tile_entries: 20, ..Facts::default() };
-        let of = |method: &Method, tilted| least_bytes("hybrid/accumulate", &facts, method, tilted, 100);
-        assert_eq!(of(&Method::Average(Discs::default()), false), Some(20 * 44 + 2000));
-        let hybrid = Method::Hybrid(Hybrid { discs: Discs::default(), k: 9 });
-        assert_eq!(of(&hybrid, false), Some(20 * 44 + 2000));
-        assert_eq!(of(&hybrid, true), Some(2 * (20 * 60 + 2000)));
-        assert_eq!(least_bytes("sorted/blend", &facts, &hybrid, true, 100), None);
+        let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
+        assert_eq!(of(Kind::Average, false), Some(20 * 44 + 2000));
+        let hybrid = Kind::Hybrid(9);
+        assert_eq!(of(hybrid, false), Some(20 * 44 + 2000));
+        assert_eq!(of(hybrid, true), Some(2 * (20 * 60 + 2000)));
+        assert_eq!(least_bytes("sorted/blend", &facts, hybrid, true, 100), None);
     }
 }
