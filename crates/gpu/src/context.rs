@@ -80,7 +80,7 @@ impl Context {
         let (limits, cache_key) = limits(&instance, physical);
         let initial = cache::load("pipelines", &cache_key).unwrap_or_default();
         let cache_info = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
-        // What an earlier run left is a help, no condition.
+        // The cache of an earlier run is optional.
         let (filled, empty) = (cache_info, vk::PipelineCacheCreateInfo::default());
         // SAFETY: the data carry a checksum of ours and the driver checks its own header.
         let pipeline_cache = unsafe {
@@ -209,7 +209,7 @@ impl Drop for Context {
         for (name, bytes) in self.live_allocations() {
             eprintln!("warning: device memory leaked: {name}, {bytes} bytes");
         }
-        // SAFETY: buffers and recorders hold an Arc of this context, so none is left; the queue is idle after the wait.
+        // SAFETY: buffers and recorders hold an Arc of this context, so all are gone; the queue is idle after the wait.
         unsafe {
             // A lost device cannot be waited for; destroying is all that is left then.
             let _ = self.device.device_wait_idle();
@@ -272,7 +272,7 @@ fn create_device(
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(Error::call("vkCreateDevice"))
 }
 
-/// What a device has to keep accesses within bounds, besides robustBufferAccess.
+/// The device's features for keeping accesses within bounds, besides robustBufferAccess.
 #[derive(Default)]
 struct Robustness {
     images: bool,
@@ -321,7 +321,7 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
     let limits = Limits {
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
         range_bytes: u64::from(basic.limits.max_storage_buffer_range),
-        // What is allocated has its guard besides.
+        // The guard is part of each allocation.
         allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],

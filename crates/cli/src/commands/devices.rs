@@ -6,7 +6,7 @@ use clap::Args;
 use pellucid_engine::{Result, gpu, methods};
 use serde_json::json;
 
-use super::talk::{Talk, print, print_json};
+use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {
@@ -18,7 +18,7 @@ pub struct DevicesArgs {
     json: bool,
 }
 
-pub fn run(args: DevicesArgs, _talk: Talk) -> Result<ExitCode> {
+pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
     let (devices, taken) = gpu::devices(args.device.as_deref())?;
     if args.json {
         let list: Vec<_> = devices
@@ -31,10 +31,14 @@ pub fn run(args: DevicesArgs, _talk: Talk) -> Result<ExitCode> {
     let mut text = String::new();
     for d in &devices {
         let mark = if taken == Some(d.index) { '*' } else { ' ' };
-        let lacks = match methods::lacks_for_methods(d) {
-            _ if !d.lacks.is_empty() => d.lacks.join(", "),
-            Some(lacks) => lacks,
-            None => "nothing".to_owned(),
+        let methods = methods::without_subgroups(d);
+        let lacks = if !d.lacks.is_empty() {
+            d.lacks.join(", ")
+        } else if methods.is_empty() {
+            "nothing".to_owned()
+        } else {
+            let methods = methods.join(", ");
+            format!("subgroups of 8 to 32 invocations, which {methods} need, and soft methods with solid points")
         };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
     }

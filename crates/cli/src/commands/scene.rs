@@ -9,7 +9,7 @@ use pellucid_engine::io::volume::{Dims, Scalar};
 use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso};
 use pellucid_engine::{Result, io, output, scene};
 
-use super::talk::{Talk, print};
+use super::console::{Console, print};
 
 #[derive(Debug, Args)]
 pub struct SceneArgs {
@@ -70,7 +70,7 @@ impl VolumeArgs {
     }
 }
 
-pub fn run(args: SceneArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
     if args.list {
         print(&list())?;
         return Ok(ExitCode::SUCCESS);
@@ -82,7 +82,7 @@ pub fn run(args: SceneArgs, talk: Talk) -> Result<ExitCode> {
             None => procedural::build(name, &parameters, args.seed).map_err(scene::Error::from)?,
         };
         write(folder, &generated)?;
-        talk.detail(format_args!("{}: written", folder.join("scene.toml").display()));
+        console.detail(format_args!("{}: written", folder.join("scene.toml").display()));
     }
     Ok(ExitCode::SUCCESS)
 }

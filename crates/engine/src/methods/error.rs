@@ -2,7 +2,6 @@
 
 use bytesize::ByteSize;
 
-use super::TILE_METHODS;
 use crate::passes;
 
 /// Why a frame cannot be rendered.
@@ -124,8 +123,7 @@ pub enum Error {
     NotDealt,
     /// The device has no shuffles.
     #[error(
-        "methods that go through tiles of splats ({}, and the soft ones where there are solid points) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles",
-        TILE_METHODS.join(", ")
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
     )]
     NoSubgroups {
         /// The device.

@@ -36,7 +36,7 @@ pub use explain::Step;
 pub use facts::{Facts, ThinCloud};
 pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
-pub use reach::{TILE_METHODS, lacks_for_methods};
+pub use reach::{need_subgroups, without_subgroups};
 pub use renderer::{Rendered, Renderer};
 pub use sorted::Stop;
 pub use target::{Pixels, Target};

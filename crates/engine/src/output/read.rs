@@ -23,7 +23,7 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 /// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file can
 /// hold.
 pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
-    match Format::of(path)? {
+    match Format::from_extension(path)? {
         Format::Png => decode(path, || read_png(path)),
         Format::Exr => decode(path, || read_exr(path)),
     }
@@ -40,8 +40,8 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
     Ok((BufReader::new(file), metadata.len()))
 }
 
-/// Compares the size that a header claims with what may be, and with the file's length, before memory is taken for it.
-/// `ratio`: pixels that a byte of the file may become.
+/// Compares the size in a header with the limit, and with the file's length, before memory is allocated. `ratio`:
+/// pixels that a byte of the file may expand to.
 fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Result<(), Error> {
     if width.max(height) > u64::from(MAX_SIDE) {
         return Err(Error::TooLarge { path: path.to_owned(), width, height });
@@ -54,7 +54,7 @@ fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Res
     Ok(())
 }
 
-/// Runs a decoder; what is wrong with the file, be it the cause of a panic, becomes an error.
+/// Runs a decoder; any defect of the file, even one that makes it panic, becomes an error.
 fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     guard(decoder).unwrap_or_else(|panic| {
         Err(Error::Decode { path: path.to_owned(), reason: format!("the decoder gave up: {panic}") })

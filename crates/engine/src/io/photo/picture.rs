@@ -1,4 +1,4 @@
-//! PNG, JPEG and TIFF as pixels. What a header claims is compared with the file's length before memory is taken.
+//! PNG, JPEG and TIFF as pixels. A header's claims are compared with the file's length before memory is allocated.
 
 use glam::Vec3;
 
@@ -17,13 +17,13 @@ const ALWAYS_ALLOWED: u64 = 16 << 20;
 /// of 64 samples, or one in a progressive file, are a ratio of at most 1024.
 const ALWAYS_ALLOWED_JPEG: u64 = 1 << 20;
 
-/// A decoded picture, turned as the camera was held (EXIF).
+/// A decoded picture, rotated upright (EXIF).
 pub struct Picture {
     /// Width in pixels, when upright.
     pub width: u32,
     /// Height in pixels, when upright.
     pub height: u32,
-    /// Whether it has an alpha channel.
+    /// True if it has an alpha channel.
     pub has_alpha: bool,
     stored: Bitmap,
     orientation: Orientation,

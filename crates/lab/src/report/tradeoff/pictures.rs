@@ -26,7 +26,7 @@ pub(super) struct Pictures {
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,
-    /// Of each row: index of the picture and of the difference.
+    /// For each row, the indices of its picture and of its difference picture.
     pub rows: Vec<[usize; 2]>,
     /// Width and height of the pictures as they are embedded.
     pub size: [u32; 2],
@@ -34,10 +34,10 @@ pub(super) struct Pictures {
     pub factor: u32,
 }
 
-/// How a block of pixels becomes one.
+/// How to reduce a block of pixels to one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reduce {
-    /// The mean of linear light: what one sees from further away.
+    /// The mean of linear light, which looks like the picture seen from farther away.
     Mean,
     /// The greatest of each channel: a single wrong pixel stays visible.
     Max,
@@ -60,7 +60,7 @@ impl Pictures {
                 uris.len() - 1
             })
         };
-        // Collected in order, so that of several failures always the first is told, whatever the threads did.
+        // Collected in order, so that the first of several failures is reported whatever the threads did.
         let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut indices = read.into_iter().map(&mut index);
         let reference = indices.next().unwrap_or(0);
@@ -70,12 +70,12 @@ impl Pictures {
     }
 }
 
-/// By how much pictures are reduced; there are two for each row, and the reference.
+/// The factor to reduce pictures by. Each row has two of them, and the reference one.
 fn factor(size: [u32; 2], rows: usize) -> u32 {
     let pixels = |factor: u32| size.map(|side| u64::from(side.div_ceil(factor))).iter().product::<u64>();
     let all = |factor: u32| pixels(factor).saturating_mul(2 * rows as u64 + 1);
     let narrow = size[0].div_ceil(MAX_WIDTH).max(1);
-    // In a picture of one pixel there is nothing to reduce.
+    // A picture of one pixel can't be reduced.
     (narrow..).find(|factor| all(*factor) <= MAX_PIXELS || pixels(*factor) <= 1).unwrap_or(narrow)
 }
 

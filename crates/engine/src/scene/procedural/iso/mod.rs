@@ -14,9 +14,9 @@ use crate::io::volume::Volume;
 use field::Field;
 use surface::Surface;
 
-/// What `pellucid scene` calls it.
+/// Its name in `pellucid scene`.
 pub const NAME: &str = "iso";
-/// One line for `--list`.
+/// A single line for `--list`.
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
 /// What `--set` can change.
 pub const PARAMETERS: &[Parameter] = &[
@@ -27,8 +27,8 @@ pub const PARAMETERS: &[Parameter] = &[
 /// Surfaces at most.
 pub const MAX_SURFACES: usize = 8;
 
-/// The outermost surface that is chosen encloses the volume over the first number squared, the innermost one over the second
-/// squared, those between over what lies between: a ninth, 1/49, 1/121.
+/// The outermost chosen surface encloses the volume divided by the square of the first number, the innermost one by the
+/// square of the second. Those between use divisors in between, for example a ninth, 1/49, 1/121.
 const DIVISORS: [f64; 2] = [3.0, 11.0];
 /// The share of a single one.
 const ENCLOSED_BY_ONE: f64 = 0.08;
@@ -62,7 +62,7 @@ pub fn built_in() -> Volume {
 /// surfaces; none: chosen such that they lie within each other.
 ///
 /// # Errors
-/// A parameter that there isn't or out of range, a value without a surface, too many values, a volume without different
+/// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different
 /// values, too little memory.
 pub fn build_iso(volume: &Volume, values: &[f64], parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
     let settings = Values::new(NAME, PARAMETERS, parameters)?;
@@ -123,7 +123,7 @@ fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<V
     values.into_iter().map(surface).collect()
 }
 
-/// Shares of the volume that so many surfaces enclose.
+/// The shares of the volume that the surfaces enclose.
 fn shares(count: usize) -> Vec<f64> {
     if count == 1 {
         return vec![ENCLOSED_BY_ONE];
@@ -142,7 +142,7 @@ fn opacity(place: usize, count: usize) -> f64 {
     }
 }
 
-/// The scene file but for its clouds. Points within a pixel or two of each other are of one layer.
+/// The scene file without its clouds. Points within a pixel or two of each other belong to one layer.
 fn header(surfaces: usize, spacing: f64) -> String {
     let layers = LAYERS[usize::from(surfaces > 1)];
     let min_layer_distance = (LAYER_SPACINGS * spacing) as f32;
@@ -175,5 +175,5 @@ min_layer_distance = {min_layer_distance:?}
     )
 }
 
-/// Layers are so many distances between points apart: a surface that is seen aslant is one layer.
+/// Distance between layers, in point spacings: a surface seen at a grazing angle is one layer.
 const LAYER_SPACINGS: f64 = 6.0;
