@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use super::bytes::PassRuns;
 use super::explain::Plan;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
-use crate::gpu::Device;
+use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, Stats};
@@ -51,6 +51,11 @@ pub(crate) trait Engine {
     /// Samples of a pixel or ensembles that the frame asks for; `None` for engines that draw no random ones.
     fn samples(&self, _frame: &Frame) -> Option<u32> {
         None
+    }
+
+    /// True if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of splats need them.
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        false
     }
 
     /// True if a survey renders into the target, because only rendering yields the frame's counts.

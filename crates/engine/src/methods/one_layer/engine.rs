@@ -1,6 +1,7 @@
 //! The engine of `one-layer`.
 
 use super::record;
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, PassGroup, Plan};
@@ -19,6 +20,10 @@ pub(crate) struct OneLayerEngine {
 }
 
 impl Engine for OneLayerEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + SOLID_BYTES))
     }

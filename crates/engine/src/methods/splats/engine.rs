@@ -1,6 +1,7 @@
 //! The engine of `hqs` and `splats`, and the drawing in three passes that others take for their solid points.
 
 use super::{PASSES, PIXEL_BYTES, WindowJob, least_bytes, survey};
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, PassGroup, Plan};
@@ -21,6 +22,10 @@ pub(crate) struct SplatsEngine {
 }
 
 impl Engine for SplatsEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + PIXEL_BYTES))
     }
