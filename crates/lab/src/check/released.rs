@@ -30,7 +30,7 @@ pub fn released(name: &str) -> Option<f64> {
 /// The table of errors that this release measures: a line for each case that was run.
 pub fn released_table(results: &[(&Case, Verdict)]) -> String {
     let head = "# Errors that `pellucid check` measures on llvmpipe, in the units of the cases.\n\
-                # Written by tests/check.rs with PELLUCID_UPDATE=1.\n";
+                # Written by crates/lab/tests/lab/check.rs with PELLUCID_UPDATE=1.\n";
     let line = |(case, verdict): &(&Case, Verdict)| match verdict {
         Verdict::Found(finding) => format!("{} {:e}\n", case.name, finding.error),
         _ => String::new(),
@@ -59,7 +59,7 @@ impl fmt::Display for Regression {
             )?,
             None => write!(out, "{name}: error {error:.3e}, of which the table of the last release has no line")?,
         }
-        write!(out, " (released.txt); if that is right, run tests/check.rs with PELLUCID_UPDATE=1 and commit the table")
+        write!(out, " (released.txt); if that is right, run crates/lab/tests/lab/check.rs with PELLUCID_UPDATE=1 and commit the table")
     }
 }
 
