@@ -18,7 +18,7 @@ use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Metho
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub use devices::{has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
+pub use devices::{alone, has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
 pub use places::{Clouds, clouds, root, whole_clouds};
 
 /// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
