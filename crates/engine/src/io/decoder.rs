@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::panic;
 
 thread_local! {
-    /// Whether this thread runs a decoder.
+    /// True while this thread runs a decoder.
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -24,7 +24,7 @@ pub fn silence_decoder_panics() {
 /// Runs code of a decoder library; a panic becomes its message.
 pub(crate) fn guard<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
     let outer = QUIET.replace(true);
-    // What a panic leaves behind is dropped by the caller: the file is refused.
+    // The caller drops the state after a panic, because it refuses the file.
     let result = panic::catch_unwind(panic::AssertUnwindSafe(decode));
     QUIET.set(outer);
     result.map_err(|payload| {

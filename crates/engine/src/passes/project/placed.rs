@@ -22,7 +22,7 @@ impl Placed {
         let placed = |surface: &Surface| {
             let range = surface.points.start as usize..surface.points.end as usize;
             let own = points.positions[range].iter().copied();
-            let corners = crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners());
+            let corners = crate::cloud::Bounds::enclosing(own).map_or([surface.center; 8], |bounds| bounds.corners());
             Self { surface: surface.clone(), corners, uniform: is_uniform(points, surface) }
         };
         surfaces.iter().map(placed).collect()
