@@ -7,6 +7,7 @@ mod sample;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use browser::Browser;
 use pellucid_lab::report::tradeoff;
 use pellucid_testing::skip::{NO_BROWSER, skip};
 use serde_json::Value;
