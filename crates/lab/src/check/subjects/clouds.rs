@@ -30,19 +30,19 @@ struct Recipe {
 
 fn cloud(number: u32, recipe: &Recipe) -> Points {
     let between = |[low, high]: [f64; 2], part: f64| (low + (high - low) * part) as f32;
-    let of = |make: &dyn Fn(u32) -> f32| (0..recipe.count).map(make).collect::<Vec<f32>>();
+    let column = |make: &dyn Fn(u32) -> f32| (0..recipe.count).map(make).collect::<Vec<f32>>();
     let places: Vec<(DVec3, DVec3)> = (0..recipe.count).map(|i| (recipe.position)(number, i)).collect();
     let color = |i: u32| Vec3::from_array([0, 1, 2].map(|channel| part(number, i, channel) as f32));
     Points {
         positions: places.iter().map(|(position, _)| position.as_vec3().as_dvec3()).collect(),
         colors: (0..recipe.count).map(color).collect(),
-        opacities: of(&|i| match i % 50 {
+        opacities: column(&|i| match i % 50 {
             // Both ends, now and then.
             7 => 0.0,
             31 => 1.0,
             _ => between(recipe.opacity, part(number, i, 3)),
         }),
-        radii: of(&|i| if i % 40 == 3 { 0.0 } else { between(recipe.radius, part(number, i, 4)) }),
+        radii: column(&|i| if i % 40 == 3 { 0.0 } else { between(recipe.radius, part(number, i, 4)) }),
         // Some are missing.
         normals: Some(
             places
@@ -52,7 +52,7 @@ fn cloud(number: u32, recipe: &Recipe) -> Points {
                 .collect(),
         ),
         file_order: Vec::new(),
-        fields: of(&|i| part(number, i, 5) as f32),
+        fields: column(&|i| part(number, i, 5) as f32),
     }
 }
 
