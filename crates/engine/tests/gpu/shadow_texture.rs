@@ -2,7 +2,6 @@
 //! they hold all points, `src/methods/shadows/lights.rs` tests by itself; what shadows look like, `crates/engine/tests/gpu/shadows.rs`.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::*;
 use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
-use pellucid_engine::cloud::shadow_texture::{Casting, ShadowTexture};
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::prepare::{self, Request};
 use pellucid_engine::scene::{Document, METHODS, Overrides, Setting};
 
