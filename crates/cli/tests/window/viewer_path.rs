@@ -4,10 +4,11 @@
 use std::path::Path;
 use std::time::Duration;
 
+use pellucid_engine::camera::path::CameraPath;
+
 use crate::viewer::display::Display;
 use crate::viewer::garden::with_display;
 use crate::viewer::window::{Window, command};
-use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::read_image;
 
 /// The window, high enough for the panel to show the path.

@@ -114,7 +114,7 @@ mod tests {
     fn groups_are_found_and_zeros_of_two_signs_are_two_places() {
         let ties = Ties::find(&at(&[1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 0.0, -0.0]));
         assert_eq!((ties.places.as_slice(), ties.ends.as_slice()), ([1, 2, 3, 4, 5].as_slice(), [3, 5].as_slice()));
-        assert!(Ties::find(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::of(&[]).is_empty());
+        assert!(Ties::find(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::find(&[]).is_empty());
         let mut both = ties.clone();
         both.extend(&ties, |place| 100 - place);
         assert_eq!(

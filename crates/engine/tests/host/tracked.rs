@@ -6,7 +6,7 @@ use pellucid_engine::cloud::field::Field;
 use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::tracked::{Known, Tracked};
+use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -107,7 +107,7 @@ fn run(seed: u64, steps: usize, met: &mut Met) {
     let counts = [40, one_of(&mut r, &[0, 1, 25]), 30];
     let clouds: Vec<Cloud> = counts.map(|count| cloud(&mut r, count)).into();
     let all: usize = clouds.iter().map(Cloud::len).sum();
-    let mut known = vec![Known::default(); clouds.len()];
+    let mut known = vec![DerivedColumns::default(); clouds.len()];
     let (mut scene, hidden) = (scene(clouds.len()), Progress::hidden());
     let mut tracked: Option<Tracked> = None;
     for step in 0..steps {
@@ -161,7 +161,7 @@ fn settings_one_after_the_other_are_as_good_as_from_scratch() {
 fn points_in_one_place_stand_by_what_they_are() {
     let mut clouds = vec![Cloud { positions: vec![DVec3::ZERO; 3], ..Cloud::default() }];
     clouds[0].alphas = Some(vec![0.25, 1.0, 0.5]);
-    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], Progress::hidden());
+    let (mut scene, mut known, hidden) = (scene(1), vec![DerivedColumns::default()], Progress::hidden());
     scene.clouds[0].radius = Some(1.0);
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, 0, &hidden).unwrap();
     assert_eq!((&*tracked.points().opacities, &*tracked.points().file_order), (&[0.25, 0.5, 1.0][..], &[0, 2, 1][..]));
@@ -201,7 +201,7 @@ fn zeros_of_two_signs_are_two_settings() {
         (positions, colors, singles(&points.opacities), singles(&points.radii), points.file_order.clone())
     };
     for (case, set) in settings.into_iter().enumerate() {
-        let (mut scene, mut known) = (plain(), vec![Known::default(); 2]);
+        let (mut scene, mut known) = (plain(), vec![DerivedColumns::default(); 2]);
         let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
         set(&mut scene);
         let wanted = scene::arrange(&scene, clouds.clone(), SEED, &hidden).unwrap();
@@ -216,7 +216,7 @@ fn zeros_of_two_signs_are_two_settings() {
 fn what_a_cloud_lacks_changes_nothing() {
     let mut r = Pcg64::seed_from_u64(1);
     let clouds = vec![cloud(&mut r, 20), cloud(&mut r, 20)];
-    let (mut scene, mut known, hidden) = (scene(2), vec![Known::default(); 2], Progress::hidden());
+    let (mut scene, mut known, hidden) = (scene(2), vec![DerivedColumns::default(); 2], Progress::hidden());
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
     let good = scene.clone();
@@ -235,7 +235,7 @@ fn what_a_cloud_lacks_changes_nothing() {
 #[test]
 fn who_is_dealt_and_who_is_not_is_another_arrangement() {
     let clouds = vec![cloud(&mut Pcg64::seed_from_u64(2), 20)];
-    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], Progress::hidden());
+    let (mut scene, mut known, hidden) = (scene(1), vec![DerivedColumns::default()], Progress::hidden());
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
     scene.method = Method::Spbr(Spbr::default()).into();
