@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use crate::cloud::Bounds;
 
-/// All points of a scene in one list. The columns are equally long.
+/// All points of a scene in one list. All columns have the same length.
 ///
-/// The order is canonical: it follows from what the points are (position, color, opacity, radius, normal) and not from
-/// the order in the files. Every tie between fragments of equal depth is decided by the index in this list, so that
-/// shuffled input gives the same bytes, and neighbors in space are neighbors in memory (Morton order).
+/// The order is canonical: it follows from the points' values (position, color, opacity, radius, normal) and not from
+/// the order in the files. The index in this list decides every tie between fragments of equal depth, so that shuffled
+/// input gives the same bytes, and neighbors in space are neighbors in memory (Morton order).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
     /// World positions, all finite.
@@ -105,7 +105,7 @@ impl Points {
     }
 }
 
-/// Which columns of a list of points are not what they were; positions are.
+/// Marks the columns of a list of points that changed; positions never do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Changes {
     /// Colors.

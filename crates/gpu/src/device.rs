@@ -339,7 +339,7 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
-    /// Names and sizes of what is allocated: the leak report when it should be empty.
+    /// Names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
     }

@@ -43,7 +43,7 @@ pub(crate) trait Engine {
         Ok(())
     }
 
-    /// Points that are on the device at a time, of a cloud that goes through it during the frame.
+    /// The number of points on the device at a time, for a cloud that is streamed during the frame.
     fn streamed(&self, _device: &Device, _cloud: &DeviceCloud, _frame: &Frame) -> Option<u64> {
         None
     }
@@ -100,7 +100,7 @@ pub(crate) struct Channels {
 pub(crate) enum Fragments {
     /// Not at all.
     Never,
-    /// By passes of their own, where a frame asks for them: images need none.
+    /// In separate passes, if a frame asks for them: images don't need the counts.
     Beside,
     /// By the passes that render.
     Within,

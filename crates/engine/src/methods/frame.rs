@@ -42,7 +42,7 @@ pub struct Frame {
     pub factors: Factors,
 }
 
-/// Factors on what was uploaded, so that another radius or opacity costs no upload.
+/// Factors on the uploaded values, so that another radius or opacity needs no upload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factors {
     /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.

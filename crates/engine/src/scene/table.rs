@@ -1,4 +1,5 @@
-//! Typed reading of a table: every getter checks type and range and names the key, the place and what was expected.
+//! Typed reading of a table: every getter checks type and range; its errors name the key, the position and the
+//! expectation.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};

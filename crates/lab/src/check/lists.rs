@@ -1,4 +1,4 @@
-//! Which methods a case is run for, by what they are: a new method of a family joins the cases of that family.
+//! The methods that a case is run for, by their properties: a new method of a family joins the cases of that family.
 
 use pellucid_engine::scene::{Family, Method, Setting, Soft};
 
