@@ -7,7 +7,7 @@ use super::bands::{self, Budget};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::scene::{DiscShape, Discs, Hybrid, Method};
@@ -16,22 +16,14 @@ use crate::{gpu_struct, group, pass};
 gpu_struct! {
     /// Push constants of the stages; shaders/shared/tile_fold.wgsl says what the members are.
     pub struct SumPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
     }
 }
 
 gpu_struct! {
     /// The same for `hybrid`, and how many fragments are composed exactly.
     pub struct HybridPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         k: u32,
     }
 }
@@ -87,12 +79,6 @@ pass! {
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
-    }
-}
-
-impl From<FoldPush> for SumPush {
-    fn from(FoldPush { columns, tiles, runs, nearest, segment }: FoldPush) -> Self {
-        Self { columns, tiles, runs, nearest, segment }
     }
 }
 
@@ -273,8 +259,7 @@ impl Approximations {
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
-                let FoldPush { columns, tiles: count, runs, nearest, segment } = binned.fold_push(run.number);
-                let push = HybridPush { columns, tiles: count, runs, nearest, segment, k };
+                let push = HybridPush { walk: binned.walk(run.number), k };
                 let over = Run::new(Dispatch::Groups(binned.tiles().into()));
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
@@ -327,7 +312,7 @@ impl Stage {
 
     fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
-            let push = SumPush::from(self.binned.fold_push(run.number));
+            let push = SumPush { walk: self.binned.walk(run.number) };
             let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
             Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
@@ -342,7 +327,7 @@ impl Stage {
         rounds.iter().enumerate().try_for_each(|(i, slots)| {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
-                let push = SumPush::from(self.binned.fold_push(run.number));
+                let push = SumPush { walk: self.binned.walk(run.number) };
                 let over = Run::new(Dispatch::Groups(self.binned.blocks()));
                 Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })

@@ -46,28 +46,28 @@ pass! {
 
 pass! {
     /// The smallest rank that is left, by one 64-bit minimum.
-    pub Nearest(RasterPush) = "peel/nearest" {
+    pub Nearest(RasterPush) = "peel/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<u64>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// The smallest depth that is left, by a 32-bit minimum.
-    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest_depth" {
+    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// The smallest index at that depth.
-    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest_id" {
+    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 

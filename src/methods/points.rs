@@ -23,7 +23,7 @@ gpu_struct! {
 
 pass! {
     /// Depth and index by one 64-bit minimum.
-    pub Nearest(PointsPush) = "points/nearest" {
+    pub Nearest(PointsPush) = "points/nearest" with "nearest_wide" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,
@@ -33,7 +33,7 @@ pass! {
 
 pass! {
     /// Depth by a 32-bit minimum.
-    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest_depth" {
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,
@@ -43,7 +43,7 @@ pass! {
 
 pass! {
     /// Index among those at the smallest depth.
-    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest_id" {
+    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,

@@ -8,7 +8,7 @@ use super::bands;
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Device, Dispatch, Recorder, Run, Variant};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
@@ -16,11 +16,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of `sorted/blend`; the shader says what the members are.
     pub struct BlendPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         most_opacity: f32,
         most_color: f32,
     }
@@ -105,11 +101,9 @@ fn record_blend<'a>(
     let (stop, most_color) = stop(job.stop, job.color, job.most_color);
     let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
-        let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);
-        let most_opacity = cloud.most_opacity();
-        let push = BlendPush { columns, tiles, runs, nearest, segment, most_opacity, most_color };
+        let push = BlendPush { walk: binned.walk(segment), most_opacity: cloud.most_opacity(), most_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
-        recorder.run(&blend, push, &Run::new(Dispatch::Groups(tiles.into())).variant(variant))?;
+        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.tiles().into())).variant(variant))?;
     }
     Ok(())
 }

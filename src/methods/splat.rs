@@ -23,7 +23,7 @@ gpu_struct! {
 
 pass! {
     /// Depth and index by one 64-bit minimum.
-    pub Nearest(RasterPush) = "splat/nearest" {
+    pub Nearest(RasterPush) = "splat/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
@@ -31,7 +31,7 @@ pass! {
 
 pass! {
     /// Depth by a 32-bit minimum.
-    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest_depth" {
+    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -39,7 +39,7 @@ pass! {
 
 pass! {
     /// Index among those at the smallest depth.
-    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest_id" {
+    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }

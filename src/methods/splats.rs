@@ -12,7 +12,7 @@ use super::bands::{self, Window};
 use super::renderer::{Facts, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::scene::Falloff;
@@ -21,11 +21,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of the first two passes; shaders/shared/splats.wgsl says what the members are.
     pub struct SplatsPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         blend_depth: f32,
     }
 }
@@ -169,7 +165,7 @@ impl Splatter {
             behind: job.layer.is_some(),
             subgroup: binned.subgroup(),
         };
-        let over = |number: u32| (push(binned.fold_push(number), job.blend_depth), run(number));
+        let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
         for number in 0..binned.segments() {
             let (push, run) = over(number);
             let groups = Run::new(Dispatch::Groups(binned.blocks()));
@@ -201,11 +197,6 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     let outcome = Bins::survey(device, job, &mut found)?;
     *facts = Facts { splatted: facts.splatted + found.bands, bands: facts.bands, ..found };
     Ok(outcome)
-}
-
-fn push(fold: FoldPush, blend_depth: f32) -> SplatsPush {
-    let FoldPush { columns, tiles, runs, nearest, segment } = fold;
-    SplatsPush { columns, tiles, runs, nearest, segment, blend_depth }
 }
 
 /// One of the runs that it takes to get through the tiles' splats.

@@ -149,13 +149,22 @@ pass! {
 }
 
 gpu_struct! {
-    /// Push constants of stages that go through ordered tiles; shaders/shared/tile_gather.wgsl says what the members are.
-    pub struct TilesPush {
+    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl says
+    /// what the members are.
+    pub struct TileWalk {
         columns: u32,
         first_tile: u32,
         tiles: u32,
         runs: u32,
+        nearest: u32,
         segment: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl says what the members are.
+    pub struct TilesPush {
+        walk: TileWalk,
         band_start: u32,
         band_end: u32,
         first_fragment: u32,
@@ -174,22 +183,6 @@ group! {
         /// Place, pixel and radius, by rank.
         footprints: Read<[u32; 4]>,
     }
-}
-
-/// The first members of the push constants of a stage that goes through tiles with whole splats; shaders/shared/tile_fold.wgsl
-/// says what they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FoldPush {
-    /// Tiles of the window in x.
-    pub columns: u32,
-    /// Tiles of the window.
-    pub tiles: u32,
-    /// Cells of a tile.
-    pub runs: u32,
-    /// Key of the nearest depth.
-    pub nearest: u32,
-    /// Which part of each tile's splats.
-    pub segment: u32,
 }
 
 group! {
@@ -216,7 +209,7 @@ group! {
 pub const PIXEL_BYTES: u64 = 4;
 /// Side of a tile in pixels.
 const TILE_SIDE: u32 = 16;
-/// Side of a block of pixels, `SIDE` in WGSL.
+/// Side of a block of pixels.
 const BLOCK_SIDE: u32 = 8;
 /// Blocks of a tile.
 const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
@@ -294,10 +287,11 @@ pub struct Binned {
 }
 
 impl Binned {
-    /// The first members of the push constants of a stage that goes through all tiles; see shaders/shared/tile_fold.wgsl.
-    pub fn fold_push(&self, segment: u32) -> FoldPush {
-        FoldPush {
+    /// The part `segment` of each tile's splats, of all tiles.
+    pub fn walk(&self, segment: u32) -> TileWalk {
+        TileWalk {
             columns: self.binning.columns,
+            first_tile: 0,
             tiles: self.tiles(),
             runs: self.binning.runs.runs,
             nearest: self.nearest,
@@ -380,11 +374,7 @@ impl<'a> OrderedTiles<'a> {
         let tiles = (last - first + 1) * binning.columns;
         for segment in 0..binned.segments() {
             let push = TilesPush {
-                columns: binning.columns,
-                first_tile: first * binning.columns,
-                tiles,
-                runs: binning.runs.runs,
-                segment,
+                walk: TileWalk { first_tile: first * binning.columns, tiles, ..binned.walk(segment) },
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
@@ -876,6 +866,7 @@ fn blocks(variant: Variant, subgroup: u32) -> Variant {
     variant
         .with("TAKEN", SEGMENT)
         .constant("TILE_SIDE", TILE_SIDE)
+        .constant("BLOCK_SIDE", BLOCK_SIDE)
         .subgroup(subgroup)
         .each("block", BLOCKS)
         .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)

@@ -9,7 +9,7 @@ use crate::methods::bands;
 use crate::methods::renderer::{Facts, Target, Timeline};
 use crate::methods::sorted::{self, Stop};
 use crate::methods::{Error, Outcome};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::project::Footprint;
 use crate::scene::ColorSpace;
 use crate::{gpu_struct, pass};
@@ -17,11 +17,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of `soft/express`; the shader says what the members are.
     pub struct ExpressPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         peak: f32,
         most_color: f32,
     }
@@ -142,11 +138,10 @@ impl SoftDiscs {
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
         let (stop, most_color) = sorted::stop(job.stop, job.color, job.most_color);
         for segment in 0..binned.segments() {
-            let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);
-            let push = ExpressPush { columns, tiles, runs, nearest, segment, peak: job.model.lambda, most_color };
+            let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, most_color };
             let WindowJob { modulated, counted, .. } = *job;
             let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(Dispatch::Groups(tiles.into()));
+            let run = Run::new(Dispatch::Groups(binned.tiles().into()));
             recorder.run(&express, push, &run.variant(express_variant(way, binned.subgroup())))?;
         }
         Ok(())

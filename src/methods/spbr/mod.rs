@@ -123,7 +123,7 @@ pass! {
 
 pass! {
     /// Depth and index by one 64-bit minimum.
-    pub Nearest(SlotsPush) = "spbr/nearest" {
+    pub Nearest(SlotsPush) = "spbr/nearest" with "nearest_wide" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
     }
@@ -131,7 +131,7 @@ pass! {
 
 pass! {
     /// Depth by a 32-bit minimum.
-    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest_depth" {
+    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest" with "nearest_depth" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
     }
@@ -139,7 +139,7 @@ pass! {
 
 pass! {
     /// Index among those at the smallest depth.
-    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest_id" {
+    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest" with "nearest_id" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
     }
@@ -431,6 +431,11 @@ impl WindowJob<'_> {
         self.form == Form::Single && self.planes() == 1
     }
 
+    /// A word of a plane that holds nothing: `spbr/draw` looks for the largest key, the other forms for its smallest complement.
+    fn nothing(&self) -> u32 {
+        if self.form == Form::Single { 0 } else { u32::MAX }
+    }
+
     /// Whether there are more rounds than epochs of planes that no fill can clear.
     pub fn is_renewed(&self) -> bool {
         self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
@@ -510,7 +515,7 @@ impl Ensembles {
             let submission = self.next_submission(job, &mut tasks);
             let mut recorder = device.recorder()?;
             if submissions == 0 {
-                self.record_clear(&mut recorder)?;
+                self.record_clear(&mut recorder, job)?;
             }
             self.stream.record(&mut recorder)?;
             for task in &submission {
@@ -581,8 +586,8 @@ impl Ensembles {
         Ok(())
     }
 
-    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
         recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
         recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
         recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
@@ -592,7 +597,7 @@ impl Ensembles {
     /// Records that planes are empty again.
     fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
         if !job.is_inline() {
-            recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+            recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
             return Ok(());
         }
         let pass = Renew { pixels: self.pixels.get().all().cast() };

@@ -4,7 +4,7 @@ use super::{Batch, Kind, Sampler, WindowJob};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::methods::Error;
 use crate::methods::renderer::Target;
-use crate::passes::bin::{self, FoldPush, FoldingGroup, OrderedTiles};
+use crate::passes::bin::{self, FoldingGroup, OrderedTiles, TileWalk};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
@@ -12,11 +12,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of both passes; shaders/shared/stochastic.wgsl says what the members are.
     pub struct StochasticPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         pixels: u32,
         before: u32,
         left: u32,
@@ -83,7 +79,7 @@ impl Sampler {
         let shape = compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff);
         let binned = tiles.binned;
         let runs = |segment: u32| {
-            let push = push(job, binned.fold_push(segment), batch);
+            let push = push(job, binned.walk(segment), batch);
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
         };
         let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
@@ -101,10 +97,9 @@ impl Sampler {
     }
 }
 
-fn push(job: &WindowJob<'_>, fold: FoldPush, Batch { before, left, .. }: Batch) -> StochasticPush {
-    let FoldPush { columns, tiles, runs, nearest, segment } = fold;
+fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) -> StochasticPush {
     let [key_low, key_high] = random::key(job.seed);
     let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
     let pixels = job.pixels() as u32;
-    StochasticPush { columns, tiles, runs, nearest, segment, pixels, before, left, key_low, key_high }
+    StochasticPush { walk, pixels, before, left, key_low, key_high }
 }
