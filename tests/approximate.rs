@@ -5,12 +5,12 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Shading, ShadingModel};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Hybrid, Method, Shading, ShadingModel};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
@@ -42,7 +42,7 @@ fn rendered(device: &Device, points: &Points, frame: &Frame) -> Rendered {
 }
 
 #[track_caller]
-fn assert_equals(found: &pellucid::image::Image, wanted: &Picture, bound: f64, what: &dyn std::fmt::Debug) {
+fn assert_equals(found: &pellucid_engine::image::Image, wanted: &Picture, bound: f64, what: &dyn std::fmt::Debug) {
     let (largest, _) = difference(found, wanted, 0.0);
     assert!(largest < bound, "{what:?}: {largest}");
     assert_eq!(found.fragments.as_deref(), Some(&wanted.counts[..]), "{what:?}");
@@ -112,7 +112,7 @@ fn crossing_discs_are_composed_by_their_depths_in_each_pixel() {
 }
 
 /// Largest difference of two images.
-fn apart(a: &pellucid::image::Image, b: &pellucid::image::Image) -> f32 {
+fn apart(a: &pellucid_engine::image::Image, b: &pellucid_engine::image::Image) -> f32 {
     assert_eq!(a.depth, b.depth);
     let pairs = a.rgba.iter().flatten().zip(b.rgba.iter().flatten());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)

@@ -9,8 +9,8 @@ mod camera_paths {
 }
 
 use glam::DVec3;
-use pellucid::camera::Projection;
-use pellucid::camera::path::{CameraPath, Curve, Defaults, Key};
+use pellucid_engine::camera::Projection;
+use pellucid_engine::camera::path::{CameraPath, Curve, Defaults, Key};
 
 /// Z is up, 50° to see.
 fn defaults() -> Defaults {

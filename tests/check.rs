@@ -3,7 +3,7 @@
 mod common;
 
 use common::with_device;
-use pellucid::check::{self, Group, Verdict};
+use pellucid_lab::check::{self, Group, Verdict};
 
 #[test]
 fn every_case_passes_and_would_notice_the_naive_formula() {
@@ -39,7 +39,7 @@ fn names_differ() {
 #[test]
 fn every_method_has_hard_cases() {
     let cases = check::cases();
-    for method in pellucid::scene::METHODS {
+    for method in pellucid_engine::scene::METHODS {
         let of = cases.iter().filter(|case| case.name.split('/').next() == Some(*method));
         assert!(*method == "auto" || of.count() > 0, "{method} has none");
     }
@@ -47,7 +47,7 @@ fn every_method_has_hard_cases() {
 
 #[test]
 fn the_page_about_numerics_holds_them_all() {
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/numerics.md");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/numerics.md");
     let page = std::fs::read_to_string(page).expect("docs/numerics.md");
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
     let cases = check::cases();

@@ -8,8 +8,8 @@ use std::process::Output;
 use assert_cmd::Command;
 use common::{data, with_device};
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::output::read_image;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::output::read_image;
 use tempfile::TempDir;
 
 /// Runs the binary; quiet, since what real files deserve a warning for is not this test's business.
@@ -62,7 +62,7 @@ fn info_counts_the_points() {
 fn prepared(folder: &TempDir, file: &Path, args: &[&str]) -> (Cloud, Cloud) {
     let output = pellucid(folder, &[&["prepare", "-o", "out.ply"], args].concat(), file);
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    let load = |path: &Path| pellucid::io::load(path, &ProgressBar::hidden()).unwrap();
+    let load = |path: &Path| pellucid_engine::io::load(path, &ProgressBar::hidden()).unwrap();
     let (source, cloud) = (load(file), load(&folder.path().join("out.ply")));
     let plain = Cloud { prepared: None, radii: source.radii.clone(), ..cloud.clone() };
     assert_eq!(plain, source, "every column, to the bit");
@@ -79,7 +79,7 @@ fn real_clouds_are_prepared() {
     let classes = ["--field", "classification", "--soft-classes", "1"];
     let (source, delft) = prepared(&folder, &data.join("lidar/ahn3_delft_classified.laz"), &classes);
     let soft = fields(&delft).iter().filter(|f| **f == 1.0).count();
-    assert_eq!((soft, delft.up), (196_137, pellucid::cloud::UpAxis::Z));
+    assert_eq!((soft, delft.up), (196_137, pellucid_engine::cloud::UpAxis::Z));
     let radii = delft.radii.unwrap();
     for i in (0..source.len()).step_by(50_000) {
         let mut squared: Vec<f64> = source.positions.iter().map(|p| p.distance_squared(source.positions[i])).collect();

@@ -8,12 +8,12 @@ mod common;
 use std::collections::HashSet;
 
 use common::{with_device, with_device_that_binds};
-use pellucid::check::{self, Follows, Subject};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Error, Facts, Frame, Rendered, Renderer};
-use pellucid::points::Arranged;
-use pellucid::scene::{Discs, Method};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
+use pellucid_engine::points::Arranged;
+use pellucid_engine::scene::{Discs, Method};
+use pellucid_lab::check::{self, Follows, Subject};
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
 struct Known {

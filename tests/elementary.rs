@@ -4,8 +4,8 @@ mod common;
 
 use common::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 use glam::Vec3;
-use pellucid::methods::Frame;
-use pellucid::scene::{ColorSpace, Discs, Falloff, Method};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::scene::{ColorSpace, Discs, Falloff, Method};
 
 #[test]
 fn encoded_colors_are_the_curve_of_srgb() {

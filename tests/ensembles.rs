@@ -7,8 +7,8 @@ use indicatif::ProgressBar;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use pellucid::points::Points;
-use pellucid::prepare::ensembles::{Dealt, deal, slots};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::ensembles::{Dealt, deal, slots};
 
 fn random(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
@@ -38,7 +38,7 @@ fn density(positions: &[DVec3]) -> f64 {
 
 /// As the paper has it, rims, centres and all: every sphere's points, its centre among them, over its great circle.
 fn uncorrected(positions: &[DVec3]) -> f64 {
-    let bounds = pellucid::cloud::Bounds::of(positions.iter().copied()).unwrap();
+    let bounds = pellucid_engine::cloud::Bounds::of(positions.iter().copied()).unwrap();
     let radius = bounds.diagonal() / 50.0;
     let step = positions.len().div_ceil(1000);
     let centers: Vec<DVec3> = positions.iter().copied().step_by(step).collect();
@@ -241,7 +241,7 @@ fn a_shuffle_keeps_the_points_and_follows_from_the_seed_alone() {
         assert_ne!(rows(&dealt(vec![points.clone()], other).points), rows(&one.points));
     }
     // The first words are those of Threefry, so that every machine has them.
-    assert_ne!(rows(&one.points), rows(&pellucid::prepare::order::canonical(points)));
+    assert_ne!(rows(&one.points), rows(&pellucid_engine::prepare::order::canonical(points)));
 }
 
 #[test]

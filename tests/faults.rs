@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use pellucid::gpu::{Device, DeviceOptions};
+use pellucid_engine::gpu::{Device, DeviceOptions};
 use tempfile::TempDir;
 
 /// A command that writes.
@@ -120,7 +120,7 @@ fn place() -> TempDir {
             // Such that a PNG of the difference has some size.
             let pixel = |i: usize| [factor, 59, 83].map(|factor| (i * i * factor % 251) as f32 / 251.0);
             let pixels: Vec<_> = (0..40 * 30).map(pixel).collect();
-            pellucid::output::write_rgb_png(&inside(name), [40, 30], &pixels).unwrap();
+            pellucid_engine::output::write_rgb_png(&inside(name), [40, 30], &pixels).unwrap();
         }
         folder
     });

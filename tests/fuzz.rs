@@ -26,7 +26,7 @@ fn run(body: Body, input: &[u8]) -> Result<(), String> {
 }
 
 fn folder(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(name)
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("fuzz").join(name)
 }
 
 /// The entries of a folder, in order.

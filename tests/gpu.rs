@@ -7,9 +7,9 @@ use std::path::Path;
 
 use common::{P, at_pixel, frame, pixel_camera, render, scene, with_device};
 use glam::Vec3;
-use pellucid::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
-use pellucid::passes::scan::{self, Scan, ScanPush};
-use pellucid::scene::{Discs, Method};
+use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuType, Memory, Run, devices};
+use pellucid_engine::passes::scan::{self, Scan, ScanPush};
+use pellucid_engine::scene::{Discs, Method};
 
 /// Uploads, reads all and a part.
 fn assert_round_trip<T: GpuType + PartialEq + std::fmt::Debug>(device: &Device, content: &[T]) {

@@ -15,7 +15,7 @@ mod io {
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
+use pellucid_engine::cloud::Cloud;
 use tempfile::TempDir;
 
 /// A folder with one file in it, gone after the test.
@@ -33,12 +33,12 @@ impl Folder {
     }
 }
 
-fn load(path: &Path) -> Result<Cloud, pellucid::io::Error> {
-    pellucid::io::load(path, &ProgressBar::hidden())
+fn load(path: &Path) -> Result<Cloud, pellucid_engine::io::Error> {
+    pellucid_engine::io::load(path, &ProgressBar::hidden())
 }
 
 /// Loads some bytes as a file of that name.
-fn load_bytes(name: &str, bytes: impl AsRef<[u8]>) -> Result<Cloud, pellucid::io::Error> {
+fn load_bytes(name: &str, bytes: impl AsRef<[u8]>) -> Result<Cloud, pellucid_engine::io::Error> {
     load(&Folder::new().file(name, bytes))
 }
 

@@ -4,17 +4,17 @@ mod common;
 
 use common::*;
 use glam::Vec3;
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference;
-use pellucid::scene::{DiscShape, Discs, LongLists, Method};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference;
+use pellucid_engine::scene::{DiscShape, Discs, LongLists, Method};
 use rand::seq::SliceRandom;
 
 fn linked() -> Method {
     Method::LinkedList(Discs::default())
 }
 
-fn render_all(device: &pellucid::gpu::Device, points: &Points, frame: &Frame) -> Rendered {
+fn render_all(device: &pellucid_engine::gpu::Device, points: &Points, frame: &Frame) -> Rendered {
     let mut renderer = Renderer::new(device).expect("a renderer");
     let mut cloud = renderer.upload(points).expect("fits");
     renderer.render(&mut cloud, frame).expect("renders")

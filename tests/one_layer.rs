@@ -5,15 +5,15 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Error, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::prepare::order;
-use pellucid::reference::coverage::{Shape, margin_px};
-use pellucid::reference::{self, one_layer, splats};
-use pellucid::scene::{BlendedSplats, ColorSpace, Method, OneLayer, ScreenSplats, Shading, ShadingModel};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::coverage::{Shape, margin_px};
+use pellucid_engine::reference::{self, one_layer, splats};
+use pellucid_engine::scene::{BlendedSplats, ColorSpace, Method, OneLayer, ScreenSplats, Shading, ShadingModel};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use glam::Vec3;
-use pellucid::color::{decode_srgb, encode_srgb};
-use pellucid::image::Image;
-use pellucid::output::{Error, WriteOptions, check_target, read_image, write_atomically, write_image};
-use pellucid::scene::ColorSpace;
+use pellucid_engine::color::{decode_srgb, encode_srgb};
+use pellucid_engine::image::Image;
+use pellucid_engine::output::{Error, WriteOptions, check_target, read_image, write_atomically, write_image};
+use pellucid_engine::scene::ColorSpace;
 
 fn options() -> WriteOptions {
     let metadata = ["scene", "method", "settings", "device", "version", "seed"];
@@ -135,7 +135,7 @@ fn exr_holds_float_channels_and_the_metadata() {
         let Some(AttributeValue::Text(text)) = found else { panic!("{name}: {found:?}") };
         assert_eq!(text.as_slice(), value.as_bytes(), "{name}");
     }
-    let without = pellucid::image::Image { fragments: None, layers: None, ..frame() };
+    let without = pellucid_engine::image::Image { fragments: None, layers: None, ..frame() };
     write_image(&path, &without, &options()).unwrap();
     assert_eq!(read_first_flat_layer_from_file(&path).unwrap().layer_data.channel_data.list.len(), 5);
 }

@@ -4,12 +4,12 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference;
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference;
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
 use rand::seq::SliceRandom;
 
 const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];

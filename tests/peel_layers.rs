@@ -7,12 +7,12 @@ use std::path::Path;
 use common::*;
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::methods::{Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{
     self, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
 };
 use rand::seq::SliceRandom;

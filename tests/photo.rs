@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use indicatif::ProgressBar;
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::color::decode_srgb;
-use pellucid::io::photo::{Heights, Photo};
-use pellucid::io::{Error, Hints, load, load_with};
-use pellucid::scene::{self, Overrides, Scene};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::photo::{Heights, Photo};
+use pellucid_engine::io::{Error, Hints, load, load_with};
+use pellucid_engine::scene::{self, Overrides, Scene};
 use tempfile::TempDir;
 
 fn write(folder: &TempDir, name: &str, picture: &DynamicImage) -> PathBuf {
@@ -74,7 +74,7 @@ fn jpeg_is_read_to_its_precision() {
     assert_eq!(cloud.len(), 24 * 16);
     let wanted = Vec3::new(200.0, 100.0, 50.0);
     for color in cloud.colors.unwrap() {
-        let encoded = Vec3::from_array(color.to_array().map(pellucid::color::encode_srgb)) * 255.0;
+        let encoded = Vec3::from_array(color.to_array().map(pellucid_engine::color::encode_srgb)) * 255.0;
         // One quantisation step of the encoder, and rounding to and from YCbCr.
         assert!(encoded.distance(wanted) < 6.0, "{encoded}");
     }
@@ -261,7 +261,7 @@ fn keys_of_the_scene() {
     assert_eq!(scene.clouds[0].photo.as_ref().unwrap().origin, Some(DVec3::splat(5.0)));
     let ply = folder.path().join("cloud.ply");
     let cloud = Cloud { positions: vec![DVec3::ZERO], ..Cloud::default() };
-    pellucid::io::ply::write(&ply, &cloud).unwrap();
+    pellucid_engine::io::ply::write(&ply, &cloud).unwrap();
     assert!(load(&ply, &progress).is_ok());
     let photo = Photo::default();
     let hints = Hints { photo: Some(&photo), ..Hints::default() };

@@ -4,10 +4,10 @@ mod common;
 
 use common::{P, at_pixel, frame, perspective, pixel_camera, scene, soup, with_device};
 use glam::{DVec3, Vec3};
-use pellucid::methods::{Facts, Renderer};
-use pellucid::plan::{plan, resolve};
-use pellucid::points::Points;
-use pellucid::scene::{
+use pellucid_engine::methods::{Facts, Renderer};
+use pellucid_engine::plan::{plan, resolve};
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{
     BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, OneLayer, Peel, PeelLayers, Raster,
     ScreenSplats, Soft, Stochastic,
 };
@@ -91,7 +91,8 @@ fn a_survey_finds_what_a_frame_meets() {
         ];
         for method in methods {
             for memory_budget in [None, Some(200_000)] {
-                let frame = pellucid::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
+                let frame =
+                    pellucid_engine::methods::Frame { memory_budget, ..frame(perspective(), [150, 100], method) };
                 let mut renderer = Renderer::new(device).expect("a renderer");
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");

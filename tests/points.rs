@@ -5,11 +5,11 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::points::Points;
-use pellucid::scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{ColorSpace, Light, Method, Raster, ScreenSplats, Shading, ShadingModel};
 use rand::RngExt;
 
 /// Discs of radius 0: one pixel each, by way of splats.

@@ -2,10 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::points::Points;
-use pellucid::prepare::uncertainty::{self, Surface};
-use pellucid::prepare::{order, radius};
-use pellucid::reference;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::uncertainty::{self, Surface};
+use pellucid_engine::prepare::{order, radius};
+use pellucid_engine::reference;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -377,7 +377,7 @@ fn normals_of_a_sphere_are_estimated_and_given_ones_kept() {
 
 #[test]
 fn plants_of_the_garden_are_less_certain_than_the_house() {
-    let garden = pellucid::scene::procedural::build("garden", &[("points".to_owned(), 100_000.0)], 0).unwrap();
+    let garden = pellucid_engine::scene::procedural::build("garden", &[("points".to_owned(), 100_000.0)], 0).unwrap();
     let soft = |name: &str| {
         let (_, cloud) = garden.clouds.iter().find(|(cloud, _)| cloud == name).expect(name);
         let fields = surface(&cloud.positions, cloud.normals.as_deref(), 24).fields;

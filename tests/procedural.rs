@@ -1,10 +1,10 @@
 //! The built-in scenes: reproducible, on the grids a PLY file keeps, and with the depth complexity they promise.
 
 use glam::DVec3;
-use pellucid::cloud::Cloud;
-use pellucid::color::decode_srgb;
-use pellucid::io::volume::Volume;
-use pellucid::scene::procedural::{BUILTINS, Error, Generated, build, iso};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::volume::Volume;
+use pellucid_engine::scene::procedural::{BUILTINS, Error, Generated, build, iso};
 
 mod common;
 
@@ -443,7 +443,7 @@ fn real_volumes_have_nested_surfaces() {
             eprintln!("skipped: no {}", path.display());
             continue;
         }
-        let volume = pellucid::io::volume::read(&path, None, None).unwrap();
+        let volume = pellucid_engine::io::volume::read(&path, None, None).unwrap();
         assert_eq!(volume.dims, [64; 3]);
         let made = iso::build_iso(&volume, &[], &set(&[("points", 20_000.0), ("surfaces", surfaces)]), 0).unwrap();
         assert_eq!((made.clouds.len() as f64, total(&made)), (surfaces, 20_000));

@@ -5,10 +5,10 @@ mod common;
 use std::time::Duration;
 
 use common::{frame, perspective, scene, soup, with_device};
-use pellucid::gpu::PassTime;
-use pellucid::methods::{Facts, FrameProfile, PassProfile, Renderer};
-use pellucid::profile::{Profile, copy_rate, histogram};
-use pellucid::scene::{Discs, Method};
+use pellucid_engine::gpu::PassTime;
+use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
+use pellucid_engine::profile::{Profile, copy_rate, histogram};
+use pellucid_engine::scene::{Discs, Method};
 use serde_json::json;
 
 /// Two frames of two passes; the second one ran twice in the first frame.
@@ -90,7 +90,7 @@ fn the_trace_has_an_event_for_every_dispatch_and_frame() {
 #[test]
 fn the_table_has_least_median_and_greatest_times_and_rates() {
     // 2^20 bytes in a median of 6 ms are 174.76 MB/s: 35% of 0.5 GB/s.
-    let table = by_hand().table(Some(0.5e9));
+    let table = pellucid_lab::profile_table(&by_hand(), Some(0.5e9));
     let columns = |name: &str| -> Vec<String> {
         let row = table.lines().find(|line| line.split_whitespace().next() == Some(name)).expect(name);
         row.split_whitespace().map(str::to_owned).collect()
@@ -101,7 +101,7 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
     for part in ["passes 8.00 ms of 10.00 ms submitted (80.0%)", "read-back 15.00 ms", "2 frame(s)", "12 pixels"] {
         assert!(table.contains(part), "{part:?} in {table}");
     }
-    assert!(!by_hand().table(None).contains("copy rate of this device"));
+    assert!(!pellucid_lab::profile_table(&by_hand(), None).contains("copy rate of this device"));
 }
 
 #[test]

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{random, with_device};
-use pellucid::gpu::{Device, DeviceOptions, Dispatch, Memory, Run};
-use pellucid::passes::radix::{self, Radix, RadixPush};
-use pellucid::passes::scan::Scan;
+use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Memory, Run};
+use pellucid_engine::passes::radix::{self, Radix, RadixPush};
+use pellucid_engine::passes::scan::Scan;
 use rand::RngExt;
 
 fn sorted(device: &Device, keys: &[u32], bits: u32) -> Vec<[u32; 2]> {

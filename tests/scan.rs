@@ -3,9 +3,9 @@
 mod common;
 
 use common::{random, with_device};
-use pellucid::gpu::{Device, Memory};
-use pellucid::passes::scan::Scan;
-use pellucid::reference;
+use pellucid_engine::gpu::{Device, Memory};
+use pellucid_engine::passes::scan::Scan;
+use pellucid_engine::reference;
 use rand::RngExt;
 
 /// Offsets and the overflow flag.

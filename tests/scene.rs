@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::camera::{Camera, Projection};
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::points::Points;
-use pellucid::prepare::field::Field;
-use pellucid::scene::*;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::*;
 
 const CLOUD: &str = "[[cloud]]\npath = \"a.ply\"\n";
 

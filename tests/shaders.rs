@@ -1,23 +1,23 @@
 //! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
 
-use pellucid::gpu::shader::{self, WORKGROUP};
-use pellucid::gpu::{Agree, Pass, Variant};
-use pellucid::methods::approximate::{OneRun, Round};
-use pellucid::methods::image_space::{Filter, Listed};
-use pellucid::methods::soft::express::{self, Way};
-use pellucid::methods::soft::{self, Interior, Kind};
-use pellucid::methods::spbr::{self, Stage};
-use pellucid::methods::stochastic::hardware;
-use pellucid::methods::{
+use pellucid_engine::gpu::shader::{self, WORKGROUP};
+use pellucid_engine::gpu::{Agree, Pass, Variant};
+use pellucid_engine::methods::approximate::{OneRun, Round};
+use pellucid_engine::methods::image_space::{Filter, Listed};
+use pellucid_engine::methods::soft::express::{self, Way};
+use pellucid_engine::methods::soft::{self, Interior, Kind};
+use pellucid_engine::methods::spbr::{self, Stage};
+use pellucid_engine::methods::stochastic::hardware;
+use pellucid_engine::methods::{
     abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, shadows, sorted, splat,
     splats, stochastic,
 };
-use pellucid::passes::bin::{self, Order};
-use pellucid::passes::compose::{self, Cut};
-use pellucid::passes::project::{self, Footprint, Part, Projecting};
-use pellucid::passes::{radix, raster, scan, tiles};
-use pellucid::scene::{ColorSpace, Falloff, Relief, Shading, ShadingModel, Shells};
-use pellucid::{gpu_struct, pass};
+use pellucid_engine::passes::bin::{self, Order};
+use pellucid_engine::passes::compose::{self, Cut};
+use pellucid_engine::passes::project::{self, Footprint, Part, Projecting};
+use pellucid_engine::passes::{radix, raster, scan, tiles};
+use pellucid_engine::scene::{ColorSpace, Falloff, Relief, Shading, ShadingModel, Shells};
+use pellucid_engine::{SHADERS, gpu_struct, pass};
 
 /// Sizes of subgroups that a device may have.
 const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
@@ -333,13 +333,13 @@ fn every_shader_matches_its_pass_in_every_variant() {
     check::<abuffer::ResolveOrdered>(&mut seen, ordered);
 
     let forgotten: Vec<String> =
-        shader::stems().into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();
+        shader::stems(&SHADERS).into_iter().filter(|s| s != "splat/quad.vert" && !seen.contains(&s.as_str())).collect();
     assert_eq!(forgotten, Vec::<String>::new(), "shader files that no pass uses");
 }
 
 #[test]
 fn every_compute_shader_has_the_common_workgroup() {
-    for stem in shader::stems() {
+    for stem in shader::stems(&SHADERS) {
         let variant = match stem.as_str() {
             "sorted/blend" => blend_variants().remove(0),
             "stochastic/visibility" | "stochastic/accumulate" => stochastic_variants().remove(0).0,
@@ -360,7 +360,7 @@ fn every_compute_shader_has_the_common_workgroup() {
             }
             _ => abuffer::class_variant().constant("CAPACITY", 64).constant("BLOCK", 4).network(4).walker("walk_small"),
         };
-        let (stage, workgroup) = shader::entry_point(&stem, &variant).expect("a valid shader");
+        let (stage, workgroup) = shader::entry_point(&SHADERS, &stem, &variant).expect("a valid shader");
         if stem == "splat/quad.vert" {
             assert_eq!(format!("{stage:?}"), "Vertex");
         } else if stem.starts_with("stochastic/draw_") {
@@ -511,7 +511,7 @@ fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
     assert_eq!(calls("let a = exp(-x) + my_log(y) / length3(v); // pow(x)"), ["exp"]);
     assert_eq!(calls("fn f(length: f32) { return length; }"), Vec::<&str>::new());
 
-    let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")];
+    let mut folders = vec![std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../engine")).join("shaders")];
     let mut files = 0;
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a folder of shaders") {

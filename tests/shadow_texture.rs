@@ -5,14 +5,14 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::gpu::Device;
-use pellucid::methods::shadows::lights;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::plan::plan;
-use pellucid::points::Points;
-use pellucid::prepare::shadows::Casting;
-use pellucid::reference::shadows::clearances;
-use pellucid::scene::{Light, Method, Shading, ShadingModel, Shadows};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::shadows::lights;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::plan::plan;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::shadows::Casting;
+use pellucid_engine::reference::shadows::clearances;
+use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 
 const SUN: Light = Light::Direction(DVec3::new(0.5, -1.0, -0.4));
 /// Before the cloud, in its midst, and so near that it needs a cube of images.

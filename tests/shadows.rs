@@ -8,15 +8,15 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::shadows::lights;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::points::Points;
-use pellucid::reference;
-use pellucid::reference::shadows::Frames;
-use pellucid::scene::{
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::shadows::lights;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference;
+use pellucid_engine::reference::shadows::Frames;
+use pellucid_engine::scene::{
     BlendedSplats, Discs, ImageSpace, Interpolated, Light, Method, PeelLayers, ScreenSplats, Shading, ShadingModel,
     Shadows,
 };
@@ -416,7 +416,7 @@ fn where_there_is_no_light_to_miss_nothing_changes() {
     });
 }
 
-fn casts(passes: &[pellucid::methods::PassProfile]) -> bool {
+fn casts(passes: &[pellucid_engine::methods::PassProfile]) -> bool {
     passes.iter().any(|pass| pass.name.starts_with("shadows/"))
 }
 

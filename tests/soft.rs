@@ -4,15 +4,15 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Error, Facts, Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::prepare::order;
-use pellucid::reference::shading::shade;
-use pellucid::reference::soft::{self, Behind, Model};
-use pellucid::scene::{Density, Method, Shells, Soft, SoftLayout};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::shading::shade;
+use pellucid_engine::reference::soft::{self, Behind, Model};
+use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout};
 use rand::RngExt;
 
 /// A soft point if its field is above 0.5.

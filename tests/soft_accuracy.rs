@@ -6,16 +6,16 @@ use std::f64::consts::PI;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::points::Points;
-use pellucid::prepare::order;
-use pellucid::reference::coverage::{Shape, margin_px};
-use pellucid::reference::soft::{Behind, Model, Ray, Scene};
-use pellucid::reference::{Picture, splats};
-use pellucid::scene::{BlendedSplats, Density, Method, Shells, Soft};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::coverage::{Shape, margin_px};
+use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
+use pellucid_engine::reference::{Picture, splats};
+use pellucid_engine::scene::{BlendedSplats, Density, Method, Shells, Soft};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 

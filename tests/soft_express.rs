@@ -5,17 +5,17 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::camera::Projection::{Orthographic, Perspective};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::points::Points;
-use pellucid::prepare::axes::Axis;
-use pellucid::prepare::order;
-use pellucid::reference::soft::{Behind, Model, Scene};
-use pellucid::reference::{self, Picture, coverage};
-use pellucid::scene::{Density, DiscShape, Discs, Method, Soft};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::camera::Projection::{Orthographic, Perspective};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::axes::Axis;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::soft::{Behind, Model, Scene};
+use pellucid_engine::reference::{self, Picture, coverage};
+use pellucid_engine::scene::{Density, DiscShape, Discs, Method, Soft};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 

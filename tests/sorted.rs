@@ -5,15 +5,15 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::camera::Projection::{Orthographic, Perspective};
-use pellucid::color::{encode_srgb, encode_srgb_f64};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Error, Frame, Rendered, Renderer, Stop};
-use pellucid::points::Points;
-use pellucid::reference;
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::camera::Projection::{Orthographic, Perspective};
+use pellucid_engine::color::{encode_srgb, encode_srgb_f64};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference;
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 

@@ -7,16 +7,16 @@ use std::sync::Arc;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::spbr::Form;
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::plan::plan;
-use pellucid::points::Points;
-use pellucid::prepare::ensembles::{Dealt, Surface};
-use pellucid::reference::spbr as reference;
-use pellucid::scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::spbr::Form;
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::plan::plan;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::ensembles::{Dealt, Surface};
+use pellucid_engine::reference::spbr as reference;
+use pellucid_engine::scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
 use rand::RngExt;
 
 const SIZE: [u32; 2] = [80, 60];

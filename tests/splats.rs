@@ -5,15 +5,15 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Error, Factors, Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference::coverage::{Shape, margin_px};
-use pellucid::reference::splats::{self, Fragment};
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Factors, Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::coverage::{Shape, margin_px};
+use pellucid_engine::reference::splats::{self, Fragment};
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
 use rand::seq::SliceRandom;
 
 const SHAPES: [Shape; 3] = [Shape::Disc, Shape::Square, Shape::Oriented];

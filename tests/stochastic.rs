@@ -5,17 +5,17 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Frame, Renderer};
-use pellucid::passes::project::DeviceCloud;
-use pellucid::points::Points;
-use pellucid::random::{mask, word};
-use pellucid::reference::abuffer::{Fragment, depth_margin, lists};
-use pellucid::reference::stochastic::render_with;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{DiscShape, Discs, Falloff, Method, Stochastic};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Renderer};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::points::Points;
+use pellucid_engine::random::{mask, word};
+use pellucid_engine::reference::abuffer::{Fragment, depth_margin, lists};
+use pellucid_engine::reference::stochastic::render_with;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{DiscShape, Discs, Falloff, Method, Stochastic};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 

@@ -4,13 +4,13 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use pellucid::camera::Camera;
-use pellucid::gpu::Device;
-use pellucid::image::Image;
-use pellucid::methods::{Frame, Rendered, Renderer};
-use pellucid::points::Points;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{DiscShape, Discs, Falloff, Method, Raster, Stochastic};
 use rand::seq::SliceRandom;
 
 fn stochastic(shape: DiscShape, falloff: Falloff, samples: u32, alpha_correction: bool) -> Stochastic {

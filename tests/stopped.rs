@@ -4,12 +4,12 @@
 mod common;
 
 use common::with_device;
-use pellucid::check::{self, Subject};
-use pellucid::gpu::{self, Device};
-use pellucid::methods::{Error, Frame, Rendered, Renderer};
-use pellucid::passes::project::DeviceCloud;
-use pellucid::plan;
-use pellucid::points::Arranged;
+use pellucid_engine::gpu::{self, Device};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::plan;
+use pellucid_engine::points::Arranged;
+use pellucid_lab::check::{self, Subject};
 
 /// Renders on what is there already.
 fn render(

@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::points::{Arranged, Changes, Points};
-use pellucid::prepare::field::Field;
-use pellucid::scene::tracked::{Known, Tracked};
-use pellucid::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::points::{Arranged, Changes, Points};
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::tracked::{Known, Tracked};
+use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -9,7 +9,7 @@ mod tradeoff_page {
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use pellucid::report::tradeoff;
+use pellucid_lab::report::tradeoff;
 use serde_json::Value;
 use tradeoff_page::browser::{self, Browser};
 use tradeoff_page::sample;

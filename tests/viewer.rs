@@ -11,8 +11,8 @@ mod viewer {
 
 use std::path::Path;
 
-use pellucid::output::read_image;
-use pellucid::scene::{Overrides, Scene};
+use pellucid_engine::output::read_image;
+use pellucid_engine::scene::{Overrides, Scene};
 use viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
 use viewer::window::{Window, command};
 

@@ -11,9 +11,9 @@ mod viewer {
 use std::path::Path;
 use std::time::Duration;
 
-use pellucid::camera::path::CameraPath;
-use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::output::read_image;
+use pellucid_engine::camera::path::CameraPath;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::output::read_image;
 use viewer::display::Display;
 use viewer::window::{Window, command};
 

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
-use pellucid::camera::Projection;
-use pellucid::camera::path::{CameraPath, Curve, Key, Pose};
+use pellucid_engine::camera::Projection;
+use pellucid_engine::camera::path::{CameraPath, Curve, Key, Pose};
 
 use crate::{curve, defaults, looking};
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid::camera::path::{CameraPath, Curve, Key};
-use pellucid::cloud::UpAxis;
-use pellucid::points::Points;
-use pellucid::scene::{self, Course, Scene};
+use pellucid_engine::camera::path::{CameraPath, Curve, Key};
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{self, Course, Scene};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

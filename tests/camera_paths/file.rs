@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pellucid::camera::path::{CameraPath, Key};
+use pellucid_engine::camera::path::{CameraPath, Key};
 
 fn refused(text: &str) -> String {
     let error = CameraPath::from_json(text, Path::new("p.json")).expect_err(text);

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use pellucid::camera::import::Source;
-use pellucid::camera::path::CameraPath;
+use pellucid_engine::camera::import::Source;
+use pellucid_engine::camera::path::CameraPath;
 use tempfile::TempDir;
 
 use crate::curve;

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::camera::path::Turntable;
-use pellucid::camera::{Camera, Projection};
-use pellucid::cloud::UpAxis;
-use pellucid::points::Points;
-use pellucid::scene::{self, Course, Scene, View, procedural};
+use pellucid_engine::camera::path::Turntable;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{self, Course, Scene, View, procedural};
 
 #[test]
 fn a_quarter_is_ninety_degrees_of_azimuth() {

@@ -10,7 +10,7 @@ fn names_are_listed_and_filtered_without_a_device() {
     let (code, list, stderr) = run(&folder, &["check", "--list"]);
     assert_eq!((code, stderr.as_str()), (0, ""));
     let names: Vec<&str> = list.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
-    let cases = pellucid::check::cases();
+    let cases = pellucid_lab::check::cases();
     assert_eq!(names, cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>());
     assert!(names.len() >= 60);
     assert!(list.lines().zip(&cases).all(|(line, case)| line.ends_with(case.about)));

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use pellucid::metrics::rmse;
-use pellucid::output::read_image;
+use pellucid_engine::metrics::rmse;
+use pellucid_engine::output::read_image;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -19,7 +19,9 @@ struct Step {
 
 /// The variables and the steps of the workflow, of whose YAML this reads no more than is used there.
 fn workflow() -> (BTreeMap<String, String>, Vec<Step>) {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ci/pellucid.yml")).unwrap();
+    let text =
+        fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("docs/ci/pellucid.yml"))
+            .unwrap();
     let (_, after) = text.split_once("\nenv:\n").unwrap();
     let variables = after.lines().take_while(|line| line.starts_with("  ")).filter_map(|line| line.split_once(": "));
     let variables = variables.filter(|(key, _)| !key.contains('#'));
@@ -111,7 +113,7 @@ fn the_workflow_passes_what_did_not_change_and_stops_what_did() {
 
 #[test]
 fn the_page_tells_of_every_variable_and_the_workflow_keeps_what_failed() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("docs");
     let page = fs::read_to_string(folder.join("ci.md")).unwrap();
     let (variables, steps) = workflow();
     assert_eq!((variables.len(), steps.len()), (8, 6));

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pellucid::io;
+use pellucid_engine::io;
 
 use crate::{assert_refused, folder, inside, run};
 

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::prepare::field::Field;
-use pellucid::scene::Scene;
-use pellucid::{io, scene};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::Scene;
+use pellucid_engine::{io, scene};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
@@ -115,7 +115,7 @@ fn the_hash_is_the_documented_one() {
 }
 
 /// The points of a frame of one cloud under a soft method.
-fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid::points::Points {
+fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid_engine::points::Points {
     let text = format!("[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"{cloud}\"\n{keys}");
     let scene = Scene::from_toml(&text, &inside(folder, "s.toml")).unwrap();
     let clouds = scene::load_clouds(&scene, &ProgressBar::hidden()).unwrap();
@@ -216,8 +216,8 @@ fn the_vertical_of_surveys_is_kept() {
         up: UpAxis::Z,
         ..Cloud::default()
     };
-    let request = pellucid::prepare::Request::default();
-    let prepared = pellucid::prepare::prepared(source.clone(), &request, &ProgressBar::hidden()).unwrap();
+    let request = pellucid_engine::prepare::Request::default();
+    let prepared = pellucid_engine::prepare::prepared(source.clone(), &request, &ProgressBar::hidden()).unwrap();
     let path = inside(&folder, "a.ply");
     io::ply::write_prepared(&path, &prepared).unwrap();
     let back = load(&path);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use pellucid::output::metadata;
+use pellucid_engine::output::metadata;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -119,7 +119,7 @@ fn a_turntable_goes_around() {
     fs::remove_file(inside(&folder, "own_0.png")).unwrap();
     turn("10", "a_%d.png");
     turn("100", "b_%d.png");
-    let read = |name: String| pellucid::output::read_image(&inside(&folder, &name)).unwrap();
+    let read = |name: String| pellucid_engine::output::read_image(&inside(&folder, &name)).unwrap();
     for i in 0..4 {
         // A quarter is 90° of azimuth: the same cameras but for rounding, which may move a disc's edge.
         let (a, b) = (read(format!("a_{}.png", (i + 1) % 4)), read(format!("b_{i}.png")));

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::io;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::io;
 use tempfile::TempDir;
 
 use crate::{assert_refused, device, done, folder, has_device, inside, run};

@@ -4,14 +4,14 @@
 use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::image::Image;
-use pellucid::methods::{Factors, Frame, Renderer, Stop};
-use pellucid::points::Points;
-use pellucid::prepare::order;
-use pellucid::reference::{self, Picture};
-use pellucid::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::order;
+use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -304,7 +304,9 @@ pub fn data() -> Option<std::path::PathBuf> {
     FOUND
         .get_or_init(|| {
             let named = std::env::var_os("PELLUCID_TEST_DATA").map(std::path::PathBuf::from);
-            let path = named.unwrap_or_else(|| std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
+            let path = named.unwrap_or_else(|| {
+                std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("../shared/data")
+            });
             if path.is_dir() {
                 return Some(path);
             }

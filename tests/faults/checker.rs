@@ -59,10 +59,12 @@ pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
             if !bytes.ends_with(b"IEND\xaeB`\x82") {
                 return Err("no end".to_owned());
             }
-            pellucid::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
+            pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
         }
-        Some("exr") => pellucid::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
-        Some("ply") => pellucid::io::load(&copy, &ProgressBar::hidden()).map(drop).map_err(|error| error.to_string()),
+        Some("exr") => pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
+        Some("ply") => {
+            pellucid_engine::io::load(&copy, &ProgressBar::hidden()).map(drop).map_err(|error| error.to_string())
+        }
         Some("json") => serde_json::from_slice::<serde_json::Value>(bytes).map(drop).map_err(|error| error.to_string()),
         Some("toml") if !text()?.ends_with('\n') => Err("no end of its last line".to_owned()),
         Some("toml") => toml::from_str::<toml::Table>(text()?).map(drop).map_err(|error| error.to_string()),

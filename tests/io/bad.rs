@@ -1,6 +1,6 @@
 //! Missing, empty, truncated, lying and damaged files: an error that says where and why, never a panic.
 
-use pellucid::io::Error;
+use pellucid_engine::io::Error;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use pellucid::cloud::Cloud;
+use pellucid_engine::cloud::Cloud;
 
 use super::real::{FOLDERS, data};
 use crate::load;
@@ -76,7 +76,7 @@ fn the_table_of_sample_files_is_true() {
             table.write_str(&row(&data, &file, source)).unwrap();
         }
     }
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/formats.md");
+    let docs = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("docs/formats.md");
     let docs = std::fs::read_to_string(docs).unwrap();
     let (_, section) = docs.split_once(HEADING).expect("the heading");
     let found: String = section.lines().filter(|line| line.starts_with('|')).flat_map(|line| [line, "\n"]).collect();

@@ -4,8 +4,8 @@ use std::io::Cursor;
 
 use e57::{E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
 use glam::{DVec3, Vec3};
-use pellucid::cloud::UpAxis;
-use pellucid::color::decode_srgb;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::color::decode_srgb;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

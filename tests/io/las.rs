@@ -5,8 +5,8 @@ use std::io::Cursor;
 use glam::{DVec3, Vec3};
 use las::point::Format;
 use las::{Builder, Color, Point, Transform, Vector, Writer};
-use pellucid::cloud::UpAxis;
-use pellucid::color::decode_srgb;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::color::decode_srgb;
 
 use crate::load_bytes;
 

@@ -1,8 +1,8 @@
 //! PCD files by hand: the three ways to store points, and every oddity.
 
 use glam::{DVec3, Vec3};
-use pellucid::cloud::UpAxis;
-use pellucid::color::decode_srgb;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::color::decode_srgb;
 
 use crate::{assert_refused, load_bytes};
 

@@ -1,9 +1,9 @@
 //! PLY: encodings, types, names, and what is written back.
 
 use glam::{DVec3, Vec3};
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::color::decode_srgb;
-use pellucid::io::ply;
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::ply;
 
 use crate::{Folder, load, load_bytes};
 

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use pellucid::cloud::UpAxis;
-use pellucid::color::decode_srgb;
-use pellucid::io::Error;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::Error;
 
 use crate::load;
 
 pub fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("PELLUCID_TEST_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+        .map_or_else(|| Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("../shared/data"), PathBuf::from);
     if !folder.is_dir() {
         eprintln!("skipped: no test data in {}", folder.display());
         return None;

@@ -1,7 +1,7 @@
 //! Gaussian splats in PLY files: discs of the color, opacity and size that they have on average.
 
 use glam::{DVec3, Vec3};
-use pellucid::color::decode_srgb;
+use pellucid_engine::color::decode_srgb;
 
 use crate::load_bytes;
 

@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::cloud::{Cloud, UpAxis};
-use pellucid::color::decode_srgb;
-use pellucid::io::{ColumnNames, Error, Hints, load_with};
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::{ColumnNames, Error, Hints, load_with};
 
 use crate::{Folder, assert_refused, load_bytes};
 

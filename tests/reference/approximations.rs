@@ -1,8 +1,8 @@
 //! Approximations of one list.
 
 use super::*;
-use pellucid::reference::approximate::{average, hybrid, render, unsorted, weight, weighted};
-use pellucid::scene::{Hybrid, Method};
+use pellucid_engine::reference::approximate::{average, hybrid, render, unsorted, weight, weighted};
+use pellucid_engine::scene::{Hybrid, Method};
 
 const COLORS: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 

@@ -1,9 +1,9 @@
 //! Splats in three passes, and one layer before them.
 
 use super::*;
-use pellucid::reference::one_layer::{self, Parts};
-use pellucid::reference::splats::{self, Fragment, blend, limit, margin};
-use pellucid::scene::{BlendedSplats, OneLayer};
+use pellucid_engine::reference::one_layer::{self, Parts};
+use pellucid_engine::reference::splats::{self, Fragment, blend, limit, margin};
+use pellucid_engine::scene::{BlendedSplats, OneLayer};
 
 const COLORS: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 

@@ -1,8 +1,8 @@
 //! The filters of `image-space` on tiny images written as text: a digit is a pixel at that depth, a dot is background.
 
 use super::*;
-use pellucid::reference::image_space::{Layer, layer_distance, render};
-use pellucid::scene::ImageSpace;
+use pellucid_engine::reference::image_space::{Layer, layer_distance, render};
+use pellucid_engine::scene::ImageSpace;
 
 /// Far behind all digits.
 const FAR: f64 = 100.0;

@@ -5,12 +5,12 @@
 
 use glam::{DVec3, Vec3};
 
-use pellucid::camera::{Camera, Projection};
-use pellucid::points::Points;
-use pellucid::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
-use pellucid::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
-use pellucid::reference::{Picture, abuffer, scan, shading, sorted, splat};
-use pellucid::scene::{
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::points::Points;
+use pellucid_engine::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
+use pellucid_engine::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
+use pellucid_engine::reference::{Picture, abuffer, scan, shading, sorted, splat};
+use pellucid_engine::scene::{
     ColorSpace, DiscShape, Discs, Falloff, Light, Raster, Relief, ScreenSplats, Shading, ShadingModel,
 };
 

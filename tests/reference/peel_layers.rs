@@ -1,8 +1,8 @@
 //! Layers of point surfaces.
 
 use super::*;
-use pellucid::reference::peel_layers::{layers, render};
-use pellucid::scene::{ImageSpace, PeelLayers};
+use pellucid_engine::reference::peel_layers::{layers, render};
+use pellucid_engine::scene::{ImageSpace, PeelLayers};
 
 const NO_FILTER: ImageSpace = ImageSpace {
     fill: 0,

@@ -1,7 +1,7 @@
 //! Layers peeled one after another.
 
 use super::*;
-use pellucid::reference::peel;
+use pellucid_engine::reference::peel;
 
 fn fragment(z: f64, index: u32) -> Fragment {
     Fragment { z, index, alpha: 0.5 }

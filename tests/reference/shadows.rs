@@ -3,8 +3,8 @@
 use glam::{DVec2, Vec3Swizzles};
 
 use super::*;
-use pellucid::cloud::Bounds;
-use pellucid::reference::shadows::{Frames, area, frames, lit, reference_depths, shares};
+use pellucid_engine::cloud::Bounds;
+use pellucid_engine::reference::shadows::{Frames, area, frames, lit, reference_depths, shares};
 
 const RESOLUTION: u32 = 64;
 
@@ -124,7 +124,7 @@ fn what_a_plane_covers_is_dark() {
             assert!(clear.iter().all(|(dark, lit)| dark != lit));
             assert!(clear.iter().filter(|(dark, _)| *dark).count() > 200);
             // Nearer than d̃ they are one layer.
-            assert!(pellucid::reference::shadows::lit(&light, RESOLUTION, &points, 1.1).iter().all(|lit| *lit));
+            assert!(pellucid_engine::reference::shadows::lit(&light, RESOLUTION, &points, 1.1).iter().all(|lit| *lit));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Concentric shells and discs.
 
-use pellucid::reference::soft::{Behind, express};
-use pellucid::scene::{Method, Shells, Soft};
+use pellucid_engine::reference::soft::{Behind, express};
+use pellucid_engine::scene::{Method, Shells, Soft};
 
 use super::soft_spheres::{colors, lambda, middle, opacity, pixel, scene, spheres};
 use super::*;

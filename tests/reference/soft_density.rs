@@ -1,11 +1,11 @@
 //! Density, its integral, and what settings mean.
 
-use pellucid::methods::soft::SoftModel;
-use pellucid::reference::soft::density::{
+use pellucid_engine::methods::soft::SoftModel;
+use pellucid_engine::reference::soft::density::{
     antiderivative, density_factor, median_radius, modulated_opacity, modulation,
 };
-use pellucid::reference::soft::{Chord, Ray, Strength};
-use pellucid::scene::{Density, Method, Soft};
+use pellucid_engine::reference::soft::{Chord, Ray, Strength};
+use pellucid_engine::scene::{Density, Method, Soft};
 
 use super::*;
 

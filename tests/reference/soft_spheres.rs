@@ -1,7 +1,7 @@
 //! Soft spheres, one to three at a time, on the middle pixel or rays that are as easy.
 
-use pellucid::reference::soft::{Behind, Model, Pixel, Scene};
-use pellucid::scene::{Density, Method, Shells, Soft, SoftLayout};
+use pellucid_engine::reference::soft::{Behind, Model, Pixel, Scene};
+use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout};
 
 use super::*;
 

@@ -1,6 +1,6 @@
 //! Discs in the order of their centres.
 
-use pellucid::scene::LongLists;
+use pellucid_engine::scene::LongLists;
 
 use super::*;
 

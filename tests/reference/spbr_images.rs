@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use pellucid::prepare::ensembles::{Deal, Dealt, Surface};
-use pellucid::reference::spbr::{
+use pellucid_engine::prepare::ensembles::{Deal, Dealt, Surface};
+use pellucid_engine::reference::spbr::{
     Rule, limit, opacity, opacity_of_segment, over, points_per_pixel, render, render_with, share, slanted,
 };
 use rand::{RngExt, SeedableRng};
@@ -22,7 +22,7 @@ fn dealt(clouds: &[(Vec<DVec3>, f64, f32)]) -> Dealt {
     let mut dealt = Dealt::default();
     for (positions, density, opacity) in clouds {
         let first = dealt.points.len() as u64;
-        let center = pellucid::cloud::Bounds::of(positions.iter().copied()).unwrap().center();
+        let center = pellucid_engine::cloud::Bounds::of(positions.iter().copied()).unwrap().center();
         let points = first..first + positions.len() as u64;
         dealt.surfaces.push(Surface { points, center, density: *density, opacity: *opacity });
         let all = Arc::make_mut(&mut dealt.points);

@@ -1,6 +1,6 @@
 //! Stochastic transparency from masks given by hand.
 
-use pellucid::reference::stochastic::{Estimate, Stratum, estimate, strata, stratum};
+use pellucid_engine::reference::stochastic::{Estimate, Stratum, estimate, strata, stratum};
 
 use super::*;
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use image::RgbImage;
-use pellucid::report::fit::power_law;
-use pellucid::report::stress::Spread;
-use pellucid::report::tradeoff::{Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
+use pellucid_lab::report::fit::power_law;
+use pellucid_lab::report::stress::Spread;
+use pellucid_lab::report::tradeoff::{Convergence, Errors, Finding, Reference, Repeats, Row, Skipped, Tradeoff};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

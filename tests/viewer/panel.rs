@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use pellucid::prepare::field::Field;
-use pellucid::scene::{Density, Scene, Shadows, Shells, Soft};
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::{Density, Scene, Shadows, Shells, Soft};
 
 use super::display::Display;
 use super::garden::{garden, rendered, shoot, with_display};

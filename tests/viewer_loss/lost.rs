@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use pellucid::scene::{Overrides, Scene};
+use pellucid_engine::scene::{Overrides, Scene};
 
 use crate::viewer::display::Display;
 use crate::viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use pellucid::check::{self, Subject};
-use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::image::Image;
-use pellucid::methods::{Facts, Renderer};
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Facts, Renderer};
+use pellucid_lab::check::{self, Subject};
 use serde_json::{Value, json};
 
 /// What one driver made of the subjects.

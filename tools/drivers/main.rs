@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Parser;
-use pellucid::check;
+use pellucid_lab::check;
 
 use images::Found;
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use pellucid::check::Subject;
-use pellucid::image::Image;
+use pellucid_engine::image::Image;
+use pellucid_lab::check::Subject;
 
 use crate::bound;
 use crate::images::{Found, Outcome};
@@ -209,7 +209,7 @@ mod tests {
             found(vec![outcome(0.5), outcome(0.5), outcome(0.5), outcome(0.5), lacks()]),
             found(vec![outcome(0.5), outcome(0.1), lacks(), failed(), outcome(0.5)]),
         ];
-        let subjects = pellucid::check::subjects();
+        let subjects = pellucid_lab::check::subjects();
         let subjects: Vec<&Subject> = subjects.iter().take(5).collect();
         let lines = lines(&subjects, &all);
         let wrong: Vec<bool> = lines.iter().map(|line| line.verdict.is_wrong()).collect();

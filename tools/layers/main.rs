@@ -16,12 +16,12 @@ mod table;
 use std::process::ExitCode;
 
 use clap::Parser;
-use pellucid::Result;
-use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::methods::{Factors, Frame, Renderer, Stop};
-use pellucid::passes::project::DeviceCloud;
-use pellucid::report::stress::Spread;
-use pellucid::scene::{ColorSpace, ImageSpace, Method, PeelLayers, Shadows};
+use pellucid_engine::Result;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::scene::{ColorSpace, ImageSpace, Method, PeelLayers, Shadows};
+use pellucid_lab::report::stress::Spread;
 
 use scenes::Subject;
 use table::{Fit, Line};

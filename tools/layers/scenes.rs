@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use pellucid::camera::Camera;
-use pellucid::cloud::Cloud;
-use pellucid::points::Points;
-use pellucid::scene::procedural::{self, Generated, iso};
-use pellucid::scene::{self, Light, Overrides, Scene, Shading, ShadingModel};
-use pellucid::{Result, io};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::procedural::{self, Generated, iso};
+use pellucid_engine::scene::{self, Light, Overrides, Scene, Shading, ShadingModel};
+use pellucid_engine::{Result, io};
 
 use crate::table::COLUMNS;
 

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use pellucid::Result;
-use pellucid::report::plot::{Axis, Figure, PANEL, Panel, Point, Series, Steps};
+use pellucid_engine::Result;
+use pellucid_lab::report::plot::{Axis, Figure, PANEL, Panel, Point, Series, Steps};
 
 /// A measured value over x, and what theory expects.
 pub struct Row {
@@ -43,7 +43,7 @@ pub fn figure(folder: &Path, name: &str, x: Axis, y: Axis, panels: &[(String, Ve
         columns: panels.len(),
         panels: panels.iter().map(panel).collect(),
     };
-    let svg = figure.svg().map_err(|error| pellucid::output::Error::Report { reason: error.to_string() })?;
+    let svg = figure.svg().map_err(|error| pellucid_engine::output::Error::Report { reason: error.to_string() })?;
     super::write(folder, &format!("{name}.svg"), &svg)
 }
 

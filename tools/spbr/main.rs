@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use pellucid::Result;
+use pellucid_engine::Result;
 
 use stage::Stage;
 
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<()> {
     let mut stage = Stage::open(args.seed)?;
     println!("{}, scale {}", stage.machine(), args.scale);
-    let failed = |source| pellucid::output::Error::Write { path: args.output.clone(), source };
+    let failed = |source| pellucid_engine::output::Error::Write { path: args.output.clone(), source };
     std::fs::create_dir_all(&args.output).map_err(failed)?;
     type Experiment = fn(&mut Stage, f64, &Path) -> Result<()>;
     let experiments: [(&str, Experiment); 3] =
@@ -80,5 +80,5 @@ fn run(args: &Args) -> Result<()> {
 /// Writes a file of the report.
 fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
     let path = folder.join(name);
-    Ok(std::fs::write(&path, text).map_err(|source| pellucid::output::Error::Write { path, source })?)
+    Ok(std::fs::write(&path, text).map_err(|source| pellucid_engine::output::Error::Write { path, source })?)
 }

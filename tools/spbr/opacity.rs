@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use pellucid::Result;
-use pellucid::scene::{Method, Spbr};
+use pellucid_engine::Result;
+use pellucid_engine::scene::{Method, Spbr};
 
 use super::chart::{self, Row};
 use super::stage::{Stage, plane};

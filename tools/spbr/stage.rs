@@ -2,15 +2,15 @@
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::Result;
-use pellucid::camera::{Camera, Projection};
-use pellucid::gpu::{Device, DeviceOptions};
-use pellucid::image::Image;
-use pellucid::methods::{Factors, Frame, Renderer, Stop};
-use pellucid::passes::project::DeviceCloud;
-use pellucid::points::Points;
-use pellucid::prepare::ensembles;
-use pellucid::scene::{ColorSpace, Method, Shading};
+use pellucid_engine::Result;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::ensembles;
+use pellucid_engine::scene::{ColorSpace, Method, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

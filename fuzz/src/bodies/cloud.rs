@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::Vec3;
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::io::{self, ColumnNames, Hints};
-use pellucid::scene::{Overrides, Scene};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::io::{self, ColumnNames, Hints};
+use pellucid_engine::scene::{Overrides, Scene};
 
 use super::{pages, scene::arrange, with_file};
 

@@ -1,10 +1,10 @@
 //! Pictures that stand for clouds, and those that `compare` reads.
 
 use indicatif::ProgressBar;
-use pellucid::io::photo::{Heights, Photo};
-use pellucid::io::{self, Hints};
-use pellucid::metrics;
-use pellucid::output::read_image;
+use pellucid_engine::io::photo::{Heights, Photo};
+use pellucid_engine::io::{self, Hints};
+use pellucid_engine::metrics;
+use pellucid_engine::output::read_image;
 
 use super::{cloud::check, with_file};
 

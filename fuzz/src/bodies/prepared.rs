@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::io::{self, ply};
-use pellucid::prepare::{self, Request};
-use pellucid::scene::{Overrides, Scene};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::io::{self, ply};
+use pellucid_engine::prepare::{self, Request};
+use pellucid_engine::scene::{Overrides, Scene};
 
 use super::{cloud::check, scene::arrange, with_file};
 

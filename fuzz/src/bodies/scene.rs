@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
-use pellucid::cloud::Cloud;
-use pellucid::plan;
-use pellucid::scene::{self, Overrides, Scene};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::plan;
+use pellucid_engine::scene::{self, Overrides, Scene};
 
 /// Clouds of a scene that are taken further than the checks.
 const MOST_CLOUDS: usize = 4;

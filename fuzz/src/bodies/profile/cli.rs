@@ -1,10 +1,10 @@
 //! What `pellucid compare` does with profiles: the program's own files, with its output dropped.
 
-#[path = "../../../../src/cli/compare_profiles.rs"]
+#[path = "../../../../crates/cli/src/commands/compare_profiles.rs"]
 pub mod compare_profiles;
-#[path = "../../../../src/cli/limit.rs"]
+#[path = "../../../../crates/cli/src/commands/limit.rs"]
 pub mod limit;
-#[path = "../../../../src/cli/noise.rs"]
+#[path = "../../../../crates/cli/src/commands/noise.rs"]
 pub mod noise;
 
 /// Stands for the program's standard output and error.
@@ -13,12 +13,12 @@ pub mod talk {
         drop(text.to_string());
     }
 
-    pub fn print(text: &str) -> pellucid::Result<()> {
+    pub fn print(text: &str) -> pellucid_engine::Result<()> {
         say(text);
         Ok(())
     }
 
-    pub fn print_json(json: &serde_json::Value) -> pellucid::Result<()> {
+    pub fn print_json(json: &serde_json::Value) -> pellucid_engine::Result<()> {
         print(&json.to_string())
     }
 }

@@ -1,0 +1,116 @@
+//! `--path`, `--turntable`: the cameras of many frames.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use pellucid_engine::Result;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::camera::import::Source;
+use pellucid_engine::camera::path::{self, Curve, Pose};
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{self, Course, Scene};
+
+use super::input::{InputArgs, Resolved, read};
+use super::talk::Talk;
+
+/// A camera that moves.
+#[derive(Debug, Args)]
+pub struct PathArgs {
+    /// Move the camera along key frames: a JSON file of keys with eye, target and more (docs/camera-paths.md), a
+    /// transforms.json of nerfstudio, or a model of COLMAP (its folder, text or binary). With --frames N the keys are
+    /// interpolated, without it there is a frame for each of them, exactly as given.
+    #[arg(long, value_name = "PATH", conflicts_with = "turntable")]
+    path: Option<PathBuf>,
+    /// Turn the camera once around the scene's target, or its middle, about the vertical, in --frames N steps.
+    #[arg(long)]
+    turntable: bool,
+}
+
+/// Where the cameras come from.
+pub enum Along {
+    /// Key frames of a file, at so many equally spaced times, or at the keys.
+    Keys { path: PathBuf, source: Source, frames: Option<usize> },
+    /// So many steps around the scene.
+    Turn { frames: usize },
+}
+
+impl PathArgs {
+    /// The options as they would be typed, if one of them was.
+    pub fn option(&self) -> Option<&'static str> {
+        match (&self.path, self.turntable) {
+            (Some(_), _) => Some("--path"),
+            (None, true) => Some("--turntable"),
+            (None, false) => None,
+        }
+    }
+
+    /// What was asked for, if a camera is to move; the file is read. Warnings go to standard error.
+    pub fn course(&self, frames: Option<u32>, input: &InputArgs, talk: Talk) -> Result<Option<Along>> {
+        let frames = frames.map(|count| count as usize);
+        if let Some(path) = &self.path {
+            if input.view().is_given() {
+                talk.warn("--view, --azimuth and --elevation have no effect with --path");
+            }
+            let source = Source::read(path)?;
+            source.warnings().iter().for_each(|warning| talk.warn(warning));
+            return Ok(Some(Along::Keys { path: path.clone(), source, frames }));
+        }
+        match (self.turntable, frames) {
+            (false, _) => Ok(None),
+            (true, Some(frames)) => Ok(Some(Along::Turn { frames })),
+            (true, None) => {
+                let problem = "--turntable needs the number of its frames, as in --frames 36";
+                Err(scene::Error::Usage(problem.into()).into())
+            }
+        }
+    }
+}
+
+impl Along {
+    /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first.
+    pub fn resolve(&self, input: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<(Resolved, Vec<Camera>)> {
+        let size = match self {
+            Self::Keys { source, .. } => source.size(),
+            Self::Turn { .. } => None,
+        };
+        let mut cameras = Vec::new();
+        let find = |scene: &Scene, points: &Points, up: UpAxis| {
+            let (found, warnings) = self.cameras(scene, points, up)?;
+            cameras = found;
+            Ok((cameras[0], warnings))
+        };
+        let resolved = read(input, size, talk, progress)?.resolve_by(find, talk, progress)?;
+        let given = resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view().is_given());
+        if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
+            && eye != first
+        {
+            talk.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
+        }
+        Ok((resolved, cameras))
+    }
+
+    /// The camera of each frame, and what is to be said about them; `up` is the vertical of the clouds.
+    fn cameras(&self, scene: &Scene, points: &Points, up: UpAxis) -> Result<(Vec<Camera>, Vec<String>)> {
+        let course = Course::new(scene, points, up)?;
+        let (poses, warnings) = self.poses(&course, scene.image.size)?;
+        let cameras = poses.iter().map(|pose| course.camera(pose)).collect::<Result<_, _>>()?;
+        Ok((cameras, warnings))
+    }
+
+    fn poses(&self, course: &Course<'_>, size: [u32; 2]) -> Result<(Vec<Pose>, Vec<String>)> {
+        match self {
+            Self::Turn { frames } => {
+                let (turntable, warnings) = course.turntable()?;
+                Ok((turntable.frames(*frames), warnings))
+            }
+            Self::Keys { path, source, frames } => {
+                let curve = Curve::new(&source.path(size), &course.defaults());
+                let curve = curve.map_err(|problem| path::Error::Content { path: path.clone(), problem })?;
+                let poses = frames.map_or_else(|| curve.key_poses(), |count| curve.frames(count));
+                Ok((poses, Vec::new()))
+            }
+        }
+    }
+}

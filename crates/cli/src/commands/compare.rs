@@ -1,0 +1,154 @@
+//! `pellucid compare`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::Result;
+use pellucid_engine::metrics::{self, Comparison};
+use pellucid_engine::output::{self, LinearImage, read_image};
+use serde_json::json;
+
+use super::compare_profiles;
+use super::limit::{Limit, Slower, usage};
+use super::talk::{Talk, print, print_json};
+
+/// How much the difference picture is brightened.
+const AMPLIFY: f64 = 10.0;
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// A picture (.png, .exr) or a profile (.json): the reference.
+    a: PathBuf,
+    /// Another of the same kind, which is measured against it.
+    b: PathBuf,
+    /// Pictures: write the absolute difference of the linear values, 10 times as bright, as PNG.
+    #[arg(short, long, value_name = "DIFF.png")]
+    output: Option<PathBuf>,
+    /// Print JSON. Pictures: {rmse, nmse, psnr, ssim, flip, max: {value, x, y}, above_1_255}, where whatever is infinite is
+    /// null, as the psnr of equal pictures. Profiles: {frame, passes}, each {name, a_ms, b_ms, ratio, interval: [low, high],
+    /// share, verdict}, null where it is unknown.
+    #[arg(long)]
+    json: bool,
+    /// Exit with status 1 if the metric is above the value; repeatable. Pictures: rmse, nmse, psnr, ssim, flip, max,
+    /// above_1_255. Profiles: the ratio B/A of a pass by its name, or of `frame`.
+    #[arg(long, value_name = "METRIC=VALUE")]
+    fail_above: Vec<String>,
+    /// Exit with status 1 if the metric is below the value; repeatable. For psnr and ssim, which are larger the closer the
+    /// pictures are; all others are smaller.
+    #[arg(long, value_name = "METRIC=VALUE")]
+    fail_below: Vec<String>,
+    /// Profiles: exit with status 1 if the frame, or a pass of at least 1% of it, takes more than RATIO times as long in B
+    /// beyond the noise; repeatable. PASS=RATIO looks at one pass, however short. Beyond the noise: the whole interval of B/A
+    /// is above, which lies between the opposite ends of the medians' 95% confidence intervals by order statistics (with 5
+    /// frames, the fewest that do: the fastest of B over the slowest of A). Alternate the runs of A and B, and put the
+    /// frames of each together, for noise between runs to count.
+    #[arg(long, value_name = "[PASS=]RATIO")]
+    fail_slower: Vec<String>,
+}
+
+/// The metrics of pictures that have a limit.
+const METRICS: [&str; 7] = ["rmse", "nmse", "psnr", "ssim", "flip", "max", "above_1_255"];
+
+fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
+    match metric {
+        "rmse" => Some(comparison.rmse),
+        "nmse" => Some(comparison.nmse),
+        "psnr" => Some(comparison.psnr),
+        "ssim" => Some(comparison.ssim),
+        "flip" => Some(comparison.flip),
+        "max" => Some(comparison.max.value),
+        "above_1_255" => Some(comparison.above_1_255),
+        _ => None,
+    }
+}
+
+pub fn run(args: CompareArgs, _talk: Talk) -> Result<ExitCode> {
+    let limits = Limit::all(&args.fail_above, &args.fail_below)?;
+    let slower = args.fail_slower.iter().map(|text| Slower::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let within = match (is_profile(&args.a), is_profile(&args.b)) {
+        (true, true) if args.output.is_some() => {
+            return Err(usage("-o: two profiles have no difference picture"));
+        }
+        (true, true) => compare_profiles::run(&args.a, &args.b, args.json, &limits, &slower)?,
+        (false, false) if !slower.is_empty() => {
+            return Err(usage("--fail-slower: pictures have no passes; it is for two profiles"));
+        }
+        (false, false) => pictures(&args, &limits)?,
+        _ => return Err(usage("a picture and a profile can't be compared; give two of a kind")),
+    };
+    Ok(if within { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Compares two pictures; false if a limit is broken.
+fn pictures(args: &CompareArgs, limits: &[Limit]) -> Result<bool> {
+    check_metrics(limits)?;
+    if let Some(path) = &args.output {
+        check_difference_target(path)?;
+    }
+    let (a, b) = (read_image(&args.a)?, read_image(&args.b)?);
+    let comparison = metrics::compare(&a, &b).ok_or_else(|| sizes_differ(args, &a, &b))?;
+    if let Some(path) = &args.output {
+        let picture = metrics::difference_picture(&a.pixels, &b.pixels, AMPLIFY);
+        output::write_rgb_png(path, [a.width, a.height], &picture)?;
+    }
+    report(&comparison, args.json)?;
+    // Every limit is looked at, so that all broken ones are named.
+    let broken = limits
+        .iter()
+        .filter(|limit| value(&comparison, &limit.metric).is_some_and(|measured| limit.is_broken_by(measured)));
+    Ok(broken.count() == 0)
+}
+
+fn check_metrics(limits: &[Limit]) -> Result<()> {
+    match limits.iter().find(|limit| !METRICS.contains(&limit.metric.as_str())) {
+        Some(limit) => Err(limit.unusable(&format!("unknown metric; there are: {}", METRICS.join(", ")))),
+        None => Ok(()),
+    }
+}
+
+fn check_difference_target(path: &Path) -> Result<()> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        Ok(output::check_folder(path)?)
+    } else {
+        Err(usage(format!("-o {}: the difference picture is a .png", path.display())))
+    }
+}
+
+fn sizes_differ(args: &CompareArgs, a: &LinearImage, b: &LinearImage) -> output::Error {
+    output::Error::SizesDiffer {
+        a: args.a.clone(),
+        a_width: a.width,
+        a_height: a.height,
+        b: args.b.clone(),
+        b_width: b.width,
+        b_height: b.height,
+    }
+}
+
+fn report(comparison: &Comparison, json: bool) -> Result<()> {
+    let Comparison { rmse, nmse, psnr, ssim, flip, max, above_1_255 } = comparison;
+    if json {
+        // JSON has no infinity: serde_json writes null for it.
+        return print_json(&json!({
+            "rmse": rmse,
+            "nmse": nmse,
+            "psnr": psnr,
+            "ssim": ssim,
+            "flip": flip,
+            "max": { "value": max.value, "x": max.x, "y": max.y },
+            "above_1_255": above_1_255,
+        }));
+    }
+    let lines = [
+        format!("rmse         {rmse:.9}"),
+        format!("nmse         {nmse:.9}"),
+        format!("psnr         {psnr:.3} dB"),
+        format!("ssim         {ssim:.9}"),
+        format!("flip         {flip:.9}"),
+        format!("max          {:.9} at ({}, {})", max.value, max.x, max.y),
+        format!("above_1_255  {above_1_255:.9}"),
+    ];
+    print(&(lines.join("\n") + "\n"))
+}

@@ -1,0 +1,175 @@
+//! `pellucid info`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::Result;
+use pellucid_engine::cloud::{Cloud, Prepared};
+use pellucid_engine::io::{self, ColumnNames, Hints};
+use pellucid_engine::prepare::shadows::Casting;
+use pellucid_engine::scene::Light;
+use serde_json::{Value, json};
+
+use super::limit::usage;
+use super::talk::{Talk, print, print_json};
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
+    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
+    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
+    /// where quantiles has the F that so many points don't exceed, and `shadows` in it if they are stored. Several files: an array of these, each with `file`.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
+    let columns = args.columns.as_deref().map(ColumnNames::parse).transpose();
+    let columns = columns.map_err(|problem| usage(format!("--columns: {problem}")))?;
+    let hints = Hints { columns: columns.as_ref(), ..Hints::default() };
+    let progress = talk.progress();
+    let load = |file: &PathBuf| {
+        progress.reset();
+        progress.set_message(format!("reading {}", file.display()));
+        io::load_with(file, hints, &progress)
+    };
+    let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
+    progress.finish_and_clear();
+    for (file, cloud) in &clouds {
+        cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{}: {warning}", file.display())));
+    }
+    match (args.json, clouds.as_slice()) {
+        (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
+        (true, clouds) => print_json(&clouds.iter().map(|(file, cloud)| with_file(file, cloud)).collect())?,
+        (false, clouds) => {
+            let texts: Vec<_> = clouds.iter().map(|(file, cloud)| to_text(file, cloud)).collect();
+            print(&texts.join("\n"))?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Names of the columns that the file gave, the usual ones first.
+fn attributes(cloud: &Cloud) -> Vec<&str> {
+    let usual = [
+        ("color", cloud.colors.is_some()),
+        ("alpha", cloud.alphas.is_some()),
+        ("normal", cloud.normals.is_some()),
+        ("radius", cloud.radii.is_some()),
+        ("classification", cloud.classification.is_some()),
+        ("intensity", cloud.intensity.is_some()),
+        ("field", cloud.prepared.is_some()),
+        ("lit", cloud.prepared.as_ref().is_some_and(|prepared| prepared.shadows.is_some())),
+    ];
+    let usual = usual.into_iter().filter(|(_, given)| *given).map(|(name, _)| name);
+    usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
+}
+
+/// Points of each class.
+fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
+    let mut classes = BTreeMap::new();
+    for code in cloud.classification.iter().flatten() {
+        *classes.entry(*code).or_insert(0) += 1;
+    }
+    classes
+}
+
+fn to_json(cloud: &Cloud) -> Value {
+    let classes: serde_json::Map<_, _> =
+        classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
+    let mut value = json!({
+        "points": cloud.len() + cloud.non_finite,
+        "non_finite": cloud.non_finite,
+        "bounds": cloud.bounds().map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() })),
+        "attributes": attributes(cloud),
+        "classes": classes,
+    });
+    if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
+        let quantiles: serde_json::Map<_, _> = quantiles(prepared)
+            .into_iter()
+            .map(|(share, threshold)| (share.to_string(), f64::from(threshold).into()))
+            .collect();
+        let shadows = prepared.shadows.as_ref().map(|shadows| shadows.casting);
+        let mut prepared = json!({
+            "neighbors": prepared.neighbors,
+            "estimated_radii": prepared.estimated_radii,
+            "field": prepared.field,
+            "quantiles": quantiles,
+        });
+        if let (Value::Object(prepared), Some(shadows)) = (&mut prepared, shadows) {
+            prepared.insert("shadows".to_owned(), json!(shadows));
+        }
+        object.insert("prepared".to_owned(), prepared);
+    }
+    value
+}
+
+/// Thresholds with the share of points whose F is at most that: 1 less it are soft.
+fn quantiles(prepared: &Prepared) -> Vec<(f64, f32)> {
+    let mut values = prepared.values.clone();
+    values.sort_unstable_by(f32::total_cmp);
+    let last = |share: f64| ((share * values.len() as f64).ceil() as usize).saturating_sub(1);
+    let at = |share: f64| values.get(last(share)).copied().unwrap_or_default();
+    [0.5, 0.75, 0.9, 0.99].into_iter().map(|share| (share, at(share))).collect()
+}
+
+fn prepared_text(prepared: &Prepared) -> String {
+    let radii = if prepared.estimated_radii { "radii and field" } else { "field" };
+    let quantile = |(share, threshold)| format!("{:.0}% above {threshold:.3}", 100.0 * (1.0 - share));
+    let above: Vec<_> = quantiles(prepared).into_iter().map(quantile).collect();
+    let (name, k) = (prepared.field.name(), prepared.neighbors);
+    let shadows = prepared.shadows.as_ref().map(|shadows| shadows_text(&shadows.casting)).unwrap_or_default();
+    format!("\n  prepared    {radii}, {k} neighbors\n  field       {name}: {}{shadows}", above.join(", "))
+}
+
+fn shadows_text(casting: &Casting) -> String {
+    let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = casting;
+    let (light, unit) = match light {
+        Light::Position(position) => (format!("a light at {position}"), ""),
+        Light::Direction(direction) => (format!("a light along {direction}"), "°"),
+        Light::Headlight => return String::new(),
+    };
+    let soft = if *light_radius > 0.0 {
+        format!(", {samples} lights within {light_radius}{unit}, seed {seed}")
+    } else {
+        String::new()
+    };
+    format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
+}
+
+fn with_file(file: &Path, cloud: &Cloud) -> Value {
+    let mut value = json!({ "file": file.display().to_string() });
+    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud)) {
+        object.extend(more);
+    }
+    value
+}
+
+fn to_text(file: &Path, cloud: &Cloud) -> String {
+    let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
+    // Writing to a string can't fail.
+    if cloud.non_finite > 0 {
+        let _ = write!(text, " ({} without finite coordinates)", cloud.non_finite);
+    }
+    if let Some(bounds) = cloud.bounds() {
+        let size = bounds.max - bounds.min;
+        let _ = write!(text, "\n  bounds      {} to {}\n  size        {size}", bounds.min, bounds.max);
+    }
+    let attributes = attributes(cloud);
+    let _ =
+        write!(text, "\n  attributes  {}", if attributes.is_empty() { "none".into() } else { attributes.join(", ") });
+    let classes: Vec<_> = classes(cloud).into_iter().map(|(code, count)| format!("{code}: {count}")).collect();
+    if !classes.is_empty() {
+        let _ = write!(text, "\n  classes     {}", classes.join(", "));
+    }
+    cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
+    text + "\n"
+}

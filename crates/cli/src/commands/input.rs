@@ -1,0 +1,307 @@
+//! The inputs that `render`, `profile` and `plan` share: a scene file, point clouds or nothing, with options over them.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::ProgressBar;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::points::{Arranged, Points};
+use pellucid_engine::prepare::shadows::ShadowTexture;
+use pellucid_engine::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
+use pellucid_engine::{Result, output};
+
+use super::talk::Talk;
+
+/// What to render, and the options that stand for keys of a scene file.
+#[derive(Debug, Args)]
+pub struct InputArgs {
+    /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
+    /// that stand for clouds; nothing: the built-in scene `garden`.
+    #[arg(value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
+    /// filters of the image close), peel-layers (such surfaces one behind the other), or one of the approximations
+    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles.
+    /// By default the scene file's, else auto: the cheapest one that is exact for the scene (`plan` says which, and why).
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<String>,
+    /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
+    /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
+    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    opacity: Option<String>,
+    /// Radius of all points in world units; by default the scene file's, else the point file's, else from the distance
+    /// to the 24th nearest neighbor.
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    radius: Option<String>,
+    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
+    /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
+    /// the file's own line of names, else by the columns' number and values.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
+    /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
+    background: Option<String>,
+    /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
+    /// vertical is Y for PLY, Z for all other point clouds, or the axis nearest to the scene file's camera.up.
+    #[arg(long, value_enum, value_name = "NAME")]
+    view: Option<Side>,
+    /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = finite)]
+    azimuth: Option<f64>,
+    /// Degrees above the horizon, from −90 to 90.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation)]
+    elevation: Option<f64>,
+    /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// The sides that `--view` names.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Side {
+    /// The side that a viewer of the file's convention faces: −Y for surveys (from the south), +Z for models.
+    Front,
+    /// From behind.
+    Back,
+    /// From −X.
+    Left,
+    /// From +X.
+    Right,
+    /// From above; north (surveys) or the back (models) is at the image's top.
+    Top,
+    /// From below.
+    Bottom,
+    /// From the front's right and above, all three axes equally foreshortened.
+    Iso,
+}
+
+impl From<Side> for ViewName {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Front => Self::Front,
+            Side::Back => Self::Back,
+            Side::Left => Self::Left,
+            Side::Right => Self::Right,
+            Side::Top => Self::Top,
+            Side::Bottom => Self::Bottom,
+            Side::Iso => Self::Iso,
+        }
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
+}
+
+fn elevation(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| x.abs() <= 90.0).ok_or_else(|| "expected degrees from -90 to 90".into())
+}
+
+/// A frame before it meets a device.
+pub struct Resolved {
+    /// The inputs as they were named.
+    pub name: String,
+    /// All settings.
+    pub scene: Scene,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
+    /// The shadows of the scene that were stored with its cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
+    /// The camera, given or automatic.
+    pub camera: Camera,
+    /// `--seed`.
+    pub seed: u64,
+}
+
+impl Resolved {
+    /// All points.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+
+    /// What the clouds of [`Arranged::surfaces`] are called. Clouds without points are not among them.
+    pub fn cloud_names(&self) -> Vec<String> {
+        let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
+        if clouds.len() == count {
+            clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+        } else {
+            (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+        }
+    }
+
+    /// The metadata of an image. `method` and `device` are what was taken in the end.
+    pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
+        output::tags(&self.name, method, &self.scene.settings, device, self.seed)
+    }
+}
+
+impl InputArgs {
+    /// The method that was asked for by `--method`; `auto` asks for none.
+    pub fn asked_method(&self) -> Option<&str> {
+        self.method.as_deref().filter(|name| *name != "auto")
+    }
+
+    /// The file that a picture of these inputs is written to if no other is named: after the first input, here.
+    pub fn default_output(&self) -> PathBuf {
+        self.named(".png")
+    }
+
+    /// As [`InputArgs::default_output`], for the steps of a time series.
+    pub fn default_steps(&self) -> PathBuf {
+        self.named("_%02d.png")
+    }
+
+    /// As [`InputArgs::default_output`], for the frames of a camera path.
+    pub fn default_frames(&self) -> PathBuf {
+        self.named("_%04d.png")
+    }
+
+    fn named(&self, end: &str) -> PathBuf {
+        let stem = self.inputs.first().and_then(|input| input.file_stem());
+        let mut name = stem.unwrap_or(DEFAULT_SCENE.as_ref()).to_owned();
+        name.push(end);
+        name.into()
+    }
+
+    /// The options as keys of the scene file; `size` counts where `--size` is not given.
+    pub fn overrides(&self, size: Option<[u32; 2]>) -> Result<Overrides> {
+        let mut overrides = Overrides::default();
+        if let (None, Some([width, height])) = (&self.size, size) {
+            overrides.set("--path", "image.size", &format!("[{width}, {height}]"))?;
+        }
+        if let Some(size) = &self.size {
+            let option = format!("--size {size}");
+            let Some((width, height)) = size.split_once(['x', 'X', '×']) else {
+                return Err(scene::Error::Usage(format!("{option}: expected WxH, as in 1024x768")).into());
+            };
+            overrides.set(option, "image.size", &format!("[{width}, {height}]"))?;
+        }
+        if let Some(columns) = &self.columns {
+            overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
+        }
+        if let Some(background) = &self.background {
+            // Spelled anew, since TOML does not know .5.
+            let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
+            let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
+            overrides.set(format!("--background {background}"), "image.background", &array)?;
+        }
+        let short = [
+            ("method", "method.name", &self.method),
+            ("opacity", "cloud.*.opacity", &self.opacity),
+            ("radius", "cloud.*.radius", &self.radius),
+        ];
+        for (option, key, value) in short {
+            if let Some(value) = value {
+                overrides.set(format!("--{option} {value}"), key, value)?;
+            }
+        }
+        self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
+        Ok(overrides)
+    }
+
+    /// The direction that was asked for by options.
+    pub fn view(&self) -> View {
+        View { name: self.view.map(ViewName::from), azimuth: self.azimuth, elevation: self.elevation }
+    }
+}
+
+/// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
+pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    read(args, None, talk, progress)?.resolve(None, talk, progress)
+}
+
+/// A scene and its clouds as they were read.
+#[derive(Clone)]
+pub struct Loaded {
+    name: String,
+    scene: Scene,
+    /// Those of the scene, in its order.
+    clouds: Vec<Cloud>,
+    seed: u64,
+}
+
+impl Loaded {
+    /// How many clouds there are.
+    pub fn count(&self) -> usize {
+        self.clouds.len()
+    }
+
+    /// The scene with the first `count` of its clouds alone.
+    pub fn first(&self, count: usize) -> Self {
+        let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
+        scene.clouds.truncate(count);
+        clouds.truncate(count);
+        Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+    }
+
+    /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
+    pub fn resolve_with_radii(mut self, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let method = self.scene.method;
+        if matches!(method, Method::Points | Method::ImageSpace(_)) {
+            // Like these two it wants the points in canonical order, and nothing else of them.
+            self.scene.method = Method::Circles(ScreenSplats::default());
+        }
+        let mut resolved = self.resolve(None, talk, progress)?;
+        resolved.scene.method = method;
+        Ok(resolved)
+    }
+
+    /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
+    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+        let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
+            Some(camera) => Ok((camera, Vec::new())),
+            None => Ok(scene::camera(scene, points, up)?),
+        };
+        self.resolve_by(find, talk, progress)
+    }
+
+    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical; warnings go to standard error.
+    pub fn resolve_by(
+        self,
+        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+        talk: Talk,
+        progress: &ProgressBar,
+    ) -> Result<Resolved> {
+        let Self { name, scene, clouds, seed } = self;
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
+        note.iter().for_each(|note| talk.note(note));
+        let up = scene::up_axis(&clouds);
+        let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
+        let (camera, warnings) = find(&scene, arranged.points(), up)?;
+        for warning in scene.warnings.iter().chain(&warnings) {
+            talk.warn(warning);
+        }
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
+    }
+}
+
+/// Reads the inputs and applies the options; `size` is that of the image where no option says.
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
+    let overrides = args.overrides(size)?;
+    let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
+    let mut scene = document.scene()?;
+    scene.camera.view = args.view();
+    for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+        report_cloud(&settings.path, cloud, talk);
+    }
+    Ok(Loaded { name, scene, clouds, seed: args.seed })
+}
+
+/// Says what was read and what was odd about it.
+pub fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
+    let path = path.display();
+    talk.detail(format_args!("{path}: {} points", cloud.len()));
+    if cloud.non_finite > 0 {
+        talk.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+    }
+    cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{path}: {warning}")));
+}

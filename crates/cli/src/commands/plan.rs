@@ -1,0 +1,42 @@
+//! `pellucid plan`.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::methods::Stop;
+use pellucid_engine::{Result, plan};
+use serde_json::json;
+
+use super::DeviceArgs;
+use super::input::{InputArgs, prepare};
+use super::session::Session;
+use super::talk::{Talk, print, print_json};
+
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Print the plan as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
+    let progress = talk.progress();
+    let resolved = prepare(&args.input, talk, &progress)?;
+    let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
+    // As `profile` renders: with list lengths, but for a method that has no lists.
+    session.frame.fragments = !session.frame.method.is_tiled();
+    let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
+    progress.finish_and_clear();
+    let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
+    if args.json {
+        print_json(&json!(steps))?;
+    } else {
+        let line = |s: &plan::Step| format!("{:<22} {:<3} {}\n", s.name, if s.on { "on" } else { "off" }, s.reason);
+        print(&steps.iter().map(line).collect::<String>())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

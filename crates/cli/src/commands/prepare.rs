@@ -1,0 +1,209 @@
+//! `pellucid prepare`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{ArgGroup, Args};
+use indicatif::ProgressBar;
+use pellucid_engine::cloud::{Cloud, Prepared};
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::prepare::shadows::ShadowTexture;
+use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
+use pellucid_engine::{Result, io, output, prepare};
+
+use super::DeviceArgs;
+use super::input::report_cloud;
+use super::limit::usage;
+use super::talk::{Talk, stage};
+
+/// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
+/// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
+/// is stored, with the same bytes as result, as long as the points are the same (a hash tells) and the settings, if they
+/// name a field or a number of neighbors at all, name these. Takes about 4·K + 170 bytes of memory for each point.
+///
+/// With --light or --light-position it also finds, on the device, which share of the light reaches each point, and stores it. A
+/// scene of this one cloud with [shadows] of the same settings then casts none anew.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("any_light").args(["light", "light_position"])))]
+pub struct PrepareArgs {
+    /// A point cloud in any format that is read.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The file to write, a binary PLY (.ply) with every column of the cloud, `radius` and `field`; docs/prepared-clouds.md
+    /// describes it. May be the input.
+    #[arg(short, long, value_name = "OUT.ply")]
+    output: PathBuf,
+    /// What the columns of a text file (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    columns: Option<String>,
+    /// K: neighbors of a point that decide its radius and its uncertainty; by default those of a prepared input, else 24.
+    #[arg(long, value_name = "K")]
+    neighbors: Option<String>,
+    /// What F is: uncertainty (how unlike a surface the neighborhood is), classification, intensity, distance-to-axis, or the
+    /// name of a scalar property; by default that of a prepared input, else uncertainty.
+    #[arg(long, value_name = "NAME")]
+    field: Option<String>,
+    /// With --field classification: the classes that are soft, as in 3,4,5.
+    #[arg(long, value_name = "LIST")]
+    soft_classes: Option<String>,
+    /// With --field distance-to-axis: a point of the axis; by default the centre of the bounds.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    axis_point: Option<String>,
+    /// With --field distance-to-axis: the direction of the axis; by default the vertical (Y for PLY, Z for all other point clouds).
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    axis_direction: Option<String>,
+    /// Where a point has no normal, store the one estimated from its neighbors. Then solid points become oriented and
+    /// shaded: the picture is another one. Without this, estimated normals serve the field only.
+    #[arg(long)]
+    normals: bool,
+    /// Store the shadows of a light that travels in this direction.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    light: Option<String>,
+    /// Store the shadows of a light at this position.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    light_position: Option<String>,
+    /// Lights that stand for an area light; by default 1.
+    #[arg(long, value_name = "M", requires = "any_light")]
+    shadow_samples: Option<String>,
+    /// How far these are spread: degrees around a direction, world units around a position; by default 0, hard shadows.
+    #[arg(long, value_name = "R", requires = "any_light")]
+    light_radius: Option<String>,
+    /// Columns and rows of the light's image; by default 1024.
+    #[arg(long, value_name = "N", requires = "any_light")]
+    shadow_resolution: Option<String>,
+    /// Smallest distance between surfaces in world units; by default 1% of the diagonal of the bounds.
+    #[arg(long, value_name = "D", requires = "any_light")]
+    min_layer_distance: Option<String>,
+    /// Seed of the lights' places in the area; by default 0.
+    #[arg(long, value_name = "N", requires = "any_light")]
+    seed: Option<u64>,
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+impl PrepareArgs {
+    /// The options as keys of a scene of this one cloud, so that they are checked as those are.
+    fn overrides(&self) -> Result<Overrides> {
+        let mut overrides = Overrides::default();
+        // A method that reads all the keys.
+        overrides.set("prepare", "method.name", "soft-base")?;
+        let list = |text: &String| format!("[{text}]");
+        let options = [
+            ("columns", "columns", self.columns.as_ref().map(|names| format!("{names:?}"))),
+            ("neighbors", "neighbors", self.neighbors.clone()),
+            ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
+            ("soft-classes", "soft_classes", self.soft_classes.as_ref().map(list)),
+            ("axis-point", "axis.point", self.axis_point.as_ref().map(list)),
+            ("axis-direction", "axis.direction", self.axis_direction.as_ref().map(list)),
+        ];
+        for (option, key, value) in options {
+            if let Some(value) = value {
+                overrides.set(format!("--{option}"), &format!("cloud.0.{key}"), &value)?;
+            }
+        }
+        Ok(overrides)
+    }
+
+    /// The options of light as keys of a scene with shadows; `None` if there is no light.
+    fn light(&self) -> Result<Option<Overrides>> {
+        let list = |text: &str| format!("[{text}]");
+        let light = match (&self.light, &self.light_position) {
+            (Some(direction), _) => ("light", "shading.light", Some(list(direction))),
+            (None, Some(position)) => ("light-position", "shading.light.position", Some(list(position))),
+            (None, None) => return Ok(None),
+        };
+        let mut overrides = Overrides::default();
+        // What has shadows at all.
+        overrides.set("prepare", "method.name", "points")?;
+        overrides.set("prepare", "shading.model", "lambert")?;
+        overrides.set("prepare", "shadows.method", "texture")?;
+        for (option, key, value) in [
+            light,
+            ("shadow-samples", "shadows.samples", self.shadow_samples.clone()),
+            ("light-radius", "shadows.light_radius", self.light_radius.clone()),
+            ("shadow-resolution", "shadows.resolution", self.shadow_resolution.clone()),
+            ("min-layer-distance", "shadows.min_layer_distance", self.min_layer_distance.clone()),
+        ] {
+            if let Some(value) = value {
+                overrides.set(format!("--{option}"), key, &value)?;
+            }
+        }
+        Ok(Some(overrides))
+    }
+
+    /// Finds the light of each point of a cloud, as a scene of it alone has it.
+    fn shadows(&self, scene: &Scene, cloud: &Cloud, progress: &ProgressBar) -> Result<ShadowTexture> {
+        stage(progress, "casting shadows");
+        let points = scene::assemble(scene, vec![cloud.clone()], false, progress)?;
+        let (camera, _) = scene::camera(scene, &points, cloud.up)?;
+        let options = DeviceOptions { device: self.device.device.clone(), ..DeviceOptions::from_env() };
+        let device = Device::open(&options)?;
+        let frame = Frame {
+            camera,
+            size: scene.image.size,
+            shading: scene.shading,
+            shadows: scene.shadows,
+            color: scene.image.color,
+            method: scene.method,
+            memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
+            fragments: false,
+            stop: Stop::Exact,
+            seed: self.seed.unwrap_or(0),
+            max_error: None,
+            spread: false,
+            ensembles: None,
+            factors: Factors::default(),
+        };
+        let mut renderer = Renderer::new(&device)?;
+        let mut uploaded = renderer.upload(&points)?;
+        let casting = renderer.cast(&mut uploaded, &frame)?;
+        let (found, mut lit) = (uploaded.lit()?, vec![1.0; cloud.len()]);
+        for (m, place) in found.into_iter().zip(&points.file_order) {
+            if let Some(at) = lit.get_mut(*place as usize) {
+                *at = m;
+            }
+        }
+        device.check_validation()?;
+        let casting = casting.ok_or_else(|| usage("this light casts no shadows".to_owned()))?;
+        Ok(ShadowTexture { casting, lit })
+    }
+}
+
+pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
+    let has = |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if !has(&args.output, "ply") {
+        return Err(usage(format!(
+            "{}: prepared clouds are PLY files; the name must end in .ply",
+            args.output.display()
+        )));
+    }
+    if has(&args.input, "toml") {
+        return Err(usage(format!("{}: prepare takes a point cloud, not a scene file", args.input.display())));
+    }
+    output::check_folder(&args.output)?;
+    let scene = Scene::from_clouds([&args.input], &args.overrides()?)?;
+    let light = args.light()?.map(|overrides| Scene::from_clouds([&args.input], &overrides)).transpose()?;
+    scene.warnings.iter().for_each(|warning| talk.warn(warning));
+    let progress = talk.progress();
+    progress.set_message(format!("reading {}", args.input.display()));
+    let settings = scene.clouds.into_iter().next();
+    let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
+    let cloud = io::load_with(&args.input, hints, &progress)?;
+    report_cloud(&args.input, &cloud, talk);
+    let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
+    let request = prepare::Request { neighbors, field, normals: args.normals, ..Default::default() };
+    progress.reset();
+    progress.set_message("finding neighbors");
+    let prepared = prepare::prepared(cloud, &request, &progress);
+    let mut prepared = prepared.map_err(|source| scene::Error::Field { path: args.input.clone(), source })?;
+    if let Some(light) = light {
+        let texture = args.shadows(&light, &prepared, &progress)?;
+        prepared.prepared = prepared.prepared.map(|prepared| Prepared { shadows: Some(texture), ..prepared });
+    }
+    stage(&progress, "writing");
+    io::ply::write_prepared(&args.output, &prepared)?;
+    progress.finish_and_clear();
+    talk.detail(format_args!("{}: written", args.output.display()));
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,129 @@
+//! `pellucid profile`.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::methods::{Rendered, Stop};
+use pellucid_engine::{Result, profile};
+
+use super::along::PathArgs;
+use super::input::{InputArgs, prepare};
+use super::measured::Measured;
+use super::session::Session;
+use super::talk::{Talk, counted, print, print_json};
+use super::{DeviceArgs, MeasureArgs};
+
+#[derive(Debug, Args)]
+pub struct ProfileArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    #[command(flatten)]
+    measure: MeasureArgs,
+    /// Frames to measure, by default 5. With --path or --turntable those of the path, each measured once, and each has its
+    /// camera in the JSON.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    #[command(flatten)]
+    along: PathArgs,
+    /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
+    /// more than a quarter of a step. Only method sorted stops at all.
+    #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
+    format: Format,
+    /// Print the measurements as JSON, as --profile writes them, instead of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Frames of a camera that rests, if nobody says.
+const DEFAULT_FRAMES: u32 = 5;
+
+/// An output format.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Format {
+    Exr,
+    Png,
+}
+
+pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
+    args.measure.check()?;
+    let progress = talk.progress();
+    let (resolved, cameras) = match args.along.course(args.frames, &args.input, talk)? {
+        Some(along) => along.resolve(&args.input, talk, &progress)?,
+        None => {
+            let resolved = prepare(&args.input, talk, &progress)?;
+            let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];
+            (resolved, cameras)
+        }
+    };
+    let stop = match args.format {
+        Format::Exr => Stop::Exact,
+        Format::Png => Stop::EightBit { transparent: false },
+    };
+    let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
+    session.describe(talk);
+    session.warn(&resolved, talk);
+    // The first frame pays for pipelines and buffers.
+    let first = session.render()?;
+    let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
+    let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();
+    if first.facts.light_views > 0 {
+        let views = first.facts.light_views;
+        talk.note(format_args!(
+            "shadows: {casting_ms:.2} ms on the device for {views} image(s) of a light, in the first frame only; it is not among \
+             those below"
+        ));
+    }
+    let mut profile = session.profile();
+    let counted_facts = (first.facts.fragments, first.facts.max_list);
+    let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
+    let tiled = session.frame.method.is_tiled();
+    if tiled {
+        // The first frame counted the lists, which the method itself has no use for.
+        session.frame.fragments = false;
+    }
+    session.renderer.recycle(first.image);
+    counted(&progress, "measuring", cameras.len() as u64);
+    let mut measured = Measured::default();
+    let moves = args.along.option().is_some();
+    for (number, camera) in cameras.iter().enumerate() {
+        session.frame.camera = *camera;
+        let counted = if moves && tiled { Some(count_lists(&mut session)?) } else { None };
+        let mut rendered = session.render()?;
+        if let Some(counted) = counted {
+            rendered.facts.fragments = counted.facts.fragments;
+            rendered.facts.max_list = counted.facts.max_list;
+            rendered.image.fragments = counted.image.fragments;
+        }
+        profile.add(&rendered);
+        if moves {
+            measured.add(number, camera, None, &session, &rendered);
+        }
+        session.renderer.recycle(rendered.image);
+        progress.inc(1);
+    }
+    let copy_rate = profile::copy_rate(&session.device)?;
+    progress.finish_and_clear();
+    if !moves {
+        (profile.facts.fragments, profile.facts.max_list) = counted_facts;
+        profile.list_histogram = histogram;
+    }
+    let json = if moves { measured.to_json(&profile) } else { profile.to_json() };
+    args.measure.write_profile(&json)?;
+    args.measure.write_trace(&profile)?;
+    if args.json {
+        print_json(&json)?;
+    } else {
+        print(&format!("{}\n", pellucid_lab::profile_table(&profile, Some(copy_rate))))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A frame of which the lists are counted, for a method that has no use for them; it is not to be measured.
+fn count_lists(session: &mut Session) -> Result<Rendered> {
+    session.frame.fragments = true;
+    let counted = session.render();
+    session.frame.fragments = false;
+    counted
+}

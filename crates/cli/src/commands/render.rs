@@ -1,0 +1,342 @@
+//! `pellucid render`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use pellucid_engine::methods::{Rendered, Stop};
+use pellucid_engine::output::{self, WriteOptions};
+use pellucid_engine::profile::Profile;
+use pellucid_engine::scene::Error;
+use pellucid_engine::{Result, plan};
+use pellucid_lab::choice::{self, Choice, Subject, Wish};
+use pellucid_lab::report::tradeoff::settings::formation;
+
+use super::along::PathArgs;
+use super::frames::{Naming, Pattern};
+use super::input::{InputArgs, Loaded, Resolved, read};
+use super::sequence;
+use super::session::Session;
+use super::talk::{Talk, stage};
+use super::{DeviceArgs, MeasureArgs};
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    #[command(flatten)]
+    pub measure: MeasureArgs,
+    /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
+    /// .png, in the current folder. For a .png method sorted blends until no 8-bit value would move by more than a
+    /// quarter of a step, for an .exr until no bit would change.
+    #[arg(short, long, value_name = "OUT")]
+    output: Option<PathBuf>,
+    /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
+    /// layers that were blended, as `layers.Y`, and with stochastic and spbr the standard error of color, as `stderr.R`,
+    /// `stderr.G`, `stderr.B`.
+    #[arg(long)]
+    pub aov: bool,
+    /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
+    #[arg(long)]
+    pub transparent: bool,
+    /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
+    /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
+    /// scene, path and settings are not rendered again.
+    /// Without a number a time series: a picture of the first cloud of the scene, one of the first two and so on, all by
+    /// the camera that shows the whole scene. The output's name needs a number, as in step_%02d.png (by default the first
+    /// input's name with _%02d.png), which counts from 1.
+    // The number comes after a space as well: `super::arguments` joins it.
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<Option<u32>>,
+    #[command(flatten)]
+    along: PathArgs,
+    /// With --path or --turntable: replace files of the frames' names that belong to another sequence.
+    #[arg(long)]
+    pub overwrite: bool,
+    #[command(flatten)]
+    choice: ChoiceArgs,
+}
+
+/// The method by what it must keep to.
+#[derive(Debug, Args)]
+struct ChoiceArgs {
+    /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
+    /// over the background, against abuffer, against soft-base for soft spheres, or against what ever more ensembles of spbr
+    /// tend to. With --method only its settings. A scene file's method says only which discs.
+    #[arg(long, value_name = "E", value_parser = not_negative)]
+    max_error: Option<f64>,
+    /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the
+    /// device (the median, as in `tradeoff`). If none does, the fastest. With --max-error the error counts, and a warning
+    /// says if the time does not fit.
+    #[arg(long, value_name = "MS", value_parser = not_negative)]
+    budget: Option<f64>,
+    /// With --max-error or --budget: measure again what is known of this scene on this device.
+    #[arg(long)]
+    recalibrate: bool,
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or_else(|| "expected a number from 0".into())
+}
+
+impl ChoiceArgs {
+    fn is_given(&self) -> bool {
+        self.max_error.is_some() || self.budget.is_some() || self.recalibrate
+    }
+
+    /// What is wished for, if anything is that makes sense for the scene's method.
+    fn wish(&self, resolved: &Resolved, talk: Talk) -> Option<Wish> {
+        let wish = Wish { max_error: self.max_error, budget_ms: self.budget };
+        if self.recalibrate && !wish.is_any() {
+            talk.warn("--recalibrate has no effect without --max-error or --budget");
+        }
+        let method = resolved.scene.method;
+        let taken = plan::resolve(method, resolved.points()).0;
+        if wish.is_any() && resolved.scene.shadows.is_some() && taken.takes_shadows() {
+            talk.warn(format_args!(
+                "--max-error and --budget have no effect where there are shadows: {} stays the method",
+                taken.name()
+            ));
+            return None;
+        }
+        if wish.is_any() && formation(&method, resolved.points()).is_err() {
+            talk.warn(format_args!(
+                "--max-error and --budget have no effect on method {}: no other one draws its image",
+                method.name()
+            ));
+            return None;
+        }
+        Some(wish).filter(Wish::is_any)
+    }
+}
+
+/// Chooses by the wish, and says what.
+fn choose(
+    args: &RenderArgs,
+    wish: Wish,
+    session: &mut Session,
+    resolved: &Resolved,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<Choice> {
+    stage(progress, "choosing the method");
+    let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
+    let subject = Subject { arranged, frame: session.frame, background, only };
+    let choice =
+        choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
+    stage(progress, "rendering");
+    talk.detail(format_args!(
+        "chosen among {} measured settings; frames rendered for it now: {}",
+        choice.known, choice.frames
+    ));
+    let (name, figures) = (choice.method.name(), choice.figures);
+    let chosen = format!("{name} {}", choice.setting);
+    talk.note(format_args!("{}: RMSE {:.2e}, {:.2} ms on the device", chosen.trim_end(), figures.rmse, figures.gpu_ms));
+    if let Some(warning) = &choice.warning {
+        talk.warn(warning);
+    }
+    session.frame.method = choice.method;
+    session.why = "chosen by what was measured on this scene".to_owned();
+    Ok(choice)
+}
+
+/// Where pictures go.
+enum Target {
+    One(PathBuf),
+    /// A picture for each step of a time series.
+    Steps(Pattern),
+    /// A picture for each frame of a camera path.
+    Frames(Pattern),
+}
+
+impl Target {
+    /// Checks that the options fit together and that the first picture could be written in the end.
+    fn of(args: &RenderArgs) -> Result<Self> {
+        let usage = |problem: String| Err(Error::Usage(problem).into());
+        let given = args.output.clone();
+        let target = match (args.along.option(), args.frames) {
+            (Some(option), Some(None)) => {
+                return usage(format!("--frames needs the number of frames beside {option}, as in --frames 36"));
+            }
+            (Some(option), _) if args.choice.is_given() => {
+                return usage(format!(
+                    "--max-error, --budget and --recalibrate choose for one picture, but {option} makes many; choose for one of \
+                     them and give its --method and settings"
+                ));
+            }
+            (Some(_), _) => {
+                let pattern = given.unwrap_or_else(|| args.input.default_frames());
+                Self::Frames(Pattern::parse(&pattern, Naming::Frames)?)
+            }
+            (None, Some(Some(count))) => {
+                return usage(format!(
+                    "--frames {count} needs --path or --turntable; the time series has as many pictures as the scene has clouds"
+                ));
+            }
+            (None, _) if args.overwrite => return usage("--overwrite needs --path or --turntable".to_owned()),
+            (None, Some(None)) => {
+                let pattern = given.unwrap_or_else(|| args.input.default_steps());
+                Self::Steps(Pattern::parse(&pattern, Naming::Steps)?)
+            }
+            (None, None) => Self::One(given.unwrap_or_else(|| args.input.default_output())),
+        };
+        output::check_target(&target.first())?;
+        Ok(target)
+    }
+
+    fn first(&self) -> PathBuf {
+        match self {
+            Self::One(path) => path.clone(),
+            Self::Steps(pattern) => pattern.file(1),
+            Self::Frames(pattern) => pattern.file(0),
+        }
+    }
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+impl RenderArgs {
+    /// What blending may leave out in a picture of this name.
+    pub fn stop(&self, output: &Path) -> Stop {
+        if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
+    }
+}
+
+pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
+    let target = Target::of(&args)?;
+    args.measure.check()?;
+    let png = is_png(&target.first());
+    if args.aov && png {
+        talk.warn("--aov has no effect on a PNG; write an .exr");
+    }
+    if args.transparent && !png {
+        talk.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
+    }
+    if let Target::Frames(pattern) = &target
+        && let Some(along) = args.along.course(args.frames.flatten(), &args.input, talk)?
+    {
+        return sequence::run(&args, &along, pattern, talk);
+    }
+    let progress = talk.progress();
+    let loaded = read(&args.input, None, talk, &progress)?;
+    let mut profile = None;
+    match &target {
+        Target::One(path) => {
+            let resolved = loaded.resolve(None, talk, &progress)?;
+            picture(&args, &resolved, path, None, &mut profile, &progress, talk)?;
+        }
+        Target::Steps(pattern) | Target::Frames(pattern) => {
+            steps(&args, loaded, pattern, &mut profile, &progress, talk)?;
+        }
+    }
+    if let Some(profile) = profile {
+        args.measure.write(&profile)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A picture of the first cloud, of the first two and so on, by the camera that shows all of them.
+fn steps(
+    args: &RenderArgs,
+    loaded: Loaded,
+    pattern: &Pattern,
+    profile: &mut Option<Profile>,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<()> {
+    let count = loaded.count();
+    (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
+    let whole = loaded.clone().resolve(None, talk, progress)?;
+    progress.finish_and_clear();
+    // What is to be said about the scene was said.
+    let silent = Talk::new(true, false);
+    for step in 1..count {
+        let progress = talk.progress();
+        stage(&progress, &format!("step {step} of {count}"));
+        let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
+        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
+    }
+    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)
+}
+
+/// Renders and writes a picture; `step` is its number and that of all, if there are several.
+fn picture(
+    args: &RenderArgs,
+    resolved: &Resolved,
+    output: &Path,
+    step: Option<(usize, usize)>,
+    profile: &mut Option<Profile>,
+    progress: &ProgressBar,
+    talk: Talk,
+) -> Result<()> {
+    let stop = args.stop(output);
+    let counted = args.aov || args.measure.profile.is_some();
+    let wish = args.choice.wish(resolved, talk);
+    // An error was measured of every bit.
+    let stop = if wish.is_some() { Stop::Exact } else { stop };
+    let (mut session, choice) = match wish {
+        None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
+        Some(wish) => {
+            let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
+            let choice = choose(args, wish, &mut session, resolved, progress, talk)?;
+            (session, Some(choice))
+        }
+    };
+    session.renderer.progress = progress.clone();
+    session.describe(talk);
+    // Of a time series once.
+    if step.is_none_or(|(step, count)| step == count) {
+        session.warn(resolved, talk);
+    }
+    let mut rendered = session.render()?;
+    progress.finish_and_clear();
+    let mut own: Vec<_> =
+        choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
+    own.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
+    finish(args, resolved, &mut session, &mut rendered, output, own, talk)?;
+    profile.get_or_insert_with(|| session.profile()).add(&rendered);
+    Ok(())
+}
+
+/// Brightens a rendered image if its method is to do so, and writes it with its metadata, `own` among it. List lengths and
+/// layers are as they were afterwards, if they are written or were counted for a profile.
+pub fn finish(
+    args: &RenderArgs,
+    resolved: &Resolved,
+    session: &mut Session,
+    rendered: &mut Rendered,
+    output: &Path,
+    own: Vec<(String, String)>,
+    talk: Talk,
+) -> Result<()> {
+    let brightness = session.brighten(&mut rendered.image)?;
+    Session::describe_frame(rendered, talk);
+    let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
+    if let Some(applied) = brightness {
+        if applied.found.is_some() {
+            talk.note(format_args!("brightness: colors times {}", applied.factor));
+        }
+        applied.warning().iter().for_each(|warning| talk.warn(warning));
+        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
+    }
+    metadata.extend(own);
+    let options = WriteOptions {
+        background: resolved.scene.image.background,
+        color: resolved.scene.image.color,
+        transparent: args.transparent,
+        metadata,
+    };
+    // Lists may have been counted, but for the profile's histogram only.
+    let counted = if args.aov { None } else { rendered.image.fragments.take() };
+    rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
+    rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
+    output::write_image(output, &rendered.image, &options)?;
+    rendered.image.fragments = rendered.image.fragments.take().or(counted);
+    talk.detail(format_args!("{}: written", output.display()));
+    Ok(())
+}

@@ -1,0 +1,129 @@
+//! `pellucid scene`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::io::volume::{Dims, Scalar};
+use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso};
+use pellucid_engine::{Result, io, output, scene};
+
+use super::talk::{Talk, print};
+
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// The scene; --list names them.
+    #[arg(required_unless_present = "list")]
+    name: Option<String>,
+    #[command(flatten)]
+    volume: VolumeArgs,
+    /// List the scenes and their parameters: name, summary, then each parameter with its default and range.
+    #[arg(long)]
+    list: bool,
+    /// Folder for scene.toml and its clouds; created if it isn't there.
+    #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// A parameter of the scene, as in points=400000; repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Seed of everything random in the scene.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+}
+
+/// What `iso` takes its surfaces from.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Surfaces of a volume (iso)")]
+struct VolumeArgs {
+    /// The volume: numbers without a header, x fastest, little-endian, whose name says what they are, as in
+    /// hydrogen_64x64x64_float32.raw.
+    #[arg(long, value_name = "FILE")]
+    volume: Option<PathBuf>,
+    /// How many numbers there are along x, y and z, whatever the file's name says.
+    #[arg(long, value_name = "XxYxZ", requires = "volume")]
+    dims: Option<Dims>,
+    /// What they are, whatever the file's name says: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
+    #[arg(long = "type", value_name = "NAME", requires = "volume")]
+    scalar: Option<Scalar>,
+    /// Values at which there are surfaces; by default some that enclose a tenth to a hundredth of the volume.
+    #[arg(long, value_name = "V1,V2,…", value_delimiter = ',', allow_hyphen_values = true, value_parser = finite, requires = "volume")]
+    values: Vec<f64>,
+}
+
+impl VolumeArgs {
+    /// The surfaces, if they are what is asked for.
+    fn build(&self, name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Option<Generated>> {
+        match &self.volume {
+            Some(path) if name == iso::NAME => {
+                let volume = io::volume::read(path, self.dims, self.scalar)?;
+                let built = iso::build_iso(&volume, &self.values, parameters, seed);
+                Ok(Some(built.map_err(scene::Error::from)?))
+            }
+            None if name == iso::NAME => {
+                let problem = "the scene iso needs --volume FILE: a volume such as hydrogen_64x64x64_float32.raw";
+                Err(scene::Error::Usage(problem.into()).into())
+            }
+            Some(_) => {
+                let problem = format!("--volume belongs to the scene {}, not to {name}", iso::NAME);
+                Err(scene::Error::Usage(problem).into())
+            }
+            None => Ok(None),
+        }
+    }
+}
+
+pub fn run(args: SceneArgs, talk: Talk) -> Result<ExitCode> {
+    if args.list {
+        print(&list())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let (Some(name), Some(folder)) = (&args.name, &args.output) {
+        let parameters = args.set.iter().map(|pair| parameter(pair)).collect::<Result<Vec<_>, _>>()?;
+        let generated = match args.volume.build(name, &parameters, args.seed)? {
+            Some(generated) => generated,
+            None => procedural::build(name, &parameters, args.seed).map_err(scene::Error::from)?,
+        };
+        write(folder, &generated)?;
+        talk.detail(format_args!("{}: written", folder.join("scene.toml").display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "expected a number".into())
+}
+
+fn list() -> String {
+    let line = |(name, summary, parameters): (&str, &str, &[procedural::Parameter])| {
+        let parameter =
+            |p: &procedural::Parameter| format!("{}={} ({} to {}: {})", p.name, p.default, p.min, p.max, p.summary);
+        let parameters: Vec<_> = parameters.iter().map(parameter).collect();
+        format!("{name:<10} {summary}; {}\n", parameters.join(", "))
+    };
+    let builtins = BUILTINS.iter().map(|builtin| (builtin.name, builtin.summary, builtin.parameters));
+    builtins.chain([(iso::NAME, iso::SUMMARY, iso::PARAMETERS)]).map(line).collect()
+}
+
+fn parameter(pair: &str) -> Result<(String, f64), scene::Error> {
+    let problem = || scene::Error::Usage(format!("--set {pair}: expected KEY=NUMBER, as in points=400000"));
+    let (key, value) = pair.split_once('=').ok_or_else(problem)?;
+    let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(problem)?;
+    Ok((key.trim().to_owned(), value))
+}
+
+/// Writes clouds and scene file. None has its name before all are complete, the scene file last.
+fn write(folder: &Path, generated: &Generated) -> Result<()> {
+    output::check_report_folder(folder)?;
+    let _new = output::make_folder(folder)?;
+    let mut files = output::Files::default();
+    for (name, cloud) in &generated.clouds {
+        let mut file = PathBuf::from(name);
+        if file.extension().is_none() {
+            file.set_extension("ply");
+        }
+        files.add(&folder.join(&file), |out| io::ply::write_to(out, cloud))?;
+    }
+    files.add(&folder.join("scene.toml"), |out| out.write_all(generated.scene_toml.as_bytes()))?;
+    Ok(files.publish()?)
+}

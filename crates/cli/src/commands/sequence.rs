@@ -1,0 +1,212 @@
+//! `render --path` and `render --turntable`: a picture for each frame, rendered from one upload, and only those that are not
+//! there yet.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use indicatif::ProgressBar;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::methods::{Frame, Rendered};
+use pellucid_engine::profile::Profile;
+use pellucid_engine::{Result, identity, output};
+
+use super::along::Along;
+use super::frames::Pattern;
+use super::input::Resolved;
+use super::interrupt;
+use super::measured::{Journal, Measured};
+use super::render::{RenderArgs, finish};
+use super::session::Session;
+use super::talk::{Talk, counted};
+
+/// The metadata by which a frame is known to belong to a sequence.
+const IDENTITY: &str = "pellucid:sequence";
+
+/// The status of a program that was interrupted (128 + SIGINT).
+const INTERRUPTED_STATUS: u8 = 130;
+
+/// The frames that are to be, and which of them are there.
+struct Frames {
+    files: Vec<PathBuf>,
+    cameras: Vec<Camera>,
+    /// What each picture is decided by.
+    identities: Vec<String>,
+    there: Vec<bool>,
+}
+
+/// What is measured and kept.
+struct Records {
+    measured: Measured,
+    journal: Option<Journal>,
+    /// Of the frames that were rendered now, if a trace is wanted.
+    trace: Option<Profile>,
+}
+
+pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, talk: Talk) -> Result<ExitCode> {
+    let progress = talk.progress();
+    let (resolved, cameras) = along.resolve(&args.input, talk, &progress)?;
+    let counts = args.aov || args.measure.profile.is_some();
+    let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
+    session.describe(talk);
+    session.warn(&resolved, talk);
+    let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
+    let mut records = Records::open(args, &frames, &session)?;
+    interrupt::defer();
+    let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, talk)?;
+    progress.finish_and_clear();
+    let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
+    if before > 0 {
+        talk.note(format_args!("{before} of {count} frames were there already, {rendered} were rendered"));
+    }
+    if before + rendered < count {
+        let finished = before + rendered;
+        talk.note(format_args!("interrupted with {finished} of {count} frames; the same command renders the others"));
+        return Ok(ExitCode::from(INTERRUPTED_STATUS));
+    }
+    records.finish(args, &session, count, talk)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Frames {
+    /// Finds which frames are there, and removes what is to be replaced.
+    ///
+    /// # Errors
+    /// Files of these names, or of the numbers after the last one, that don't belong to the sequence, unless they are to be
+    /// replaced.
+    fn find(
+        args: &RenderArgs,
+        cameras: Vec<Camera>,
+        pattern: &Pattern,
+        resolved: &Resolved,
+        session: &Session,
+    ) -> Result<Self> {
+        let count = cameras.len();
+        let files: Vec<PathBuf> = (0..count).map(|number| pattern.file(number)).collect();
+        let identities = identities(args, &cameras, resolved, session);
+        // Whoever makes a film of the frames would take those that follow for the rest of it.
+        let after = (count..).map(|number| pattern.file(number)).take_while(|file| is_taken(file));
+        let mut foreign: Vec<PathBuf> = after.collect();
+        let mut there = Vec::new();
+        for (file, identity) in files.iter().zip(&identities) {
+            let taken = is_taken(file);
+            let own = taken && output::metadata(file, IDENTITY).as_ref() == Some(identity);
+            foreign.extend(Some(file.clone()).filter(|_| taken && !own));
+            there.push(own);
+        }
+        if let Some(first) = foreign.iter().min()
+            && !args.overwrite
+        {
+            return Err(output::Error::Foreign { path: first.clone(), count: foreign.len() }.into());
+        }
+        for file in foreign {
+            fs::remove_file(&file).map_err(|source| output::Error::Write { path: file, source })?;
+        }
+        Ok(Self { files, cameras, identities, there })
+    }
+
+    /// Renders what is missing; how many frames that were.
+    fn render(
+        &self,
+        args: &RenderArgs,
+        resolved: &Resolved,
+        session: &mut Session,
+        records: &mut Records,
+        progress: &ProgressBar,
+        talk: Talk,
+    ) -> Result<usize> {
+        let count = self.files.len();
+        let missing: Vec<usize> = (0..count).filter(|number| !self.there[*number]).collect();
+        // Of the missing frames alone, so that the time left is theirs.
+        counted(progress, "frames", missing.len() as u64);
+        let (mut done, mut empty) = (0, Vec::new());
+        for number in missing {
+            if interrupt::asked() {
+                break;
+            }
+            session.frame.camera = self.cameras[number];
+            let mut rendered = session.render()?;
+            if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
+                empty.push(number);
+            }
+            // Before the picture, so that every picture that is there was measured.
+            records.add(self, number, session, &rendered)?;
+            let own = vec![
+                ("pellucid:frame".to_owned(), format!("{number} of {count}")),
+                (IDENTITY.to_owned(), self.identities[number].clone()),
+            ];
+            let said = if done == 0 { talk } else { talk.once_said() };
+            finish(args, resolved, session, &mut rendered, &self.files[number], own, said)?;
+            session.renderer.recycle(rendered.image);
+            done += 1;
+            progress.inc(1);
+        }
+        if let Some(first) = empty.first() {
+            let empty = empty.len();
+            talk.warn(format_args!("{empty} of {count} frames show nothing of the scene, the first is frame {first}"));
+        }
+        Ok(done)
+    }
+}
+
+impl Records {
+    /// Finds again what was measured of the frames that are there.
+    fn open(args: &RenderArgs, frames: &Frames, session: &Session) -> Result<Self> {
+        let trace = args.measure.trace.as_ref().map(|_| session.profile());
+        let (journal, measured) = match &args.measure.profile {
+            Some(path) => {
+                let (journal, measured) = Journal::open(path, &frames.identities, &frames.there)?;
+                (Some(journal), measured)
+            }
+            None => (None, Measured::default()),
+        };
+        Ok(Self { measured, journal, trace })
+    }
+
+    fn add(&mut self, frames: &Frames, number: usize, session: &Session, rendered: &Rendered) -> Result<()> {
+        if let Some(journal) = &mut self.journal {
+            let (camera, identity) = (&frames.cameras[number], frames.identities[number].as_str());
+            journal.add(self.measured.add(number, camera, Some(identity), session, rendered))?;
+        }
+        if let Some(trace) = &mut self.trace {
+            trace.add(rendered);
+        }
+        Ok(())
+    }
+
+    /// Writes what was asked for.
+    fn finish(self, args: &RenderArgs, session: &Session, count: usize, talk: Talk) -> Result<()> {
+        if let Some(journal) = self.journal {
+            let missing = self.measured.missing(count);
+            if let Some(first) = missing.first() {
+                let missing = missing.len();
+                talk.warn(format_args!(
+                    "the profile lacks {missing} of {count} frames, the first is frame {first}: they were rendered without \
+                     --profile; `pellucid profile` measures all of them along the same path"
+                ));
+            }
+            journal.finish(&self.measured.to_json(&session.profile()))?;
+        }
+        self.trace.map_or(Ok(()), |trace| args.measure.write_trace(&trace))
+    }
+}
+
+/// Whether there is anything of this name, be it a link that leads nowhere.
+fn is_taken(file: &Path) -> bool {
+    fs::symlink_metadata(file).is_ok()
+}
+
+/// For each frame a hash of all that its file depends on.
+fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, session: &Session) -> Vec<String> {
+    let frame = Frame { camera: resolved.camera, ..session.frame };
+    let info = session.device.info();
+    let metadata = resolved.metadata(session.frame.method.name(), &info.name);
+    let written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
+    let whole = identity::of(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
+    let count = cameras.len();
+    let one = |(number, camera): (usize, &Camera)| {
+        // Debug output of floats is exact.
+        blake3::hash(format!("{whole} {number} of {count} {camera:?}").as_bytes()).to_hex().to_string()
+    };
+    cameras.iter().enumerate().map(one).collect()
+}

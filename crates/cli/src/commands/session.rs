@@ -1,0 +1,162 @@
+//! A device with the scene on it: what `render`, `profile` and `plan` share.
+
+use std::io::Write;
+use std::path::Path;
+
+use indicatif::ProgressBar;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::spbr;
+use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::profile::Profile;
+use pellucid_engine::{Result, output, plan};
+
+use super::dealt;
+use super::input::Resolved;
+use super::talk::{Talk, stage};
+use super::{DeviceArgs, MeasureArgs};
+
+pub struct Session {
+    pub device: Device,
+    pub renderer: Renderer,
+    pub cloud: DeviceCloud,
+    pub frame: Frame,
+    /// Why this method was taken.
+    pub why: String,
+}
+
+impl Session {
+    /// Opens the device, uploads the points and decides the method.
+    pub fn open(
+        args: &DeviceArgs,
+        resolved: &Resolved,
+        fragments: bool,
+        stop: Stop,
+        progress: &ProgressBar,
+    ) -> Result<Self> {
+        let mut session = Self::upload(args, resolved, fragments, stop, progress)?;
+        // On a device that was not met before, `auto` measures it first.
+        stage(progress, "choosing the method");
+        let Self { renderer, cloud, frame, .. } = &mut session;
+        (session.frame.method, session.why) = plan::choose(renderer, cloud, resolved.points(), frame)?;
+        stage(progress, "rendering");
+        Ok(session)
+    }
+
+    /// Opens the device and uploads the points; the method is still the scene's.
+    pub fn upload(
+        args: &DeviceArgs,
+        resolved: &Resolved,
+        fragments: bool,
+        stop: Stop,
+        progress: &ProgressBar,
+    ) -> Result<Self> {
+        stage(progress, "uploading");
+        let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
+        let device = Device::open(&options)?;
+        let frame = Frame {
+            memory_budget: args.memory_budget.map(|b| b.as_u64()),
+            fragments,
+            stop,
+            ..Frame::of(&resolved.scene, resolved.camera, resolved.seed)
+        };
+        let renderer = Renderer::new(&device)?;
+        let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;
+        Ok(Self { device, renderer, cloud, frame, why: String::new() })
+    }
+
+    /// Says on which device what is rendered, and how.
+    pub fn describe(&self, talk: Talk) {
+        let info = self.device.info();
+        talk.detail(format_args!("device {} ({})", info.name, info.driver));
+        talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
+        let [width, height] = self.frame.size;
+        talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+    }
+
+    /// Warns of clouds that don't come out as asked.
+    pub fn warn(&self, resolved: &Resolved, talk: Talk) {
+        // Of another method, or points that were not dealt: there is nothing to say.
+        let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
+        let surfaces = resolved.arranged.surfaces();
+        let warnings = dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
+        warnings.iter().for_each(|warning| talk.warn(warning));
+        if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
+            let method = self.frame.method.name();
+            talk.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
+        }
+    }
+
+    /// Says what a frame met and took.
+    pub fn describe_frame(rendered: &Rendered, talk: Talk) {
+        let Rendered { facts, profile, .. } = rendered;
+        if facts.fragments > 0 {
+            talk.detail(format_args!(
+                "{} fragments, the longest list {}, in {} band(s)",
+                facts.fragments, facts.max_list, facts.bands
+            ));
+        }
+        if facts.layers > 0 {
+            talk.detail(format_args!("{} layers peeled", facts.layers));
+        }
+        if facts.samples > 0 {
+            talk.detail(format_args!("{} samples per pixel", facts.samples));
+        }
+        talk.detail(format_args!(
+            "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",
+            profile.wall.as_secs_f64() * 1e3,
+            profile.gpu().as_secs_f64() * 1e3,
+            bytesize::ByteSize(facts.peak_device_bytes)
+        ));
+    }
+
+    /// One frame; an error if validation is on and said anything.
+    pub fn render(&mut self) -> Result<Rendered> {
+        let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
+        self.device.check_validation()?;
+        Ok(rendered)
+    }
+
+    /// Brightens a frame's image if its method is to do so; by how much.
+    pub fn brighten(&mut self, image: &mut Image) -> Result<Option<Applied>> {
+        let applied = brightness::apply(&mut self.renderer, &mut self.cloud, &self.frame, image)?;
+        self.device.check_validation()?;
+        Ok(applied)
+    }
+
+    /// A profile without frames.
+    pub fn profile(&self) -> Profile {
+        Profile::new(&self.device, &self.frame)
+    }
+}
+
+impl MeasureArgs {
+    /// Writes the files that were asked for.
+    pub fn write(&self, profile: &Profile) -> Result<()> {
+        self.write_profile(&profile.to_json())?;
+        self.write_trace(profile)
+    }
+
+    /// Writes the profile, if it was asked for.
+    pub fn write_profile(&self, profile: &serde_json::Value) -> Result<()> {
+        match &self.profile {
+            Some(path) => write_json(path, profile),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the trace, if it was asked for.
+    pub fn write_trace(&self, profile: &Profile) -> Result<()> {
+        if let Some(path) = &self.trace {
+            write_json(path, &profile.to_trace())?;
+        }
+        Ok(())
+    }
+}
+
+fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+    output::write_atomically(path, |file| writeln!(file, "{value:#}"))?;
+    Ok(())
+}

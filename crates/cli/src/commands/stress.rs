@@ -1,0 +1,153 @@
+//! `pellucid stress`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use comfy_table::{CellAlignment, Table, presets};
+use pellucid_engine::Result;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::scene::Method;
+use pellucid_lab::report::stress::{self, Report, Settings, Sweep};
+
+use super::DeviceArgs;
+use super::talk::{Talk, counted, print, print_json};
+
+const ABOUT: &str = "\
+What is measured: two built-in scenes in which every pixel has exactly as many fragments as there are layers. In `stack` \
+each layer is one disc over the whole image, in `mosaic` each layer is tiled by discs of 3 × 3 pixels. 1 to 4096 layers \
+by factors of 2, over 64², 256² and 1024² pixels; opacity 1 − 2^(−1/layers), so that no layer is hidden. Cells beyond a \
+limit are skipped, and listed with the reason.
+
+What is written: report.html, which needs no other file; stress.csv; stress.json; the figures as .svg.";
+
+#[derive(Debug, Args)]
+#[command(after_help = ABOUT)]
+pub struct StressArgs {
+    /// Folder for the report; created if it isn't there, files of the same names are replaced.
+    #[arg(short, long, value_name = "DIR", default_value = "pellucid-stress")]
+    output: PathBuf,
+    /// A small sweep for a first look and for CI: 1 to 1024 layers by factors of 4 over 64² and 256² pixels, 3 frames, at
+    /// most 2^20 fragments.
+    #[arg(long)]
+    quick: bool,
+    /// Measure this method only; repeatable. By default all.
+    #[arg(long, value_name = "NAME", value_parser = method_names())]
+    method: Vec<String>,
+    /// Frames behind each median; by default 5.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// Skip cells of more fragments; by default 2^26.
+    #[arg(long, value_name = "N")]
+    max_fragments: Option<u64>,
+    /// Skip cells in which a method's own times so far predict a longer frame; by default 2.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    max_seconds: Option<f64>,
+    /// Seed of the scenes and of the pixels that are compared with the float64 reference.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Print what stress.json holds instead of the summary: {version, pellucid, command, device, settings, cells, slopes,
+    /// skipped}.
+    #[arg(long)]
+    json: bool,
+}
+
+fn method_names() -> PossibleValuesParser {
+    Method::transparent().iter().map(Method::name).collect::<Vec<_>>().into()
+}
+
+pub fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x > 0.0).ok_or_else(|| "expected a number of seconds above 0".into())
+}
+
+impl StressArgs {
+    fn settings(&self) -> Settings {
+        let asked = |method: &Method| self.method.is_empty() || self.method.iter().any(|name| name == method.name());
+        let methods = Method::transparent().into_iter().filter(asked).collect();
+        let default = if self.quick { Settings::quick(methods) } else { Settings::full(methods) };
+        Settings {
+            frames: self.frames.unwrap_or(default.frames),
+            max_fragments: self.max_fragments.unwrap_or(default.max_fragments),
+            max_seconds: self.max_seconds.unwrap_or(default.max_seconds),
+            seed: self.seed,
+            memory_budget: self.device.memory_budget.map(|b| b.as_u64()),
+            ..default
+        }
+    }
+}
+
+pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
+    pellucid_engine::output::check_report_folder(&args.output)?;
+    let settings = args.settings();
+    let progress = talk.progress();
+    let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
+    let device = Device::open(&options)?;
+    talk.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
+    counted(&progress, "stress", settings.cells() as u64);
+    let sweep = stress::run(&device, &settings, &progress)?;
+    progress.finish_and_clear();
+    for cell in &sweep.cells {
+        if let Some(counted) = cell.counted.filter(|counted| *counted != cell.fragments) {
+            let (scene, side, method) = (cell.workload.name(), cell.side, cell.method);
+            talk.warn(format_args!(
+                "{scene}, {side} × {side} pixels, {} layers: {method} counted {counted} fragments and not {}",
+                cell.layers, cell.fragments
+            ));
+        }
+    }
+    let command: Vec<_> = std::env::args().skip(1).collect();
+    let command = format!("pellucid {}", command.join(" "));
+    let report = Report { sweep: &sweep, settings: &settings, device: device.info(), command: &command };
+    stress::write(&args.output, &report)?;
+    if args.json {
+        print_json(&report.json())?;
+    } else {
+        print(&summary(&sweep, &args.output))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The end of each series, how much was skipped, and where the rest is.
+fn summary(sweep: &Sweep, folder: &Path) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header([
+        "scene",
+        "pixels",
+        "method",
+        "layers",
+        "median ms",
+        "Mfragments/s",
+        "slope",
+        "peak MiB",
+        "largest error",
+    ]);
+    let slopes = sweep.slopes();
+    for cell in sweep.deepest() {
+        let slope = slopes.iter().find(|s| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method));
+        table.add_row([
+            cell.workload.name().to_owned(),
+            format!("{0} × {0}", cell.side),
+            cell.method.to_owned(),
+            cell.layers.to_string(),
+            format!("{:.2}", cell.gpu_ms.median),
+            format!("{:.2}", cell.mfragments_per_s()),
+            slope.map_or("-".to_owned(), |slope| format!("{:.2}", slope.law.exponent)),
+            format!("{:.1}", cell.peak_device_bytes as f64 / f64::from(1 << 20)),
+            format!("{:.1e}", cell.error.max),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!(
+        "{}\n\nEach line: the deepest cell measured, and the slope of time over layers (log-log), - with fewer than three cells.\n\
+         {} cells measured, {} skipped; why, and all figures: {}\n",
+        table.trim_fmt(),
+        sweep.cells.len(),
+        sweep.skipped.len(),
+        folder.join("report.html").display()
+    )
+}

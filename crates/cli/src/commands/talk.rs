@@ -1,0 +1,118 @@
+//! What goes to standard output (results, nothing else) and to standard error (all else).
+
+use std::fmt::Display;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pellucid_engine::{Result, output};
+
+/// Work that is done within this time shows no progress bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How often a stage of unknown length shows that it is alive.
+const TICK: Duration = Duration::from_millis(200);
+
+/// How much is said on standard error.
+#[derive(Debug, Clone, Copy)]
+pub struct Talk {
+    quiet: bool,
+    verbose: bool,
+}
+
+impl Talk {
+    pub fn new(quiet: bool, verbose: bool) -> Self {
+        Self { quiet, verbose }
+    }
+
+    /// For what was said before: only details.
+    pub fn once_said(self) -> Self {
+        Self { quiet: true, ..self }
+    }
+
+    /// A warning, unless the user wants none.
+    pub fn warn(self, warning: impl Display) {
+        if !self.quiet {
+            say(format_args!("warning: {warning}"));
+        }
+    }
+
+    /// What somebody asked to be told, unless they want nothing to be said.
+    pub fn note(self, note: impl Display) {
+        if !self.quiet {
+            say(note);
+        }
+    }
+
+    /// A detail for those who asked for more.
+    pub fn detail(self, detail: impl Display) {
+        if self.verbose {
+            say(detail);
+        }
+    }
+
+    /// A progress bar: on a terminal only, and only once the work has lasted a second.
+    pub fn progress(self) -> ProgressBar {
+        let bar = ProgressBar::hidden();
+        if self.quiet || !io::stderr().is_terminal() {
+            return bar;
+        }
+        if let Ok(style) = counted_style() {
+            bar.set_style(style);
+        }
+        let weak = bar.downgrade();
+        std::thread::spawn(move || {
+            std::thread::sleep(PATIENCE);
+            if let Some(bar) = weak.upgrade()
+                && !bar.is_finished()
+            {
+                bar.set_draw_target(ProgressDrawTarget::stderr());
+            }
+        });
+        bar
+    }
+}
+
+/// A stage of unknown length: its name and the time that it has taken.
+pub fn stage(bar: &ProgressBar, name: &str) {
+    if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.set_message(name.to_owned());
+    bar.reset_elapsed();
+    bar.enable_steady_tick(TICK);
+}
+
+/// A stage of `length` steps.
+pub fn counted(bar: &ProgressBar, name: &str, length: u64) {
+    bar.disable_steady_tick();
+    if let Ok(style) = counted_style() {
+        bar.set_style(style);
+    }
+    bar.reset();
+    bar.set_message(name.to_owned());
+    bar.set_length(length);
+}
+
+fn counted_style() -> Result<ProgressStyle, indicatif::style::TemplateError> {
+    ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}")
+}
+
+/// One line on standard error; without a standard error there is nobody to tell.
+pub fn say(line: impl Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// A result on standard output. A reader that has seen enough (`| head`) is no error.
+pub fn print(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(output::Error::Stdout(error).into()),
+        _ => Ok(()),
+    }
+}
+
+/// One JSON document on standard output.
+pub fn print_json(value: &serde_json::Value) -> Result<()> {
+    print(&format!("{value:#}\n"))
+}

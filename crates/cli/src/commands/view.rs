@@ -1,0 +1,67 @@
+//! `pellucid view`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use pellucid_engine::camera::import::Source;
+use pellucid_engine::gpu::DeviceOptions;
+use pellucid_engine::scene;
+use pellucid_viewer::{Display, Options};
+
+use super::DeviceArgs;
+use super::input::{InputArgs, report_cloud};
+use super::talk::Talk;
+use crate::error::Error;
+
+/// Columns and rows of a window that nobody gave a size.
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
+/// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file of which `render` makes the same picture, byte for
+/// byte. K makes the camera a key of a path, which Space plays and --path of `render` takes. Files dropped onto the window are opened. --size is that of the window.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Key frames to begin with: a JSON file of this program (docs/camera-paths.md), a transforms.json of nerfstudio, or a model
+    /// of COLMAP.
+    #[arg(long, value_name = "PATH")]
+    path: Option<PathBuf>,
+    /// Milliseconds that a frame should take while something moves: samples, pixels and points that don't fit are left out. At
+    /// rest the picture gets finer until nothing is.
+    #[arg(long, value_name = "MS", default_value_t = 33.0, value_parser = positive)]
+    budget: f64,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a number above 0".into())
+}
+
+pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode, Error> {
+    // Before anything is read: without a display that would be in vain.
+    let display = Display::connect()?;
+    let ViewArgs { input, device, path, budget } = args;
+    let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
+    let progress = talk.progress();
+    let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
+    progress.finish_and_clear();
+    let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
+    for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
+        report_cloud(&settings.path, cloud, talk);
+    }
+    let options = Options {
+        opened,
+        view: input.view(),
+        seed: input.seed,
+        device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
+        memory_budget: device.memory_budget.map(|budget| budget.as_u64()),
+        size: if input.size.is_some() { scene.image.size } else { SIZE },
+        budget_ms: budget,
+        path: path.zip(cameras),
+    };
+    display.show(options, Box::new(move |line| talk.detail(format_args!("view: {line}"))))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,179 @@
+//! Files that appear whole or not at all.
+//!
+//! What is written goes to a temporary file in the folder of the result, is brought to the disk, and gets its name by a
+//! rename: until then there is what was there before. A temporary file is removed by whatever ends the writing, an error or a
+//! signal ([`discard_unfinished`]); only SIGKILL and a power failure can leave one, under a name of its own:
+//! `.pellucid-XXXXXX.tmp`.
+
+mod unfinished;
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
+
+pub use unfinished::{NewFolder, Unfinished, discard_unfinished};
+
+use crate::gpu::fault;
+use unfinished::Temporary;
+
+/// Bytes that are collected before they are written.
+const BUFFER_BYTES: usize = 1 << 18;
+
+/// What [`Staged::write`] hands to those who write.
+pub type Writer = BufWriter<Draft>;
+
+/// A file in the making.
+#[derive(Debug)]
+pub struct Draft {
+    place: Place,
+    /// The system's first complaint: encoders wrap errors, and then nobody knows what would help.
+    failure: Option<io::Error>,
+}
+
+#[derive(Debug)]
+enum Place {
+    Temporary(Temporary),
+    /// What is no regular file, as `/dev/null` and pipes, keeps its name and is written to as it is.
+    Direct(File),
+}
+
+impl Draft {
+    fn open(path: &Path) -> io::Result<Self> {
+        let place = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+            Ok(found) if !found.is_file() => Place::Direct(OpenOptions::new().write(true).open(path)?),
+            _ => {
+                fault::file("output/create")?;
+                Place::Temporary(Temporary::make(folder(path))?)
+            }
+        };
+        Ok(Self { place, failure: None })
+    }
+
+    fn file(&mut self) -> &mut File {
+        match &mut self.place {
+            Place::Temporary(temporary) => temporary.file(),
+            Place::Direct(file) => file,
+        }
+    }
+
+    fn write_some(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(before) = fault::bytes("output/byte", bytes.len()) {
+            self.file().write_all(&bytes[..before])?;
+            fault::strike()?;
+        }
+        self.file().write(bytes)
+    }
+
+    /// Waits until the disk has it: some file systems say only then that there is no room.
+    fn sync(&mut self) -> io::Result<()> {
+        match self.file().sync_data() {
+            // Pipes and some file systems can't, and then have nothing to say.
+            Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+            synced => synced,
+        }
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.write_some(bytes);
+        if let Err(error) = &written
+            && error.kind() != ErrorKind::Interrupted
+        {
+            let same = || error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error);
+            self.failure.get_or_insert_with(same);
+        }
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A file that is complete and has no name yet. Dropping it removes it.
+#[derive(Debug)]
+pub struct Staged(Draft);
+
+impl Staged {
+    /// Writes what is to be at `path`, beside it.
+    ///
+    /// # Errors
+    /// What `write` or the system says, and a folder at `path`.
+    pub fn write<W>(path: &Path, write: W) -> io::Result<Self>
+    where
+        W: FnOnce(&mut Writer) -> io::Result<()>,
+    {
+        let mut staged = Self::write_quickly(path, write)?;
+        staged.0.sync()?;
+        Ok(staged)
+    }
+
+    /// As [`Staged::write`], without waiting for the disk: for what may be lost if the power fails.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn write_quickly<W>(path: &Path, write: W) -> io::Result<Self>
+    where
+        W: FnOnce(&mut Writer) -> io::Result<()>,
+    {
+        let mut out = BufWriter::with_capacity(BUFFER_BYTES, Draft::open(path)?);
+        let written = write(&mut out).and_then(|()| out.flush());
+        // Taken apart, or the buffer would be written once more after an error.
+        let (mut draft, _) = out.into_parts();
+        written.map_err(|error| draft.failure.take().unwrap_or(error))?;
+        Ok(Self(draft))
+    }
+
+    /// Gives the file its name, in place of what was there.
+    ///
+    /// # Errors
+    /// What the system says; then what was there is still there.
+    pub fn publish(self, path: &Path) -> io::Result<()> {
+        let Place::Temporary(temporary) = self.0.place else { return Ok(()) };
+        fault::file("output/rename")?;
+        temporary.persist(path)?;
+        fault::file("output/renamed")
+    }
+}
+
+/// Writes a file, whole or not at all.
+///
+/// # Errors
+/// What `write` or the system says; then there is what was there before.
+pub fn write<W>(path: &Path, write: W) -> io::Result<()>
+where
+    W: FnOnce(&mut Writer) -> io::Result<()>,
+{
+    Staged::write(path, write)?.publish(path)
+}
+
+/// The folder of a file.
+pub fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Whether a folder takes files, found out by a file without a name.
+///
+/// # Errors
+/// What the system says.
+pub fn probe(folder: &Path) -> io::Result<()> {
+    tempfile::tempfile_in(folder).map(drop)
+}
+
+/// What would help, as the end of a message; empty where the reason says all that is known.
+pub fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::StorageFull => "; free some space there or write elsewhere",
+        ErrorKind::QuotaExceeded => "; free some of your space there or write elsewhere",
+        ErrorKind::FileTooLarge => {
+            "; a larger limit on the size of files (ulimit -f) or another file system would help"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "; name a folder that you may write to",
+        _ => "",
+    }
+}

@@ -1,0 +1,104 @@
+//! Renders point clouds you can see through, exactly, on any Vulkan device, and times every pass.
+//!
+//! The road from file to image, one module per step:
+//!
+//! 1. [`io`] reads a file into a [`cloud::Cloud`]: float64 positions and named columns.
+//! 2. [`scene`] reads a scene file, applies its settings to the clouds, which gives [`points::Points`] in canonical order
+//!    (radii, fields and order come from [`prepare`]), and finds the [`camera::Camera`] if none was given.
+//! 3. [`plan`] decides what `auto` stands for, and says which passes a frame has and why.
+//! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
+//!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].
+//! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times, of
+//!    which [`profile`] makes tables, JSON and traces, and [`report`] whole pages.
+//!
+//! Beside this road [`reference`](mod@reference) computes the same images in float64, without a device: what the tests trust.
+//! ARCHITECTURE.md in the repository tells the same at more length.
+//!
+//! # Example
+//!
+//! ```
+//! use indicatif::ProgressBar;
+//! use pellucid_engine::gpu::{Device, DeviceOptions};
+//! use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+//! use pellucid_engine::plan;
+//! use pellucid_engine::scene::{self, Scene, procedural};
+//!
+//! # fn main() -> pellucid_engine::Result<()> {
+//! // Three layers of opacity 0.05 over the whole image, built in; `Scene::read` and `scene::load_clouds` take files.
+//! let parameters = [("layers".to_owned(), 3.0), ("size".to_owned(), 16.0)];
+//! let built_in = procedural::build("stack", &parameters, 0).map_err(scene::Error::from)?;
+//! let scene = Scene::from_toml(&built_in.scene_toml, "stack".as_ref())?;
+//! let clouds = scene::take_generated(&scene, &built_in)?;
+//!
+//! let up = scene::up_axis(&clouds);
+//! let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &ProgressBar::hidden())?;
+//! let (camera, _warnings) = scene::camera(&scene, &points, up)?;
+//! let (method, _why) = plan::resolve(scene.method, &points);
+//!
+//! # if Device::open(&DeviceOptions::from_env()).is_err() {
+//! #     return Ok(());
+//! # }
+//! let device = Device::open(&DeviceOptions::from_env())?;
+//! let mut renderer = Renderer::new(&device)?;
+//! let mut cloud = renderer.upload(&points)?;
+//! let frame = Frame {
+//!     camera,
+//!     size: scene.image.size,
+//!     shading: scene.shading,
+//!     color: scene.image.color,
+//!     method,
+//!     memory_budget: None,
+//!     fragments: true,
+//!     stop: Stop::Exact,
+//!     seed: 0,
+//!     max_error: None,
+//!     spread: false,
+//!     ensembles: None,
+//!     shadows: None,
+//!     factors: Factors::default(),
+//! };
+//! let rendered = renderer.render(&mut cloud, &frame)?;
+//!
+//! // Every pixel has three fragments, which let 0.95³ of the light through; float32 rounds at 6e-8.
+//! assert!(rendered.image.fragments.iter().flatten().all(|length| *length == 3));
+//! assert!(rendered.image.rgba.iter().all(|[.., a]| (a - 0.142_625).abs() < 1e-6));
+//! for pass in &rendered.profile.passes {
+//!     println!("{} {:?}", pass.name, pass.gpu);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod atomic;
+pub mod camera;
+pub mod cloud;
+pub mod color;
+pub mod error;
+pub mod identity;
+pub mod image;
+pub mod io;
+pub mod methods;
+pub mod metrics;
+pub mod output;
+pub mod passes;
+pub mod plan;
+pub mod points;
+pub mod prepare;
+pub mod profile;
+pub mod random;
+pub mod reference;
+pub mod scene;
+
+pub use error::{Error, Result};
+pub use pellucid_gpu as gpu;
+pub use pellucid_gpu::{gpu_struct, group};
+
+/// The WGSL files under shaders/.
+pub static SHADERS: gpu::shader::Sources =
+    gpu::shader::Sources(include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"));
+
+/// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].
+#[macro_export]
+macro_rules! pass {
+    ($($declaration:tt)*) => { $crate::gpu::pass! { @from $crate::SHADERS; $($declaration)* } };
+}

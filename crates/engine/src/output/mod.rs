@@ -1,0 +1,231 @@
+//! Files that come out: PNG and EXR with their metadata, written whole or not at all, and read back for comparison.
+
+mod exr;
+mod file;
+mod png;
+mod read;
+mod tag;
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+
+pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
+pub use png::to_byte;
+pub use read::{LinearImage, read_image};
+pub use tag::metadata;
+
+use crate::atomic::remedy;
+use crate::color;
+use crate::image::Image;
+use crate::scene::{ColorSpace, MAX_SIDE};
+
+/// Why a result could not be written or an image not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Neither `.png` nor `.exr`.
+    #[error("{path}: unknown image format; the name must end in .png (8-bit sRGB) or .exr (32-bit float)", path = path.display())]
+    UnknownExtension {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder of an output file is missing.
+    #[error("{path}: there is no folder {folder}; create it first", path = path.display(), folder = folder.display())]
+    NoFolder {
+        /// The file to write.
+        path: PathBuf,
+        /// Where it was to go.
+        folder: PathBuf,
+    },
+    /// The output's name is that of a folder.
+    #[error("{path}: this is a folder; give the name of a file", path = path.display())]
+    IsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file stands where a folder would have to be.
+    #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
+    NotAFolder {
+        /// What was to be written.
+        path: PathBuf,
+        /// The file in its way.
+        file: PathBuf,
+    },
+    /// The file could not be written; what was there before is there still.
+    #[error("{path}: can't be written: {source}{help}", path = path.display(), help = remedy(source))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's or the encoder's reason.
+        source: std::io::Error,
+    },
+    /// The file could not be opened or read.
+    #[error("{path}: can't be read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file's content is not what its name says.
+    #[error("{path}: {reason}", path = path.display())]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's reason.
+        reason: String,
+    },
+    /// The image has more pixels than images may have here.
+    #[error("{path}: {width} × {height} pixels, but no side may have more than {MAX_SIDE}", path = path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Width that the header gives.
+        width: u64,
+        /// Height that the header gives.
+        height: u64,
+    },
+    /// Two images to compare are not equally large.
+    #[error("{a} has {a_width} × {a_height} pixels and {b} has {b_width} × {b_height}; images to compare must be equally large", a = a.display(), b = b.display())]
+    SizesDiffer {
+        /// One file.
+        a: PathBuf,
+        /// Its width.
+        a_width: u32,
+        /// Its height.
+        a_height: u32,
+        /// The other file.
+        b: PathBuf,
+        /// Its width.
+        b_width: u32,
+        /// Its height.
+        b_height: u32,
+    },
+    /// Frames are to be written where there are other files.
+    #[error(
+        "{path}: this file is not a frame of this sequence ({count} such), but of another scene, camera, size or setting, or no \
+         frame at all; give -o another name, or --overwrite to replace them",
+        path = path.display()
+    )]
+    Foreign {
+        /// The first of them.
+        path: PathBuf,
+        /// How many there are.
+        count: usize,
+    },
+    /// A part of a report could not be made.
+    #[error("the report: {reason}")]
+    Report {
+        /// Which part, and why.
+        reason: String,
+    },
+    /// Standard output can't be written to.
+    #[error("standard output: {0}{help}", help = remedy(.0))]
+    Stdout(std::io::Error),
+}
+
+impl Error {
+    /// 2 for an unknown extension, else 1.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::UnknownExtension { .. } => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// How an [`Image`] becomes a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WriteOptions {
+    /// Linear RGB behind the image, as the scene gives it; encoded here if `color` says so.
+    pub background: Vec3,
+    /// What the image's values are. Encoded values go into a PNG as they are and are decoded for EXR.
+    pub color: ColorSpace,
+    /// PNG only: RGBA with straight alpha and no background instead of RGB over the background.
+    pub transparent: bool,
+    /// Names and values, in the order in which a PNG lists them (EXR: by name).
+    pub metadata: Vec<(String, String)>,
+}
+
+/// The metadata of an image: the inputs as they were named, the method that was taken, the scene's keys as JSON
+/// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
+pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
+    let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
+    vec![
+        entry("scene", name),
+        entry("method", method),
+        entry("settings", settings),
+        entry("device", device),
+        entry("version", env!("CARGO_PKG_VERSION")),
+        entry("seed", &seed.to_string()),
+    ]
+}
+
+/// An image format by its extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self, Error> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(Error::UnknownExtension { path: path.to_owned() }),
+        }
+    }
+}
+
+/// Refuses an image file that could not be written in the end: call it before rendering.
+///
+/// # Errors
+/// An extension other than `.png` and `.exr`, a missing folder, a folder of that name.
+pub fn check_target(path: &Path) -> Result<(), Error> {
+    Format::of(path)?;
+    check_folder(path)
+}
+
+/// Writes an image as PNG or EXR, by the extension; the same image and options give the same bytes.
+///
+/// PNG: 8-bit sRGB, round to nearest, values outside [0, 1] clamped, NaN as 0. EXR: float32 channels R, G, B (composed
+/// over the background), A, Z and, if the image has them, `fragments.Y` and `layers.Y`; ZIP, which is lossless.
+///
+/// # Errors
+/// Those of [`check_target`], and what the system says while writing; the old file then stays as it was.
+pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
+    let format = Format::of(path)?;
+    write_atomically(path, |file| match format {
+        Format::Png => png::encode(file, image, options),
+        Format::Exr => exr::encode(file, image, options),
+    })
+}
+
+/// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded, whatever the extension; `pixels` are row by row.
+///
+/// # Errors
+/// A missing folder, `pixels` of another number than `size` says, and what the system says while writing.
+pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
+    let [width, height] = size;
+    let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
+    write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
+}
+
+/// An image over a background (linear RGB) in linear light: what the R, G and B of an EXR hold.
+pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
+    let mut pixels = image.composed(self::background(background, color));
+    if color == ColorSpace::Encoded {
+        pixels.iter_mut().for_each(|pixel| *pixel = pixel.map(color::decode_srgb));
+    }
+    LinearImage { width: image.width, height: image.height, pixels }
+}
+
+/// A linear background in the space of an image's values.
+pub fn background(linear: Vec3, color: ColorSpace) -> Vec3 {
+    match color {
+        ColorSpace::Linear => linear,
+        ColorSpace::Encoded => Vec3::from_array(linear.to_array().map(color::encode_srgb)),
+    }
+}

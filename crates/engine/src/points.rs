@@ -1,0 +1,171 @@
+//! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::cloud::Bounds;
+use crate::prepare::ensembles::{Dealt, Surface};
+
+/// All points of a scene in one list. The columns are equally long.
+///
+/// The order is canonical: it follows from what the points are (position, color, opacity, radius, normal) and not from
+/// the order in the files. Every tie between fragments of equal depth is decided by the index in this list, so that
+/// shuffled input gives the same bytes, and neighbors in space are neighbors in memory (Morton order).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Points {
+    /// World positions, all finite.
+    pub positions: Vec<DVec3>,
+    /// Linear RGB.
+    pub colors: Vec<Vec3>,
+    /// Opacity of a point's splat in [0, 1].
+    pub opacities: Vec<f32>,
+    /// World radii, finite and at least 0. All zero if the method does not ask for radii.
+    pub radii: Vec<f32>,
+    /// Unit normals, `Vec3::ZERO` where a point has none; absent if no cloud has any.
+    pub normals: Option<Vec<Vec3>>,
+    /// Where each point stood before it came into canonical order: file after file, point after point. Empty: as here.
+    /// Only `unsorted` asks.
+    pub file_order: Vec<u32>,
+    /// The scalar field F of each point in [0, 1], which tells solid points from soft ones. Empty: 0 for all; only the soft
+    /// methods ask.
+    pub fields: Vec<f32>,
+}
+
+impl Points {
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// True if there is nothing to draw.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// The scene's box; `None` without points.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.positions.iter().copied())
+    }
+
+    /// The same points in another order: place i gets the point that stands at `from(i)`. Column by column, each freed as
+    /// soon as it is copied, since a hundred million points are too many to hold twice.
+    pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
+        fn pick<T: Copy + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
+            (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
+        }
+        Self {
+            positions: pick(self.positions, &from),
+            colors: pick(self.colors, &from),
+            opacities: pick(self.opacities, &from),
+            radii: pick(self.radii, &from),
+            normals: self.normals.map(|normals| pick(normals, &from)),
+            file_order: pick(self.file_order, &from),
+            fields: pick(self.fields, &from),
+        }
+    }
+
+    /// The points at these places, in that order, with radii times a factor.
+    pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
+        fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
+            let of = |place: &u32| column[*place as usize];
+            if column.is_empty() { Vec::new() } else { places.par_iter().map(of).collect() }
+        }
+        Self {
+            positions: pick(&self.positions, places),
+            colors: pick(&self.colors, places),
+            opacities: pick(&self.opacities, places),
+            radii: pick(&self.radii, places).into_iter().map(|radius| (radius_factor * radius).min(f32::MAX)).collect(),
+            normals: self.normals.as_ref().map(|normals| pick(normals, places)),
+            file_order: pick(&self.file_order, places),
+            fields: pick(&self.fields, places),
+        }
+    }
+
+    /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
+    /// forgotten.
+    pub fn append(&mut self, more: Self) {
+        if self.is_empty() {
+            *self = Self { file_order: Vec::new(), ..more };
+            return;
+        }
+        let (before, added) = (self.len(), more.len());
+        self.normals = match (self.normals.take(), more.normals) {
+            (None, None) => None,
+            (own, other) => {
+                let mut normals = own.unwrap_or_else(|| vec![Vec3::ZERO; before]);
+                normals.extend(other.unwrap_or_else(|| vec![Vec3::ZERO; added]));
+                Some(normals)
+            }
+        };
+        self.positions.extend(more.positions);
+        self.colors.extend(more.colors);
+        self.opacities.extend(more.opacities);
+        self.radii.extend(more.radii);
+        self.fields.extend(more.fields);
+        self.file_order = Vec::new();
+    }
+}
+
+/// Which columns of a list of points are not what they were; positions are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Changes {
+    /// Colors.
+    pub colors: bool,
+    /// Opacities.
+    pub opacities: bool,
+    /// Radii.
+    pub radii: bool,
+    /// The scalar field, or whether there is one.
+    pub fields: bool,
+    /// Points of equal position traded places: normals and `file_order` may be others, too.
+    pub order: bool,
+}
+
+impl Changes {
+    /// All of them.
+    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true };
+
+    /// These and others.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            colors: self.colors || more.colors,
+            opacities: self.opacities || more.opacities,
+            radii: self.radii || more.radii,
+            fields: self.fields || more.fields,
+            order: self.order || more.order,
+        }
+    }
+
+    /// Whether anything is another.
+    pub fn any(self) -> bool {
+        self != Self::default()
+    }
+}
+
+/// The points of a scene in the order that its method wants.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Arranged {
+    /// In canonical order.
+    Canonical(Points),
+    /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
+    Dealt(Dealt),
+}
+
+impl Arranged {
+    /// All points, in either order.
+    pub fn points(&self) -> &Points {
+        match self {
+            Self::Canonical(points) => points,
+            Self::Dealt(dealt) => &dealt.points,
+        }
+    }
+
+    /// The clouds, if they are told apart.
+    pub fn surfaces(&self) -> &[Surface] {
+        match self {
+            Self::Canonical(_) => &[],
+            Self::Dealt(dealt) => &dealt.surfaces,
+        }
+    }
+}

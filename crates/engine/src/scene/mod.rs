@@ -1,0 +1,36 @@
+//! A scene: image, camera, shading, clouds and method, as a TOML file or the command line give them.
+//!
+//! A file becomes a tree of keys ([`Overrides`] lay options over it), the tree a checked [`Scene`], the scene and its
+//! clouds the [`Points`](crate::points::Points) and the [`Camera`](crate::camera::Camera) of a frame.
+
+mod along;
+mod assemble;
+mod document;
+mod error;
+mod framing;
+mod keys;
+mod layers;
+mod method;
+mod open;
+mod overrides;
+mod parse;
+mod photo;
+pub mod procedural;
+mod settings;
+mod table;
+pub mod tracked;
+mod tree;
+mod view;
+
+pub use along::{Course, path_defaults};
+pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use document::{Change, Document, Setting};
+pub(crate) use error::nearest;
+pub use error::{Error, Place};
+pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
+pub use keys::{METHODS, SHADING_KEYS, SHADOW_KEYS, method_keys};
+pub use layers::note_of_layers;
+pub use open::{DEFAULT_SCENE, Opened, open};
+pub use overrides::Overrides;
+pub use settings::*;
+pub use view::{View, ViewName};

@@ -1,0 +1,130 @@
+//! Stored = counted: in debug builds, after a pass that relies on what another one counted, a small pass compares where each
+//! of its cursors ended with where the next one's places begin. Release builds record none of it.
+
+use std::sync::Arc;
+
+use super::{Buffer, Context, Dispatch, Error, Memory, Recorder, Run, Slice};
+use crate::{gpu_struct, pass};
+
+/// What the words that a pass left must be.
+#[derive(Debug, Clone, Copy)]
+pub enum Expected<'a> {
+    /// The same as these.
+    Words(Slice<'a, u32>),
+    /// As much below each of `ends` as `counts` says: cursors against the next ones, where no copy of their starts is left.
+    Below {
+        /// The next ends.
+        ends: Slice<'a, u32>,
+        /// What lies between.
+        counts: Slice<'a, u32>,
+    },
+    /// This number, all of them.
+    Value(u32),
+}
+
+gpu_struct! {
+    /// Push constants: how many words, the first of each binding, and which of them count.
+    pub struct AgreePush {
+        count: u32,
+        stored_first: u32,
+        ends_first: u32,
+        counts_first: u32,
+        mode: u32,
+        value: u32,
+        stride: u32,
+    }
+}
+
+pass! {
+    @from crate::SHADERS;
+    /// Compares stored with counted.
+    pub Agree(AgreePush) = "debug/agree" {
+        found: ReadWrite<u32>,
+        stored: Read<u32>,
+        ends: Read<u32>,
+        counts: Read<u32>,
+    }
+}
+
+/// Differences whose words are kept; `TOLD` in WGSL.
+const TOLD: usize = 8;
+
+/// A comparison whose outcome the device writes: number of differences, and element, stored and counted of some of them.
+pub struct Agreement {
+    pass: &'static str,
+    item: &'static str,
+    first: u64,
+    of: u64,
+    found: Buffer<u32>,
+}
+
+impl Agreement {
+    fn new(context: &Arc<Context>, pass: &'static str, item: &'static str) -> Result<Self, Error> {
+        let mut found = Buffer::new(context, "stored and counted", 1 + 3 * TOLD as u64, Memory::Readback)?;
+        found.write(&[0; 1 + 3 * TOLD]);
+        Ok(Self { pass, item, first: 0, of: 0, found })
+    }
+
+    /// After the submission: an error if a word was not what it must be.
+    pub fn check(&self) -> Result<(), Error> {
+        let (differing, told) = (self.found.mapped_slice()[0], &self.found.mapped_slice()[1..]);
+        // A cursor that is wrong makes the one before it look wrong, where it was compared with the next.
+        let last = told.chunks_exact(3).take(differing as usize).max_by_key(|words| words[0]);
+        let Some(&[element, stored, counted]) = last else { return Ok(()) };
+        let (pass, item, of) = (self.pass, self.item, self.of);
+        Err(Error::Miscounted { pass, item, element: self.first + u64::from(element), stored, counted, differing, of })
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// In debug builds: after the submission, an error that names `pass` if a word of `stored`, of which there is one for each
+    /// `item`, is not what is expected. Slices are of one length. Costs one untimed pass, and nothing in release builds.
+    pub fn agree(
+        &mut self,
+        pass: &'static str,
+        item: &'static str,
+        stored: Slice<'a, u32>,
+        expected: Expected<'a>,
+    ) -> Result<(), Error> {
+        self.agree_every(1, pass, item, stored, expected)
+    }
+
+    /// As [`Self::agree`], of the first of every `stride` words alone.
+    pub fn agree_every(
+        &mut self,
+        stride: u32,
+        pass: &'static str,
+        item: &'static str,
+        stored: Slice<'a, u32>,
+        expected: Expected<'a>,
+    ) -> Result<(), Error> {
+        if !cfg!(debug_assertions) || stored.is_empty() {
+            return Ok(());
+        }
+        let (ends, counts, mode, value) = match expected {
+            Expected::Words(words) => (words, words, 0, 0),
+            Expected::Below { ends, counts } => (ends, counts, 1, 0),
+            Expected::Value(value) => (stored, stored, 2, value),
+        };
+        assert!(stored.len() == ends.len() && stored.len() == counts.len(), "{pass}: slices of different length");
+        let limits = &self.context().limits;
+        let alignment = limits.offset_alignment;
+        let piece = (limits.binding_bytes.saturating_sub(alignment) / 4 / u64::from(stride)).max(1) * u64::from(stride);
+        for start in (0..stored.len()).step_by(piece as usize) {
+            let count = piece.min(stored.len() - start);
+            let part = |slice: Slice<'a, u32>| slice.skip(start).first(count).reaching_back(alignment);
+            let ((stored, stored_first), (ends, ends_first), (counts, counts_first)) =
+                (part(stored), part(ends), part(counts));
+            let mut agreement = Agreement::new(self.context(), pass, item)?;
+            let words = count.div_ceil(stride.into());
+            agreement.first = (stored.start() + u64::from(stored_first)) / u64::from(stride);
+            agreement.of = words;
+            let count = words as u32;
+            let push = AgreePush { count, stored_first, ends_first, counts_first, mode, value, stride };
+            let run = Run::new(Dispatch::Invocations(words));
+            self.run_untimed(&Agree { found: agreement.found.all(), stored, ends, counts }, push, &run)?;
+            self.keep(agreement);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,313 @@
+//! Typed buffers: allocated by name, filled and read back through small staging buffers.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use ash::vk::{self, Handle};
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+
+use super::{Context, Error, GpuType, Recorder, guard};
+
+/// Bytes of the staging buffer that uploads and read-backs pass through.
+const STAGING_BYTES: u64 = 16 << 20;
+
+/// Where a buffer lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Memory {
+    /// Fast for the device; reached by copies.
+    Device,
+    /// Written by the host, read by the device.
+    Upload,
+    /// Written by the device, read by the host.
+    Readback,
+}
+
+impl Memory {
+    fn location(self) -> MemoryLocation {
+        match self {
+            Self::Device => MemoryLocation::GpuOnly,
+            Self::Upload => MemoryLocation::CpuToGpu,
+            Self::Readback => MemoryLocation::GpuToCpu,
+        }
+    }
+}
+
+/// A buffer of `len` elements of `T`.
+pub struct Buffer<T> {
+    context: Arc<Context>,
+    name: String,
+    raw: vk::Buffer,
+    allocation: Option<Allocation>,
+    len: u64,
+    element: PhantomData<T>,
+}
+
+impl<T: GpuType> Buffer<T> {
+    pub(super) fn new(context: &Arc<Context>, name: &str, len: u64, memory: Memory) -> Result<Self, Error> {
+        let too_large = |bytes, limit, limit_name| Error::TooLarge { name: name.to_owned(), bytes, limit, limit_name };
+        let allowed = context.limits.allocation_bytes;
+        let bytes = len
+            .max(1)
+            .checked_mul(size_of::<T>() as u64)
+            .ok_or_else(|| too_large(u64::MAX, allowed, "maxMemoryAllocationSize"))?;
+        if bytes > allowed {
+            return Err(too_large(bytes, allowed, "maxMemoryAllocationSize"));
+        }
+        // The limit leaves room for the guard.
+        let bytes = bytes + guard::BYTES;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
+        let out_of_memory = || Error::OutOfMemory { name: name.to_owned(), bytes, in_use: context.in_use() };
+        // SAFETY: a live device; the handle is destroyed in drop.
+        let raw = unsafe { context.device.create_buffer(&info, None) }.map_err(|_| out_of_memory())?;
+        let mut buffer =
+            Self { context: context.clone(), name: name.to_owned(), raw, allocation: None, len, element: PhantomData };
+        // SAFETY: `raw` was just made from this device.
+        let requirements = unsafe { context.device.get_buffer_memory_requirements(raw) };
+        crate::fault::vulkan("allocate").map_err(|_| out_of_memory())?;
+        let allocation = context
+            .with_allocator(|allocator| {
+                allocator.allocate(&AllocationCreateDesc {
+                    name,
+                    requirements,
+                    location: memory.location(),
+                    linear: true,
+                    allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+                })
+            })
+            .and_then(Result::ok)
+            .ok_or_else(out_of_memory)?;
+        // SAFETY: the memory is fresh and large enough, at the offset that the allocator aligned.
+        let bound = unsafe { context.device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        context.note_allocation((vk::Buffer::TYPE, raw.as_raw()), name, requirements.size);
+        buffer.allocation = Some(allocation);
+        bound.map_err(Error::call("vkBindBufferMemory"))?;
+        Ok(buffer)
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// True for a buffer without elements (it still has memory for one).
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Size of the content in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.len * size_of::<T>() as u64
+    }
+
+    /// The whole buffer.
+    pub fn all(&self) -> Slice<'_, T> {
+        self.slice(0, self.len.max(1))
+    }
+
+    /// `len` elements from `start`.
+    pub fn slice(&self, start: u64, len: u64) -> Slice<'_, T> {
+        assert!(start.checked_add(len).is_some_and(|end| end <= self.len.max(1)), "{}: slice out of range", self.name);
+        let size = size_of::<T>() as u64;
+        Slice { raw: self.raw_slice(start * size, len * size), name: &self.name, element: PhantomData }
+    }
+
+    fn raw_slice(&self, offset: u64, bytes: u64) -> RawSlice {
+        RawSlice { buffer: self.raw, offset, bytes, room: self.len.max(1) * size_of::<T>() as u64 }
+    }
+
+    /// Copies `data` to the front of the buffer and waits for it.
+    pub fn upload(&self, data: &[T]) -> Result<(), Error> {
+        assert!(data.len() as u64 <= self.len.max(1), "{}: upload larger than the buffer", self.name);
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        self.context.uploaded.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        let staging_bytes = STAGING_BYTES.min(bytes.len() as u64).max(4);
+        let mut staging = Buffer::<u32>::new(&self.context, "staging", staging_bytes.div_ceil(4), Memory::Upload)?;
+        let mut offset = 0;
+        for chunk in bytes.chunks(staging_bytes as usize) {
+            staging.mapped_mut()[..chunk.len()].copy_from_slice(chunk);
+            let mut recorder = Recorder::new(&self.context)?;
+            let bytes = chunk.len() as u64;
+            recorder.copy_raw("upload", staging.raw_slice(0, bytes), self.raw_slice(offset, bytes));
+            recorder.submit("upload")?;
+            offset += chunk.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Fills the first `len` elements of the buffer, some after others, and waits for it: `fill` puts those of a range there. No
+    /// copy of all of them is made on the host.
+    pub fn upload_by(&self, len: u64, fill: impl Fn(Range<usize>, &mut [T])) -> Result<(), Error> {
+        assert!(len <= self.len.max(1), "{}: upload larger than the buffer", self.name);
+        let size = size_of::<T>() as u64;
+        self.context.uploaded.fetch_add(len * size, Ordering::Relaxed);
+        let most = (STAGING_BYTES / size).clamp(1, len.max(1));
+        let mut staging = Buffer::<T>::new(&self.context, "staging", most, Memory::Upload)?;
+        let mut first = 0;
+        while first < len {
+            let count = most.min(len - first);
+            let elements: &mut [T] = bytemuck::cast_slice_mut(staging.mapped_mut());
+            fill(first as usize..(first + count) as usize, &mut elements[..count as usize]);
+            let mut recorder = Recorder::new(&self.context)?;
+            recorder.copy_raw("upload", staging.raw_slice(0, count * size), self.raw_slice(first * size, count * size));
+            recorder.submit("upload")?;
+            first += count;
+        }
+        Ok(())
+    }
+
+    /// The content of a slice of a device buffer, after all submitted work.
+    pub fn read(&self, start: u64, len: u64) -> Result<Vec<T>, Error> {
+        let source = self.slice(start, len.max(1)).raw;
+        let mut out = vec![T::zeroed(); usize::try_from(len).unwrap_or(usize::MAX)];
+        let out_bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut out);
+        let staging_bytes = STAGING_BYTES.min(out_bytes.len() as u64).max(4);
+        let staging = Buffer::<u32>::new(&self.context, "staging", staging_bytes.div_ceil(4), Memory::Readback)?;
+        let mut offset = 0;
+        for chunk in out_bytes.chunks_mut(staging_bytes as usize) {
+            let bytes = chunk.len() as u64;
+            let mut recorder = Recorder::new(&self.context)?;
+            let from = self.raw_slice(source.offset + offset, bytes);
+            recorder.copy_raw("read-back", from, staging.raw_slice(0, bytes));
+            recorder.submit("read-back")?;
+            chunk.copy_from_slice(&staging.mapped()[..chunk.len()]);
+            offset += bytes;
+        }
+        Ok(out)
+    }
+
+    /// Writes to the front of a [`Memory::Upload`] buffer.
+    pub fn write(&mut self, data: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        self.mapped_mut()[..bytes.len()].copy_from_slice(bytes);
+    }
+
+    /// Writes words of four bytes to the front of a [`Memory::Upload`] buffer, each as `word` has it.
+    #[cfg(feature = "window")]
+    pub(super) fn write_words(&mut self, bytes: &[u8], word: impl Fn([u8; 4]) -> [u8; 4] + Sync) {
+        use rayon::prelude::*;
+        let to = self.mapped_mut()[..bytes.len()].par_chunks_exact_mut(4);
+        let from = bytes.par_chunks_exact(4);
+        to.zip(from).for_each(|(to, from)| to.copy_from_slice(&word([from[0], from[1], from[2], from[3]])));
+    }
+
+    /// The content of a [`Memory::Readback`] buffer.
+    pub fn mapped_slice(&self) -> &[T] {
+        &bytemuck::cast_slice(self.mapped())[..self.len as usize]
+    }
+
+    fn mapped(&self) -> &[u8] {
+        let mapped = self.allocation.as_ref().and_then(Allocation::mapped_slice);
+        let size = usize::try_from(self.len.max(1) * size_of::<T>() as u64).unwrap_or(usize::MAX);
+        &mapped.expect("host-visible buffers are mapped")[..size]
+    }
+
+    fn mapped_mut(&mut self) -> &mut [u8] {
+        let mapped = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
+        mapped.expect("host-visible buffers are mapped")
+    }
+}
+
+impl<T> Drop for Buffer<T> {
+    fn drop(&mut self) {
+        self.context.forget_allocation((vk::Buffer::TYPE, self.raw.as_raw()));
+        // SAFETY: every submission is waited for before its recorder returns, so the device no longer uses the buffer.
+        unsafe { self.context.device.destroy_buffer(self.raw, None) };
+        if let Some(allocation) = self.allocation.take() {
+            // Freeing what this allocator gave out cannot fail.
+            let _ = self.context.with_allocator(|allocator| allocator.free(allocation));
+        }
+    }
+}
+
+/// A range of a buffer without its type.
+#[derive(Debug, Clone, Copy)]
+pub struct RawSlice {
+    pub(super) buffer: vk::Buffer,
+    pub(super) offset: u64,
+    pub(super) bytes: u64,
+    /// Bytes of the buffer's content.
+    pub(super) room: u64,
+}
+
+/// A range of a typed buffer, to be bound or copied.
+#[derive(Debug)]
+pub struct Slice<'a, T> {
+    raw: RawSlice,
+    name: &'a str,
+    element: PhantomData<T>,
+}
+
+impl<T> Clone for Slice<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Slice<'_, T> {}
+
+impl<'a, T: GpuType> From<&'a Buffer<T>> for Slice<'a, T> {
+    fn from(buffer: &'a Buffer<T>) -> Self {
+        buffer.all()
+    }
+}
+
+impl<'a, T> Slice<'a, T> {
+    /// Number of elements.
+    pub fn len(&self) -> u64 {
+        self.raw.bytes / size_of::<T>() as u64
+    }
+
+    /// True without elements.
+    pub fn is_empty(&self) -> bool {
+        self.raw.bytes == 0
+    }
+
+    /// Elements of the buffer before the first.
+    pub fn start(&self) -> u64 {
+        self.raw.offset / size_of::<T>() as u64
+    }
+
+    /// The same bytes as elements of another type; their number must come out whole.
+    pub fn cast<U: GpuType>(self) -> Slice<'a, U> {
+        assert_eq!(self.raw.bytes % size_of::<U>() as u64, 0, "{}: not a whole number of elements", self.name);
+        Slice { raw: self.raw, name: self.name, element: PhantomData }
+    }
+
+    /// The first `len` elements.
+    pub fn first(self, len: u64) -> Self {
+        assert!(len <= self.len(), "{}: slice out of range", self.name);
+        Self { raw: RawSlice { bytes: len * size_of::<T>() as u64, ..self.raw }, ..self }
+    }
+
+    /// All but the first `count` elements.
+    pub fn skip(self, count: u64) -> Self {
+        assert!(count <= self.len(), "{}: slice out of range", self.name);
+        let bytes = count * size_of::<T>() as u64;
+        Self { raw: RawSlice { offset: self.raw.offset + bytes, bytes: self.raw.bytes - bytes, ..self.raw }, ..self }
+    }
+
+    /// The slice from the aligned place before it on, and the number of elements that it has before its own first one.
+    pub(super) fn reaching_back(self, alignment: u64) -> (Self, u32) {
+        let before = self.raw.offset % alignment;
+        let raw = RawSlice { offset: self.raw.offset - before, bytes: self.raw.bytes + before, ..self.raw };
+        (Self { raw, ..self }, (before / size_of::<T>() as u64) as u32)
+    }
+
+    /// The buffer's name.
+    pub fn name(&self) -> &str {
+        self.name
+    }
+
+    /// The range without its type.
+    pub fn raw(&self) -> RawSlice {
+        self.raw
+    }
+}

@@ -1,0 +1,296 @@
+//! The logical device with its queue, allocator and pipelines; everything made from it holds an `Arc` of it.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use ash::{ext, vk};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
+
+use super::device::{DeviceInfo, Limits, queue_family};
+use super::instance::Instance;
+use super::pipeline::{Pipeline, PipelineKey};
+use super::{Error, cache, guard};
+
+/// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
+const BLOCK_BYTES: u64 = 8 << 20;
+
+pub struct Context {
+    pub device: ash::Device,
+    #[cfg(feature = "window")]
+    pub physical: vk::PhysicalDevice,
+    #[cfg(feature = "window")]
+    pub queue_family: u32,
+    pub queue: vk::Queue,
+    pub command_pool: vk::CommandPool,
+    pub info: DeviceInfo,
+    pub limits: Limits,
+    pub debug: Option<ext::debug_utils::Device>,
+    pub pipeline_cache: vk::PipelineCache,
+    pub instance: Instance,
+    /// Held for every submission: a queue and a command pool must not be used from two threads at once.
+    pub submission: Mutex<()>,
+    allocator: Mutex<Option<Allocator>>,
+    /// Names and sizes by kind and handle: handles of different kinds may be equal.
+    live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
+    peak: AtomicU64,
+    /// Bytes of [`super::Buffer::upload`] so far.
+    pub uploaded: AtomicU64,
+    /// Submissions that may still be made.
+    pub allowed: AtomicU64,
+    pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
+    cache_key: String,
+}
+
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Context {
+    pub fn new(
+        instance: Instance,
+        physical: vk::PhysicalDevice,
+        info: DeviceInfo,
+        robust: bool,
+    ) -> Result<Self, Error> {
+        let family = queue_family(&instance, physical)
+            .ok_or_else(|| Error::Lacks { device: info.name.clone(), missing: "a queue".to_owned() })?;
+        let device = create_device(&instance, physical, family, &info, robust)?;
+        // SAFETY: the family and index are those the device was created with.
+        let queue = unsafe { device.get_device_queue(family, 0) };
+        let pool_info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: a live device; destroyed in drop.
+        let command_pool =
+            unsafe { device.create_command_pool(&pool_info, None) }.map_err(Error::call("vkCreateCommandPool"))?;
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.raw.clone(),
+            device: device.clone(),
+            physical_device: physical,
+            debug_settings: AllocatorDebugSettings::default(),
+            buffer_device_address: false,
+            allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
+        })
+        .map_err(|_| Error::OutOfMemory { name: "the allocator".to_owned(), bytes: 0, in_use: 0 })?;
+
+        let (limits, cache_key) = limits(&instance, physical);
+        let initial = cache::load("pipelines", &cache_key).unwrap_or_default();
+        let cache_info = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
+        // What an earlier run left is a help, no condition.
+        let (filled, empty) = (cache_info, vk::PipelineCacheCreateInfo::default());
+        // SAFETY: the data carry a checksum of ours and the driver checks its own header.
+        let pipeline_cache = unsafe {
+            device.create_pipeline_cache(&filled, None).or_else(|_| device.create_pipeline_cache(&empty, None))
+        }
+        .map_err(Error::call("vkCreatePipelineCache"))?;
+        let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
+        Ok(Self {
+            device,
+            #[cfg(feature = "window")]
+            physical,
+            #[cfg(feature = "window")]
+            queue_family: family,
+            queue,
+            command_pool,
+            info,
+            limits,
+            debug,
+            pipeline_cache,
+            instance,
+            submission: Mutex::new(()),
+            allocator: Mutex::new(Some(allocator)),
+            live: Mutex::default(),
+            peak: AtomicU64::new(0),
+            allowed: AtomicU64::new(u64::MAX),
+            uploaded: AtomicU64::new(0),
+            pipelines: Mutex::default(),
+            cache_key,
+        })
+    }
+
+    /// Runs `f` with the allocator and then notes the peak.
+    pub fn with_allocator<R>(&self, f: impl FnOnce(&mut Allocator) -> R) -> Option<R> {
+        let mut guard = lock(&self.allocator);
+        let allocator = guard.as_mut()?;
+        let result = f(allocator);
+        self.peak.fetch_max(allocator.capacity(), Ordering::Relaxed);
+        Some(result)
+    }
+
+    pub fn in_use(&self) -> u64 {
+        lock(&self.allocator).as_ref().map_or(0, Allocator::capacity)
+    }
+
+    pub fn peak_bytes(&self) -> u64 {
+        self.peak.load(Ordering::Relaxed)
+    }
+
+    pub fn reset_peak(&self) -> u64 {
+        let now = self.in_use();
+        self.peak.store(now, Ordering::Relaxed);
+        now
+    }
+
+    pub fn note_allocation(&self, key: (vk::ObjectType, u64), name: &str, bytes: u64) {
+        lock(&self.live).insert(key, (name.to_owned(), bytes));
+    }
+
+    pub fn forget_allocation(&self, key: (vk::ObjectType, u64)) {
+        lock(&self.live).remove(&key);
+    }
+
+    /// The name of an allocation; empty if it is gone.
+    pub fn name_of(&self, key: (vk::ObjectType, u64)) -> String {
+        lock(&self.live).get(&key).map_or_else(String::new, |(name, _)| name.clone())
+    }
+
+    pub fn live_allocations(&self) -> Vec<(String, u64)> {
+        let mut list: Vec<_> = lock(&self.live).values().cloned().collect();
+        list.sort();
+        list
+    }
+
+    /// The pipeline of a key, built at its first use.
+    pub fn pipeline(
+        &self,
+        key: PipelineKey,
+        build: impl FnOnce() -> Result<Pipeline, Error>,
+    ) -> Result<Arc<Pipeline>, Error> {
+        if let Some(pipeline) = lock(&self.pipelines).get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = Arc::new(build()?);
+        lock(&self.pipelines).insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        for (name, bytes) in self.live_allocations() {
+            eprintln!("warning: device memory leaked: {name}, {bytes} bytes");
+        }
+        // SAFETY: buffers and recorders hold an Arc of this context, so none is left; the queue is idle after the wait.
+        unsafe {
+            // A lost device cannot be waited for; destroying is all that is left then.
+            let _ = self.device.device_wait_idle();
+            for (_, pipeline) in lock(&self.pipelines).drain() {
+                pipeline.destroy(&self.device);
+            }
+            if let Ok(data) = self.device.get_pipeline_cache_data(self.pipeline_cache) {
+                cache::store("pipelines", &self.cache_key, &data);
+            }
+            self.device.destroy_pipeline_cache(self.pipeline_cache, None);
+            self.device.destroy_command_pool(self.command_pool, None);
+            drop(lock(&self.allocator).take());
+            self.device.destroy_device(None);
+        }
+    }
+}
+
+fn create_device(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    family: u32,
+    info: &DeviceInfo,
+    robust: bool,
+) -> Result<ash::Device, Error> {
+    let mut robustness = if robust { Robustness::of(instance, physical) } else { Robustness::default() };
+    let priorities = [1.0];
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+    let core = vk::PhysicalDeviceFeatures::default()
+        .shader_int64(info.int64_atomics)
+        // Every device has it.
+        .robust_buffer_access(robust)
+        .fragment_stores_and_atomics(info.fragment_atomics)
+        .pipeline_statistics_query(info.pipeline_statistics);
+    let mut features12 = vk::PhysicalDeviceVulkan12Features::default()
+        .host_query_reset(true)
+        .shader_buffer_int64_atomics(info.int64_atomics);
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default()
+        .synchronization2(true)
+        .dynamic_rendering(true)
+        .maintenance4(true)
+        .robust_image_access(robustness.images)
+        .subgroup_size_control(info.subgroup.is_some())
+        .compute_full_subgroups(info.subgroup.is_some());
+    let mut extensions = Vec::new();
+    #[cfg(feature = "window")]
+    extensions.extend(instance.surface.is_some().then_some(ash::khr::swapchain::NAME.as_ptr()));
+    extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
+    let mut create = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&extensions)
+        .enabled_features(&core)
+        .push_next(&mut features12)
+        .push_next(&mut features13);
+    if let Some(second) = &mut robustness.second {
+        create = create.push_next(second);
+    }
+    // SAFETY: every feature was reported by this device, and the pointers live to the end of this function.
+    unsafe { instance.raw.create_device(physical, &create, None) }.map_err(Error::call("vkCreateDevice"))
+}
+
+/// What a device has to keep accesses within bounds, besides robustBufferAccess.
+#[derive(Default)]
+struct Robustness {
+    images: bool,
+    second: Option<vk::PhysicalDeviceRobustness2FeaturesEXT<'static>>,
+}
+
+impl Robustness {
+    fn of(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
+        let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
+        let mut second = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
+        // SAFETY: plain queries on a live instance; a struct is only asked for where its extension is present.
+        let extended = unsafe {
+            let extensions = instance.raw.enumerate_device_extension_properties(physical).unwrap_or_default();
+            let extended = extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::robustness2::NAME));
+            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
+            if extended {
+                features = features.push_next(&mut second);
+            }
+            instance.raw.get_physical_device_features2(physical, &mut features);
+            extended
+        };
+        let second = vk::PhysicalDeviceRobustness2FeaturesEXT::default()
+            .robust_buffer_access2(second.robust_buffer_access2 == vk::TRUE)
+            .robust_image_access2(second.robust_image_access2 == vk::TRUE);
+        Self { images: features13.robust_image_access == vk::TRUE, second: extended.then_some(second) }
+    }
+}
+
+/// The limits, and a key that changes with the driver.
+fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String) {
+    let mut maintenance3 = vk::PhysicalDeviceMaintenance3Properties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut maintenance3);
+    // SAFETY: plain queries on a live instance.
+    let memory = unsafe {
+        instance.raw.get_physical_device_properties2(physical, &mut properties);
+        instance.raw.get_physical_device_memory_properties(physical)
+    };
+    let basic = properties.properties;
+    let heap_bytes = memory
+        .memory_heaps_as_slice()
+        .iter()
+        .filter(|h| h.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
+        .map(|h| h.size)
+        .max()
+        .unwrap_or(0);
+    let limits = Limits {
+        binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
+        range_bytes: u64::from(basic.limits.max_storage_buffer_range),
+        // What is allocated has its guard besides.
+        allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
+        offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
+        groups_x: basic.limits.max_compute_work_group_count[0],
+        heap_bytes,
+        storage_buffers: basic.limits.max_per_stage_descriptor_storage_buffers,
+        framebuffer: [basic.limits.max_framebuffer_width, basic.limits.max_framebuffer_height],
+    };
+    let identity =
+        [&basic.pipeline_cache_uuid[..], &basic.driver_version.to_le_bytes(), &basic.device_id.to_le_bytes()].concat();
+    (limits, blake3::hash(&identity).to_hex().to_string())
+}

@@ -1,0 +1,373 @@
+//! Which device is taken, what it must have, and what it allows.
+
+use std::ffi::CStr;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use ash::vk;
+
+use super::context::Context;
+use super::image::{self, Attachment, Format};
+use super::instance::{Instance, Messages};
+use super::{Buffer, Error, GpuType, Memory, Recorder};
+
+/// How to open a device.
+#[derive(Debug, Clone, Default)]
+pub struct DeviceOptions {
+    /// Part of a device's name (case does not matter) or its index; the best one if `None`.
+    pub device: Option<String>,
+    /// Switch validation and synchronization validation on.
+    pub validation: bool,
+    /// Validate what shaders do as well, in place of synchronization: slow.
+    pub gpu_assisted: bool,
+    /// Keep accesses of shaders within what is bound, as far as the device can: robustBufferAccess, robustImageAccess,
+    /// robustBufferAccess2 and robustImageAccess2.
+    pub robust: bool,
+    /// Bind no more bytes at a time than this, even if the device allows more: shows on any device how work is cut.
+    pub binding_bytes: Option<u64>,
+}
+
+impl DeviceOptions {
+    /// The best device. With the environment variable `PELLUCID_VALIDATION` at `1` validation and robust access are on, at
+    /// `gpu` GPU-assisted validation is.
+    pub fn from_env() -> Self {
+        match std::env::var("PELLUCID_VALIDATION").as_deref() {
+            Ok("1") => Self { validation: true, robust: true, ..Self::default() },
+            // Robust access would make a wrong index a right one, of which nothing is said.
+            Ok("gpu") => Self { validation: true, gpu_assisted: true, ..Self::default() },
+            _ => Self::default(),
+        }
+    }
+
+    /// As [`Self::from_env`], but with validation and robust access unless that asks for another kind: for tests.
+    pub fn validated() -> Self {
+        let asked = Self::from_env();
+        if asked.validation { asked } else { Self { validation: true, robust: true, ..asked } }
+    }
+}
+
+/// Limits that decide how work is cut.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Bytes that one storage-buffer binding may cover.
+    pub binding_bytes: u64,
+    /// The device's own limit of that, with the guard of debug builds: [`Self::binding_bytes`] may be lower.
+    pub(super) range_bytes: u64,
+    /// Bytes of one allocation.
+    pub allocation_bytes: u64,
+    /// Alignment of a storage-buffer binding's offset.
+    pub offset_alignment: u64,
+    /// Workgroups in x of one dispatch.
+    pub groups_x: u32,
+    /// Bytes of the largest device-local heap.
+    pub heap_bytes: u64,
+    /// Storage buffers that one stage may see.
+    pub storage_buffers: u32,
+    /// Largest width and height of a framebuffer.
+    pub framebuffer: [u32; 2],
+}
+
+/// A device as `pellucid devices` lists it.
+#[derive(Debug, Clone)]
+pub struct DeviceInfo {
+    /// Position in Vulkan's list.
+    pub index: usize,
+    /// The device's name.
+    pub name: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// Discrete, integrated, virtual, CPU, other.
+    pub kind: &'static str,
+    /// Required features and limits that are missing; empty if the device can be used.
+    pub lacks: Vec<String>,
+    /// Nanoseconds of one tick of a timestamp.
+    pub timestamp_period_ns: f64,
+    /// Optional: 64-bit integers with atomic minimum in storage buffers.
+    pub int64_atomics: bool,
+    /// Optional: storage writes and atomics in fragment shaders, so that the rasteriser can be used.
+    pub fragment_atomics: bool,
+    /// Optional: largest width and height of attachments with 4 samples per pixel, and of those that blend floats.
+    pub multisampled: Option<[u32; 2]>,
+    /// Optional: counts of shader invocations.
+    pub pipeline_statistics: bool,
+    /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
+    /// their size is known beforehand.
+    pub subgroup: Option<u32>,
+    /// How many sequential pieces work is cut into so that the device is busy: few on CPUs, where more only cost.
+    pub concurrent_runs: u64,
+    rank: u32,
+}
+
+/// The Vulkan devices in Vulkan's order, and the index of the one that `--device wanted` (or nothing) would take, if it can be.
+pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>), Error> {
+    let instance = Instance::new(false, false)?;
+    let found = enumerate(&instance)?;
+    let taken = match wanted {
+        Some(wanted) => Some(named(&found, wanted)?).filter(|(info, _)| info.lacks.is_empty()),
+        None => best(&found),
+    };
+    let taken = taken.map(|(info, _)| info.index);
+    Ok((found.into_iter().map(|(info, _)| info).collect(), taken))
+}
+
+type Found = (DeviceInfo, vk::PhysicalDevice);
+
+fn enumerate(instance: &Instance) -> Result<Vec<Found>, Error> {
+    // SAFETY: a plain query on a live instance.
+    let physical =
+        unsafe { instance.raw.enumerate_physical_devices() }.map_err(Error::call("vkEnumeratePhysicalDevices"))?;
+    Ok(physical.into_iter().enumerate().map(|(index, p)| (describe(instance, index, p), p)).collect())
+}
+
+/// Discrete before integrated before virtual before CPU; the first of equals.
+fn best(found: &[Found]) -> Option<&Found> {
+    found.iter().filter(|(info, _)| info.lacks.is_empty()).min_by_key(|(info, _)| (info.rank, info.index))
+}
+
+/// Index and flags of a queue family for compute and graphics with timestamps.
+pub(super) fn queue_family(instance: &Instance, physical: vk::PhysicalDevice) -> Option<u32> {
+    // SAFETY: a plain query on a live instance.
+    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
+    let wanted = vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS;
+    families
+        .iter()
+        .position(|f| f.queue_flags.contains(wanted) && f.timestamp_valid_bits > 0)
+        .and_then(|i| u32::try_from(i).ok())
+}
+
+fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> DeviceInfo {
+    let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
+    let mut atomics = vk::PhysicalDeviceShaderAtomicInt64Features::default();
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+    let mut subgroup_sizes = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
+    // SAFETY: plain queries on a live instance; the structs are of this Vulkan version or zero-filled if it is older.
+    let (basic, core) = unsafe {
+        let basic = instance.raw.get_physical_device_properties(physical);
+        let modern = basic.api_version >= vk::API_VERSION_1_3;
+        let mut features = vk::PhysicalDeviceFeatures2::default();
+        if modern {
+            features = features.push_next(&mut features12).push_next(&mut features13);
+            let mut properties = vk::PhysicalDeviceProperties2::default()
+                .push_next(&mut driver)
+                .push_next(&mut subgroups)
+                .push_next(&mut subgroup_sizes);
+            instance.raw.get_physical_device_properties2(physical, &mut properties);
+        }
+        instance.raw.get_physical_device_features2(physical, &mut features);
+        let core = features.features;
+        if modern {
+            // Some drivers report 64-bit atomics only in the stand-alone struct, which may not share a chain with the 1.2 struct.
+            let mut alone = vk::PhysicalDeviceFeatures2::default().push_next(&mut atomics);
+            instance.raw.get_physical_device_features2(physical, &mut alone);
+        }
+        (basic, core)
+    };
+
+    let text = |s: Result<&CStr, _>| s.map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let version = |v: u32| format!("{}.{}", vk::api_version_major(v), vk::api_version_minor(v));
+    let mut lacks = Vec::new();
+    if basic.api_version < vk::API_VERSION_1_3 {
+        lacks.push(format!("Vulkan 1.3 (it has {})", version(basic.api_version)));
+    } else {
+        for (present, name) in [
+            (features13.synchronization2, "synchronization2"),
+            (features13.dynamic_rendering, "dynamicRendering"),
+            (features13.maintenance4, "maintenance4"),
+            (features12.host_query_reset, "hostQueryReset"),
+        ] {
+            if present == vk::FALSE {
+                lacks.push(name.to_owned());
+            }
+        }
+    }
+    match queue_family(instance, physical) {
+        None => lacks.push("a queue for compute and graphics with timestamps".to_owned()),
+        #[cfg(feature = "window")]
+        Some(family) if instance.surface.as_ref().is_some_and(|s| !s.takes_from(&instance.raw, physical, family)) => {
+            lacks.push("a way to show pictures in this window".to_owned());
+        }
+        Some(_) => {}
+    }
+    let (kind, rank) = match basic.device_type {
+        vk::PhysicalDeviceType::DISCRETE_GPU => ("discrete", 0),
+        vk::PhysicalDeviceType::INTEGRATED_GPU => ("integrated", 1),
+        vk::PhysicalDeviceType::VIRTUAL_GPU => ("virtual", 2),
+        vk::PhysicalDeviceType::CPU => ("CPU", 3),
+        _ => ("other", 4),
+    };
+    let driver_name = text(driver.driver_name_as_c_str());
+    let driver_info = text(driver.driver_info_as_c_str());
+    DeviceInfo {
+        index,
+        name: text(basic.device_name_as_c_str()),
+        driver: format!("{driver_name} {driver_info}").trim().to_owned(),
+        kind,
+        lacks,
+        timestamp_period_ns: f64::from(basic.limits.timestamp_period),
+        int64_atomics: core.shader_int64 == vk::TRUE
+            && (features12.shader_buffer_int64_atomics == vk::TRUE || atomics.shader_buffer_int64_atomics == vk::TRUE),
+        fragment_atomics: core.fragment_stores_and_atomics == vk::TRUE,
+        multisampled: image::multisampled_size(instance, physical),
+        pipeline_statistics: core.pipeline_statistics_query == vk::TRUE,
+        subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
+            .then(|| subgroup_size(&subgroups, &subgroup_sizes))
+            .flatten(),
+        concurrent_runs: if basic.device_type == vk::PhysicalDeviceType::CPU { 32 } else { 4096 },
+        rank,
+    }
+}
+
+/// The subgroup size that compute shaders ask for: the largest up to 32, so that a ballot is one word.
+fn subgroup_size(
+    subgroups: &vk::PhysicalDeviceSubgroupProperties<'_>,
+    sizes: &vk::PhysicalDeviceSubgroupSizeControlProperties<'_>,
+) -> Option<u32> {
+    use vk::SubgroupFeatureFlags as F;
+    let compute = vk::ShaderStageFlags::COMPUTE;
+    let able = subgroups.supported_operations.contains(F::BASIC | F::BALLOT | F::SHUFFLE)
+        && subgroups.supported_stages.contains(compute)
+        && sizes.required_subgroup_size_stages.contains(compute);
+    let size = sizes.max_subgroup_size.min(32);
+    // With fewer than 8, kernels hold so many pixels per invocation that they compile for minutes (SwiftShader has 4).
+    (able && size >= sizes.min_subgroup_size.max(8)).then_some(size)
+}
+
+/// An open device. Cheap to clone; buffers keep it alive.
+#[derive(Clone)]
+pub struct Device(pub(super) Arc<Context>);
+
+impl Device {
+    /// Opens the device that `options` names, or the best one.
+    pub fn open(options: &DeviceOptions) -> Result<Self, Error> {
+        Self::open_on(Instance::new(options.validation, options.gpu_assisted)?, options)
+    }
+
+    /// Opens the device that `options` names, or the best one of those that can show pictures in a window.
+    /// [`Screen`](super::window::Screen) shows them.
+    ///
+    /// # Errors
+    /// As of [`Self::open`], and [`Error::NoSurface`] if no driver can present to windows of this kind.
+    #[cfg(feature = "window")]
+    pub fn open_for(options: &DeviceOptions, window: super::window::Handle) -> Result<Self, Error> {
+        Self::open_on(Instance::for_window(options.validation, options.gpu_assisted, window)?, options)
+    }
+
+    fn open_on(instance: Instance, options: &DeviceOptions) -> Result<Self, Error> {
+        let found = enumerate(&instance)?;
+        if found.is_empty() {
+            return Err(Error::NoDevice);
+        }
+        let (info, physical) = match &options.device {
+            Some(wanted) => named(&found, wanted)?,
+            None => match best(&found) {
+                Some(found) => found,
+                None => &found[0],
+            },
+        };
+        if !info.lacks.is_empty() {
+            return Err(Error::Lacks { device: info.name.clone(), missing: info.lacks.join(", ") });
+        }
+        let mut context = Context::new(instance, *physical, info.clone(), options.robust)?;
+        let allowed = &mut context.limits.binding_bytes;
+        *allowed = options.binding_bytes.map_or(*allowed, |bytes| bytes.min(*allowed));
+        Ok(Self(Arc::new(context)))
+    }
+
+    /// What was opened.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.0.info
+    }
+
+    /// What it allows.
+    pub fn limits(&self) -> &Limits {
+        &self.0.limits
+    }
+
+    /// A buffer of `len` elements; its content is undefined.
+    pub fn buffer<T: GpuType>(&self, name: &str, len: u64, memory: Memory) -> Result<Buffer<T>, Error> {
+        Buffer::new(&self.0, name, len, memory)
+    }
+
+    /// A device-local buffer with this content. An empty slice makes a buffer of one undefined element, since Vulkan has no empty ones.
+    pub fn upload<T: GpuType>(&self, name: &str, data: &[T]) -> Result<Buffer<T>, Error> {
+        let buffer = self.buffer(name, (data.len() as u64).max(1), Memory::Device)?;
+        buffer.upload(data)?;
+        Ok(buffer)
+    }
+
+    /// An image of `samples` samples per pixel to draw into and read; its content is undefined. [`DeviceInfo::multisampled`] bounds its size.
+    pub fn attachment(&self, name: &str, format: Format, samples: u32, size: [u32; 2]) -> Result<Attachment, Error> {
+        Attachment::new(&self.0, name, format, samples, size)
+    }
+
+    /// A new recorder.
+    pub fn recorder(&self) -> Result<Recorder<'_>, Error> {
+        Recorder::new(&self.0)
+    }
+
+    /// Largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
+    pub fn peak_bytes(&self) -> u64 {
+        self.0.peak_bytes()
+    }
+
+    /// Starts a new measurement of the peak from what is reserved now; returns that.
+    pub fn reset_peak(&self) -> u64 {
+        self.0.reset_peak()
+    }
+
+    /// Lets so many further submissions through, `None` all of them; what is submitted beyond fails with [`Error::Stopped`].
+    /// Any thread may call this: `Some(0)` ends a frame that nobody wants any more at its next submission. What shows pictures
+    /// in a window is not counted.
+    pub fn allow_submissions(&self, count: Option<u64>) {
+        self.0.allowed.store(count.unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    /// Bytes that were uploaded so far, but for the view that every frame writes: what another threshold, softness or radius
+    /// adds nothing to.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.0.uploaded.load(Ordering::Relaxed)
+    }
+
+    /// Names and sizes of what is allocated: the leak report when it should be empty.
+    pub fn live_allocations(&self) -> Vec<(String, u64)> {
+        self.0.live_allocations()
+    }
+
+    /// Everything that the validation layers said so far.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.0.instance.messages.snapshot()
+    }
+
+    /// What the validation layers say, to be read when the device is gone.
+    pub fn validation_log(&self) -> ValidationLog {
+        ValidationLog(self.0.instance.messages.clone())
+    }
+
+    /// An error if the validation layers said anything.
+    pub fn check_validation(&self) -> Result<(), Error> {
+        self.validation_log().check()
+    }
+}
+
+/// The messages of the validation layers; outlives the device, so that those about its end are in it, too.
+pub struct ValidationLog(Arc<Messages>);
+
+impl ValidationLog {
+    /// An error if the validation layers said anything.
+    pub fn check(&self) -> Result<(), Error> {
+        let messages = self.0.snapshot();
+        if messages.is_empty() { Ok(()) } else { Err(Error::Validation(messages)) }
+    }
+}
+
+fn named<'a>(found: &'a [Found], wanted: &str) -> Result<&'a Found, Error> {
+    let lower = wanted.to_lowercase();
+    let by_index = wanted.parse::<usize>().ok().and_then(|i| found.get(i));
+    by_index.or_else(|| found.iter().find(|(info, _)| info.name.to_lowercase().contains(&lower))).ok_or_else(|| {
+        let present =
+            found.iter().map(|(info, _)| format!("{} {}", info.index, info.name)).collect::<Vec<_>>().join(", ");
+        Error::NoSuchDevice { wanted: wanted.to_owned(), present }
+    })
+}

@@ -1,0 +1,42 @@
+//! The device layer: everything that talks to Vulkan, and the only place with `unsafe`.
+//!
+//! [`Device`] chooses and opens a device, [`Buffer`] owns typed memory, [`Attachment`] an image, [`shader`] turns WGSL into SPIR-V,
+//! [`pass!`](crate::pass) declares what a pass binds, and [`Recorder`] alone adds barriers, labels, timestamps and dispatches.
+
+mod agree;
+mod buffer;
+pub mod cache;
+mod context;
+mod device;
+mod error;
+pub mod fault;
+mod guard;
+mod image;
+mod instance;
+mod kept;
+pub mod layout;
+mod pass;
+mod pipeline;
+mod recorder;
+pub mod shader;
+mod spirv;
+#[cfg(feature = "window")]
+pub mod window;
+
+pub use agree::{Agree, Expected};
+pub use buffer::{Buffer, Memory, RawSlice, Slice};
+pub use device::{Device, DeviceInfo, DeviceOptions, Limits, ValidationLog, devices};
+pub use error::Error;
+pub use guard::BYTES as GUARD_BYTES;
+pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
+pub use kept::Kept;
+pub use layout::{GpuType, Shape};
+pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
+pub use pipeline::{Blend, Outputs};
+pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
+pub use shader::Variant;
+
+pub(crate) use context::Context;
+
+/// The WGSL files of the device layer's own passes.
+pub static SHADERS: shader::Sources = shader::Sources(include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"));

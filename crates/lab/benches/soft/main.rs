@@ -1,0 +1,115 @@
+//! The experiments of the paper on soft transparency (Seemann et al. 2018, Section 5), and what a frame after a change costs.
+//!
+//! ```sh
+//! cargo bench --bench soft                                        # the built-in scenes, into target/soft
+//! cargo bench --bench soft -- -o report vineyard.laz scene.toml   # your clouds and scenes after these
+//! cargo bench --bench soft -- --frames 20 --path 100              # frames behind a median, frames of the path
+//! ```
+//!
+//! What is written, as Markdown or SVG for people and as CSV for programs:
+//!
+//! - `table` (Table 1): time of a frame of `splats` of all points (SP), of `one-layer` (OLT) and of `soft-express` (ST), beside
+//!   the paper's.
+//! - `path-time` and `path-fragments` (Fig. 8): a path around and into the first scene, by SP and the three models.
+//! - `second` : frames of the first scene with another threshold, softness, modulation, radius or view, after the cloud was
+//!   uploaded once, and the bytes that each of them uploads.
+//!
+//! How to read it. Every time is the device time of a frame (`second`: the time on the host's clock, so that nothing hides);
+//! medians of frames that take turns, so that a machine that slows down slows all. Compare ratios, not times, and run it on a
+//! machine that does nothing else. A scene file's soft method keeps its settings; where none is given, the median of the field
+//! is the threshold, so that half of the points are soft.
+
+mod path;
+mod scenes;
+mod second;
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use pellucid_engine::Result;
+use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::methods::{Frame, Rendered, Renderer};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::scene::Method;
+
+#[derive(Debug, Parser)]
+struct Args {
+    /// Folder for what is found; made if it isn't there.
+    #[arg(short, long, default_value = "target/soft")]
+    output: PathBuf,
+    /// Frames behind each median.
+    #[arg(long, default_value_t = 7)]
+    frames: usize,
+    /// Frames of the path.
+    #[arg(long, default_value_t = 48)]
+    path: usize,
+    /// Scene files and clouds that are measured after the built-in scenes.
+    inputs: Vec<PathBuf>,
+    /// What cargo passes.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> ExitCode {
+    // `cargo test --benches` runs this without the option: it measures nothing then.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return ExitCode::SUCCESS;
+    }
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_status())
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<()> {
+    let device = Device::open(&DeviceOptions::from_env())?;
+    let machine = format!("{} ({}), pellucid {}", device.info().name, device.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("{machine}");
+    let failed = |source| pellucid_engine::output::Error::Write { path: args.output.clone(), source };
+    std::fs::create_dir_all(&args.output).map_err(failed)?;
+    let mut rows = Vec::new();
+    for (number, scene) in scenes::all(&args.inputs).enumerate() {
+        let subject = scene?;
+        rows.push(table::measure(&device, &subject, args.frames)?);
+        table::write(&args.output, &machine, &rows)?;
+        if number == 0 {
+            path::measure(&device, &subject, args.path, &args.output)?;
+            second::measure(&device, &subject, args.frames, &args.output)?;
+        }
+    }
+    println!("\nwritten to {}", args.output.display());
+    Ok(())
+}
+
+/// Writes a file of the report.
+fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
+    let path = folder.join(name);
+    Ok(std::fs::write(&path, text).map_err(|source| pellucid_engine::output::Error::Write { path, source })?)
+}
+
+/// A renderer that keeps the buffers of one method, and that method.
+struct Contender {
+    name: &'static str,
+    method: Method,
+    renderer: Renderer,
+}
+
+impl Contender {
+    fn new(device: &Device, name: &'static str, method: Method) -> Result<Self> {
+        Ok(Self { name, method, renderer: Renderer::new(device)? })
+    }
+
+    /// A frame; its picture is dropped.
+    fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered> {
+        Ok(self.renderer.render(cloud, &Frame { method: self.method, ..*frame })?)
+    }
+}
+
+fn gpu_ms(rendered: &Rendered) -> f64 {
+    rendered.profile.gpu().as_secs_f64() * 1e3
+}

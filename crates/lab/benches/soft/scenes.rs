@@ -1,0 +1,108 @@
+//! What is rendered.
+
+use std::path::{Path, PathBuf};
+
+use indicatif::ProgressBar;
+use pellucid_engine::Result;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::methods::{Factors, Frame, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{self, Method, OneLayer, Overrides, Scene, Soft, procedural};
+
+/// Name, keys of the scene file.
+type Builtin = (&'static str, &'static [(&'static str, &'static str)]);
+
+const BUILTINS: [Builtin; 3] = [
+    ("garden", &[("cloud.*.field", "uncertainty"), SIZE]),
+    ("tori", &[("cloud.*.field", "distance-to-axis"), SIZE]),
+    ("volume", &[("cloud.*.field", "distance-to-axis"), SIZE]),
+];
+
+/// Pixels that a CPU driver gets through in minutes, path and all.
+const SIZE: (&str, &str) = ("image.size", "[640, 480]");
+
+/// A scene with the settings of its soft points.
+pub struct Subject {
+    pub name: String,
+    pub points: Points,
+    /// Of method `soft-express`.
+    pub frame: Frame,
+    pub soft: Soft,
+}
+
+impl Subject {
+    /// The one layer of the same points, as opaque as the soft ones are at most.
+    pub fn one_layer(&self) -> Method {
+        let softness = OneLayer::default().softness;
+        Method::OneLayer(OneLayer { threshold: self.soft.threshold, softness })
+    }
+
+    fn new(name: String, scene: &Scene, clouds: Vec<Cloud>) -> Result<Self> {
+        let up = scene::up_axis(&clouds);
+        let points = scene::assemble(scene, clouds, true, &ProgressBar::hidden())?;
+        let (camera, _) = scene::camera(scene, &points, up)?;
+        let given = scene.method.soft().copied().unwrap_or_default();
+        let is_default = given == Soft::default();
+        let soft = if is_default { Soft { threshold: middle(&points.fields), ..given } } else { given };
+        let frame = Frame {
+            camera,
+            size: scene.image.size,
+            shading: scene.shading,
+            color: scene.image.color,
+            method: Method::SoftExpress(soft),
+            memory_budget: None,
+            fragments: false,
+            stop: Stop::Exact,
+            max_error: None,
+            spread: false,
+            ensembles: None,
+            shadows: None,
+            factors: Factors::default(),
+            seed: 0,
+        };
+        let count = points.fields.iter().filter(|field| **field > soft.threshold).count();
+        println!("\n== {name}: {} points, {count} of them soft (threshold {})", points.len(), soft.threshold);
+        Ok(Self { name, points, frame, soft })
+    }
+}
+
+/// The built-in scenes, then others.
+pub fn all(inputs: &[PathBuf]) -> impl Iterator<Item = Result<Subject>> {
+    BUILTINS.iter().map(builtin).chain(inputs.iter().map(|path| from_path(path)))
+}
+
+fn builtin((name, keys): &Builtin) -> Result<Subject> {
+    let overrides = overrides(keys)?;
+    let generated = procedural::build(name, &[], 0).map_err(scene::Error::from)?;
+    let scene = Scene::from_toml_with(&generated.scene_toml, name.as_ref(), &overrides)?;
+    let clouds = scene::take_generated(&scene, &generated)?;
+    Subject::new((*name).to_owned(), &scene, clouds)
+}
+
+fn from_path(path: &Path) -> Result<Subject> {
+    let scene = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        Scene::read(path, &Overrides::default())?
+    } else {
+        Scene::from_clouds(&[path.to_owned()], &overrides(&[])?)?
+    };
+    let clouds = scene::load_clouds(&scene, &ProgressBar::hidden())?;
+    let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    Subject::new(name, &scene, clouds)
+}
+
+/// Of a soft method, so that fields are found.
+fn overrides(keys: &[(&str, &str)]) -> Result<Overrides> {
+    let mut overrides = Overrides::default();
+    overrides.set("bench", "method.name", "soft-express")?;
+    keys.iter().try_for_each(|(key, value)| overrides.set("bench", key, value))?;
+    Ok(overrides)
+}
+
+/// The median field, but below 1, so that something is soft.
+fn middle(fields: &[f32]) -> f32 {
+    let mut sorted = fields.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or_default();
+    let most = sorted.last().copied().unwrap_or_default();
+    if median < most { median } else { Soft::default().threshold }
+}

@@ -1,0 +1,128 @@
+//! Approximations of transparency: what each of them does exactly.
+
+use glam::{DVec3, Vec3};
+
+use super::discs::{exact, reversed, roundings, ties};
+use super::naive::over;
+use super::stage::{Dot, HALF_ULP, apart, composed, dot};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::reference::abuffer::Fragment;
+use pellucid_engine::reference::approximate;
+use pellucid_engine::scene::{Discs, Hybrid, Method, Stochastic};
+
+type Found = Result<Finding, Trouble>;
+
+const ULP: f64 = 2.0 * HALF_ULP;
+/// Color that has no exact float32.
+const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);
+/// What a compensated sum of any length is off (2 units: Kahan 1965), for color and weight, their quotient (2.5 units) and two
+/// products, relative.
+const COMPENSATED: f64 = 9.0 * ULP;
+
+pub(super) fn cases() -> Vec<Case> {
+    let discs = Discs::default();
+    let [average, weighted, unsorted] = [Method::Average(discs), Method::Weighted(discs), Method::Unsorted(discs)];
+    let [hybrid, stochastic] = [Method::Hybrid(Hybrid::default()), Method::Stochastic(Stochastic::default())];
+    let unordered = [average, weighted, hybrid, stochastic];
+    [
+        each(&[average], "equal-colors", "the mean of 100 000 equal colors is that color", equal_colors),
+        each(&[weighted], "equal-colors", "10 000 layers of one color: that color times A", weighted_equal),
+        each(&[weighted], "at-far", "fragments at far, where (1 - d)³ is 0: their weight is 0.01", at_far),
+        each(&[weighted], "large-sums", "200 weights of 1500: more than 16-bit floats hold", large_sums),
+        each(&[unsorted], "file-order", "later over earlier, whatever the depth", file_order),
+        each(&[unsorted], "faint-layers", "100 000 layers of opacity 1e-7: 1 - (1 - 1e-7)^100000", faint),
+        each(&[hybrid], "as-many-as-k", "8 fragments with k = 8 against float64", as_many_as_k),
+        each(&unordered, "equal-depths", "discs of equal depth and other colors, shuffled: no byte changes", ties),
+        each(&unordered, "reversed", "the order of the input reversed: no byte changes", reversed),
+        each(&exact(), "long-and-short", "2000 layers of opacity 1e-3 behind one of 0.999", behind_one),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Layers of one color and opacity behind one another.
+fn layers(n: u32, color: Vec3, opacity: f32) -> Vec<Dot> {
+    (0..n).map(|i| dot(1.0 + f64::from(i), color, opacity)).collect()
+}
+
+/// A color times A, and A.
+fn times(color: Vec3, alpha: f64) -> [f64; 4] {
+    (color.as_dvec3() * alpha).extend(alpha).to_array()
+}
+
+fn equal_colors(stage: &mut Stage, method: Method) -> Found {
+    let dots = layers(100_000, COLOR, 0.5);
+    let wanted = times(COLOR, 1.0);
+    let found = stage.pixel(&dots, method)?;
+    let sum = dots.iter().fold(Vec3::ZERO, |sum, dot| sum + dot.color) / dots.len() as f32;
+    let naive = apart(&[sum.x, sum.y, sum.z], &wanted[..3]);
+    Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive })
+}
+
+fn weighted_equal(stage: &mut Stage, method: Method) -> Found {
+    let dots = layers(10_000, COLOR, 1e-4);
+    let wanted = times(COLOR, composed(&dots)[3]);
+    let found = stage.pixel(&dots, method)?;
+    Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive: apart(&over(&dots), &wanted) })
+}
+
+fn at_far(stage: &mut Stage, method: Method) -> Found {
+    let far = 1e7;
+    let dots = [dot(far, Vec3::X, 0.25), dot(far, Vec3::Y, 0.5), dot(far, Vec3::Z, 0.25)];
+    let alpha = 1.0 - 0.75 * 0.5 * 0.75;
+    let wanted = [0.25 * alpha, 0.5 * alpha, 0.25 * alpha, alpha];
+    // Without a least weight, 0 / 0.
+    Ok(Finding { error: apart(&stage.pixel(&dots, method)?, &wanted), bound: COMPENSATED, naive: f64::INFINITY })
+}
+
+fn large_sums(stage: &mut Stage, method: Method) -> Found {
+    let dots = layers(200, COLOR, 0.5);
+    let found = stage.pixel(&dots, method)?;
+    // Sums of 300 000 are infinite in 16 bits, and their quotient is no number.
+    Ok(Finding { error: apart(&found, &times(COLOR, 1.0)), bound: COMPENSATED, naive: f64::INFINITY })
+}
+
+fn file_order(stage: &mut Stage, method: Method) -> Found {
+    let dots = [dot(2.0, Vec3::X, 0.5), dot(9.0, Vec3::Y, 0.5), dot(5.0, Vec3::Z, 0.5)];
+    let found = stage.pixel(&dots, method)?;
+    let wanted = [0.125, 0.25, 0.5, 0.875];
+    // Powers of two, exact.
+    let by_depth = composed(&[dots[0], dots[2], dots[1]]).map(|c| c as f32);
+    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: apart(&by_depth, &wanted) })
+}
+
+fn faint(stage: &mut Stage, method: Method) -> Found {
+    let dots = layers(100_000, Vec3::ONE, 1e-7);
+    let wanted = composed(&dots);
+    let found = stage.pixel(&dots, method)?;
+    Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED * wanted[3], naive: apart(&over(&dots), &wanted) })
+}
+
+fn as_many_as_k(stage: &mut Stage, method: Method) -> Found {
+    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 8.0);
+    let dots: Vec<Dot> = (0..8).map(|i| dot(1.0 + f64::from(i), color(i), 0.3)).collect();
+    let wanted = composed(&dots);
+    let mut shuffled = dots.clone();
+    shuffled.rotate_left(3);
+    let found = stage.pixel(&shuffled, method)?;
+    let fragment = |i: usize| Fragment { z: i as f64, index: i as u32, alpha: 0.3f32.into() };
+    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+    let mixed = approximate::hybrid(&(0..8).map(fragment).collect::<Vec<_>>(), &colors, 1);
+    let mixed = [mixed.color.x, mixed.color.y, mixed.color.z, mixed.alpha].map(|c| c as f32);
+    // Four roundings for each of 8.
+    Ok(Finding { error: apart(&found, &wanted), bound: 32.0 * HALF_ULP, naive: apart(&mixed, &wanted) })
+}
+
+fn behind_one(stage: &mut Stage, method: Method) -> Found {
+    let mut dots = layers(2000, Vec3::Y, 1e-3);
+    dots.insert(0, dot(0.75, Vec3::X, 0.999));
+    let wanted = composed(&dots);
+    let found = stage.pixel(&dots, method)?;
+    // Green alone. Each layer of a run rounds A, which is nearly 1, by half a unit, and what lies behind is that much too bright
+    // or dark; green opacities are 1 in all.
+    let bound = roundings(&method, 2001) / 4.0 * HALF_ULP;
+    let error = apart(&found[1..2], &wanted[1..2]);
+    // Stopping where an 8-bit step is saturated loses the last of them: behind T of 1/512 nothing is drawn.
+    Ok(Finding { error, bound, naive: wanted[1] })
+}

@@ -1,0 +1,132 @@
+//! Memory: images that are cut into windows and bands by a budget, and fragments beyond what one binding can hold.
+
+use glam::{DVec3, Vec3};
+
+use super::discs::roundings;
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::reference::abuffer::{Fragment, composite};
+use pellucid_engine::scene::{
+    BlendedSplats, Density, DiscShape, Discs, Hybrid, LongLists, Method, Peel, Shells, Soft, Stochastic,
+};
+
+type Found = Result<Finding, Trouble>;
+
+pub(super) fn cases() -> Vec<Case> {
+    let discs = Discs::default();
+    let oriented = Discs { shape: DiscShape::Oriented, ..discs };
+    let soft = Soft { density: Density::Softness(0.05), shells: Shells::Fixed(2), ..Soft::default() };
+    let cut = [
+        Method::ABuffer(oriented),
+        Method::LinkedList(oriented),
+        Method::Peel(Peel { discs: oriented, ..Peel::default() }),
+        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
+        Method::Hybrid(Hybrid::default()),
+        Method::Weighted(discs),
+        Method::Average(discs),
+        Method::Unsorted(discs),
+        Method::Hqs(BlendedSplats::default()),
+        Method::Splats(BlendedSplats::default()),
+        Method::SoftBase(soft),
+        Method::SoftConcentric(soft),
+        Method::SoftExpress(soft),
+    ];
+    let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
+    [
+        each(&cut, "budget", "cut by a memory budget: no byte changes", budget),
+        each(&in_place, "in-place", "4000 fragments sorted in their place: the bytes of the merge", in_place_bytes),
+        each(
+            &[Method::ABuffer(oriented)],
+            "beyond-a-binding",
+            "more fragments than one binding holds, against float64",
+            beyond,
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Discs over an image of 48 × 32 pixels, some of one depth, all of which hold more than a fragment for each pixel.
+fn crowd(count: u32, radius: f32) -> Vec<Dot> {
+    let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 9) % 4096;
+    let of = |i: u32| {
+        let [x, y] = [2_654_435_761, 2_246_822_519].map(|factor| f64::from(part(i, factor)) / 4096.0);
+        Dot {
+            position: DVec3::new(48.0 * x, -32.0 * y, -f64::from(10 + i % 200)),
+            color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
+            opacity: 0.05,
+            radius,
+            normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 6.0).normalize(),
+            field: 1.0,
+        }
+    };
+    (1..=count).map(of).collect()
+}
+
+fn budget(stage: &mut Stage, method: Method) -> Found {
+    let size = [48, 32];
+    // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
+    let tiled = method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
+    let whole = frame(pixels(size), size, method);
+    let points = cloud(&dots);
+    let free = stage.render(&points, &whole)?;
+    // Half as much again each time, from what is too little for anything until it does.
+    let mut budget = 2u64 << 10;
+    let cut = loop {
+        let attempt = stage.render(&points, &Frame { memory_budget: Some(budget), ..whole });
+        match attempt {
+            Err(error) if error.is_refusal() && budget < 64 << 20 => budget += budget / 2,
+            found => break found?,
+        }
+    };
+    let was_cut = cut.facts.windows > free.facts.windows || cut.facts.bands > free.facts.bands;
+    let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
+    // A pool of fixed size loses what comes last: the pixels beyond it, 20 bytes each.
+    Ok(Finding { error, bound: 0.0, naive: f64::from(size[0] * size[1] / 2) * 20.0 })
+}
+
+fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
+    // Discs that might cross, so that no order is made beforehand.
+    let discs = |long_lists| Method::ABuffer(Discs { shape: DiscShape::Oriented, long_lists, ..Discs::default() });
+    let facing = |dot: &Dot| Dot { normal: Vec3::Z, ..*dot };
+    let dots: Vec<Dot> = crowd(4000, 60.0).iter().map(facing).collect();
+    let size = [4, 3];
+    let merged = stage.image(&dots, pixels(size), size, discs(LongLists::Merge))?;
+    let sorted = stage.image(&dots, pixels(size), size, method)?;
+    // Kept as they came, every color differs.
+    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: f64::from(size[0] * size[1]) * 12.0 })
+}
+
+/// Layers of [`beyond`].
+const LAYERS: u32 = 24;
+
+fn beyond(stage: &mut Stage, method: Method) -> Found {
+    let binding = stage.device().limits().binding_bytes;
+    let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
+    if side > 1536 {
+        let what = format!("to bind less than {binding} bytes at a time: more fragments than are worth rendering");
+        return Err(Trouble::Lacks(what));
+    }
+    let size = [side, side];
+    let layer = |i: u32| Dot {
+        position: at(side / 2, side / 2, f64::from(10 + i)),
+        color: Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 24.0),
+        opacity: 0.1,
+        radius: 2.0 * side as f32,
+        normal: Vec3::Z,
+        ..Dot::default()
+    };
+    let dots: Vec<Dot> = (0..LAYERS).map(layer).collect();
+    let fragment = |i: u32| Fragment { z: f64::from(i), index: i, alpha: 0.1f32.into() };
+    let colors: Vec<DVec3> = dots.iter().map(|dot| dot.color.as_dvec3()).collect();
+    let exact = composite(&(0..LAYERS).map(fragment).collect::<Vec<_>>(), &colors);
+    let wanted = exact.color.extend(exact.alpha).to_array();
+    let found = stage.render(&cloud(&dots), &frame(pixels(size), size, method))?;
+    let error = found.image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
+    let error = if found.facts.bands > 1 { error } else { f64::INFINITY };
+    // What is written beyond the end of a binding is gone, and with it whole pixels.
+    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: wanted[3] })
+}

@@ -1,0 +1,213 @@
+//! Transparent discs: composition of many, of few, of none, in whatever order they come.
+
+use glam::Vec3;
+
+use super::naive::over;
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
+
+/// The methods that keep every fragment.
+pub(super) fn exact() -> Vec<Method> {
+    let discs = Discs::default();
+    vec![Method::ABuffer(discs), Method::LinkedList(discs), Method::Sorted(discs)]
+}
+
+/// And the one that goes through all points once for each layer.
+pub(super) fn with_peel() -> Vec<Method> {
+    [exact(), vec![Method::Peel(Peel::default())]].concat()
+}
+
+/// Methods whose A is exact, whatever they do to colors.
+fn exact_coverage() -> Vec<Method> {
+    let discs = Discs::default();
+    let corrected = Stochastic { samples: 4, ..Stochastic::default() };
+    vec![Method::Hybrid(Hybrid::default()), Method::Weighted(discs), Method::Stochastic(corrected)]
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let gaussian = Method::ABuffer(Discs { falloff: Falloff::Gaussian, ..Discs::default() });
+    let tilted = Method::ABuffer(Discs { shape: DiscShape::Oriented, ..Discs::default() });
+    [
+        each(&exact(), "faint-layers", "100 000 layers of opacity 1e-7 in a pixel: 1 - (1 - 1e-7)^100000", faint),
+        each(&exact_coverage(), "faint-coverage", "A of 10 000 layers of opacity 1e-6: 1 - (1 - 1e-6)^10000", faint_a),
+        each(&exact(), "ten-thousand-layers", "10 000 layers of three colors against float64", |stage, method| {
+            layers(stage, method, 10_000)
+        }),
+        each(&with_peel(), "coincident", "300 equal discs: 1 - 0.9^300 of their color", coincident),
+        each(&with_peel(), "equal-depths", "discs of equal depth and other colors, shuffled: no byte changes", ties),
+        each(&with_peel(), "reversed", "the order of the input reversed: no byte changes", reversed),
+        each(&with_peel(), "opacity-0-and-1", "nothing of opacity 0, nothing behind opacity 1", extremes),
+        lengths(),
+        each(&with_peel(), "nearly-opaque", "opacities of 1 - 2^-24: what shines through is not lost", nearly_opaque),
+        each(&with_peel(), "least-opacity", "three layers of opacity 2^-125: 3 · 2^-125", least_opacity),
+        each(
+            &[gaussian],
+            "no-radius",
+            "radii of 0 to 1e-3 with a Gaussian: at the rim, exp(-2) of the opacity",
+            no_radius,
+        ),
+        each(&[tilted], "edge-on", "a disc seen from its edge covers the pixel of its centre, at its depth", edge_on),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Lists around the sizes at which another kernel takes over.
+fn lengths() -> Vec<Case> {
+    let about = "a list of so many layers against float64";
+    let of = |n: u32| {
+        let discs = Discs::default();
+        let run = move |stage: &mut Stage| layers(stage, Method::ABuffer(discs), n);
+        Case { name: format!("abuffer/list-of-{n}"), about, run: Box::new(run) }
+    };
+    [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(of).into()
+}
+
+/// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;
+/// each takes two products and two sums. A list's runs have up to 256 layers, a tile's up to 2048.
+pub(super) fn roundings(method: &Method, n: usize) -> f64 {
+    let run = n.min(if method.lists().is_some() { 256 } else { 2048 });
+    4.0 * (run + n.div_ceil(run)) as f64
+}
+
+fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let dots: Vec<Dot> = (0..100_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-7)).collect();
+    let wanted = composed(&dots);
+    let found = stage.pixel(&dots, method)?;
+    // Each rounding is relative to a sum that is at most the whole.
+    let bound = roundings(&method, dots.len()) * HALF_ULP * wanted[3];
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&dots), &wanted) })
+}
+
+fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let dots: Vec<Dot> = (0..10_000).map(|i| dot(1.0 + f64::from(i), Vec3::ONE, 1e-6)).collect();
+    let wanted = composed(&dots)[3];
+    let found = stage.pixel(&dots, method)?[3];
+    let bound = roundings(&method, dots.len()) * HALF_ULP * wanted;
+    let naive = apart(&[over(&dots)[3]], &[wanted]);
+    Ok(Finding { error: apart(&[found], &[wanted]), bound, naive })
+}
+
+/// Opacity falls with the length, so that the last layers still count; colors differ from layer to layer.
+fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Trouble> {
+    let opacity = (3.0 / n as f32).min(0.5);
+    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / n as f32);
+    let dots: Vec<Dot> = (0..n).map(|i| dot(1.0 + f64::from(i), color(i), opacity)).collect();
+    let wanted = composed(&dots);
+    let mut shuffled = dots.clone();
+    shuffled.reverse();
+    shuffled.rotate_left(n as usize / 3);
+    let found = stage.pixel(&shuffled, method)?;
+    let bound = roundings(&method, dots.len()) * HALF_ULP * wanted.into_iter().fold(0.0, f64::max);
+    // As they came.
+    let naive = if n > 1 { apart(&over(&shuffled), &wanted) } else { f64::INFINITY };
+    Ok(Finding { error: apart(&found, &wanted), bound, naive })
+}
+
+fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let dots = vec![dot(5.0, Vec3::new(0.25, 0.5, 1.0), 0.1); 300];
+    let wanted = composed(&dots);
+    let found = stage.pixel(&dots, method)?;
+    let bound = roundings(&method, dots.len()) * HALF_ULP;
+    // A depth test that lets only what is nearer pass keeps one of them.
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&dots[..1]), &wanted) })
+}
+
+/// Dots of the same depth that can be told apart by color alone.
+fn tied() -> Vec<Dot> {
+    let color = |i: u32| Vec3::new((i % 7) as f32 / 7.0, (i % 5) as f32 / 5.0, (i % 3) as f32 / 3.0);
+    let near = (0..40).map(|i| dot(2.0, color(i), 0.3));
+    near.chain((0..40).map(|i| dot(3.0, color(i), 0.2))).collect()
+}
+
+/// Bytes that change when the input is permuted, and how many would by composition in the order of arrival.
+fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Result<Finding, Trouble> {
+    let dots = tied();
+    let mut other = dots.clone();
+    permute(&mut other);
+    let method = match method {
+        Method::Peel(peel) => Method::Peel(Peel { layers: 0, ..peel }),
+        method => method,
+    };
+    let first = stage.image(&dots, pixels([1, 1]), [1, 1], method)?;
+    let second = stage.image(&other, pixels([1, 1]), [1, 1], method)?;
+    let arrived = |dots: &[Dot]| over(dots).map(f32::to_bits);
+    let naive = arrived(&dots).iter().zip(arrived(&other)).filter(|(a, b)| **a != *b).count();
+    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: naive as f64 })
+}
+
+pub(super) fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    permuted(stage, method, |dots| {
+        dots.swap(0, 77);
+        dots[..40].rotate_left(13);
+        dots[40..].rotate_left(29);
+    })
+}
+
+pub(super) fn reversed(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    permuted(stage, method, |dots| dots.reverse())
+}
+
+fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let red = Vec3::new(1.0, 0.0, 0.0);
+    // What isn't there lies before, between and behind.
+    let dots = [
+        dot(1.0, Vec3::ONE, 0.0),
+        dot(2.0, Vec3::Y, 0.5),
+        dot(3.0, Vec3::ONE, 0.0),
+        dot(4.0, red, 1.0),
+        dot(5.0, Vec3::ONE, 1.0),
+    ];
+    let image = stage.image(&dots, pixels([1, 1]), [1, 1], method)?;
+    let found = [image.rgba[0].as_slice(), &[image.depth[0]]].concat();
+    let wanted = [0.5, 0.5, 0.0, 1.0, 2.0];
+    // Powers of two, exact; the depth is that of the first fragment with an opacity. Naive: that of the nearest.
+    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: 1.0 })
+}
+
+fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let opacity = 1.0 - f32::EPSILON / 2.0;
+    let dots = [dot(1.0, Vec3::ZERO, opacity), dot(2.0, Vec3::ONE, 1.0)];
+    let found = stage.pixel(&dots, method)?;
+    // 2^-24 of white; one rounding of a product. Stopping where an 8-bit step is saturated would lose it.
+    let wanted = [1.0 - f64::from(opacity); 3];
+    Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: wanted[0] })
+}
+
+fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    // Above the least normal number, below which a device may take it for 0.
+    let opacity = f32::MIN_POSITIVE * 2.0;
+    let dots = [1.0, 2.0, 3.0].map(|depth| dot(depth, Vec3::ONE, opacity));
+    let image = stage.image(&dots, pixels([1, 1]), [1, 1], method)?;
+    let wanted = 3.0 * f64::from(opacity);
+    // It has an opacity, so its depth is that of the image. 1 - T is 0.
+    let depth = if image.depth[0] == 1.0 { 0.0 } else { 1.0 };
+    let error = apart(&image.rgba[0], &[wanted; 4]);
+    Ok(Finding { error: error.max(depth), bound: 12.0 * HALF_ULP * wanted, naive: apart(&over(&dots), &[wanted; 4]) })
+}
+
+fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    // In the middle of their pixels and beside it: d / r of 0 / 0 and of what is larger than 1.
+    let radii = [0.0, 0.0, 1e-45, 1e-3];
+    let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
+    let dot = |(x, radius): (u32, &f32)| Dot { position: at(x, 0, 3.0) + beside(x), radius: *radius, ..Dot::default() };
+    let dots: Vec<Dot> = (0..).zip(&radii).map(dot).collect();
+    let image = stage.image(&dots, pixels([4, 1]), [4, 1], method)?;
+    let wanted = [(-2f64).exp(); 4];
+    let error = image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
+    // Vulkan allows 3 + 2 · 2 units of an exponential.
+    Ok(Finding { error, bound: 16.0 * HALF_ULP * wanted[0], naive: f64::INFINITY })
+}
+
+fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let size = [5, 5];
+    let disc = Dot { position: at(2, 2, 3.0), radius: 2.0, normal: Vec3::X, opacity: 0.5, ..Dot::default() };
+    let image = stage.render(&cloud(&[disc]), &frame(pixels(size), size, method))?.image;
+    let found: Vec<f32> = image.rgba.iter().map(|c| c[3]).collect();
+    let wanted: Vec<f64> = (0..25).map(|i| if i == 12 { 0.5 } else { 0.0 }).collect();
+    let depth = (f64::from(image.depth[12]) - 3.0).abs();
+    // Without the rule of the always-covered pixel there is nothing.
+    Ok(Finding { error: apart(&found, &wanted).max(depth), bound: 0.0, naive: 0.5 })
+}

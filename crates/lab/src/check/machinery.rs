@@ -1,0 +1,108 @@
+//! What the methods are made of: prefix sums and radix sorts. Whole numbers, so exactly.
+
+use super::{Case, Finding, Stage, Trouble, one};
+use pellucid_engine::gpu::Memory;
+use pellucid_engine::methods::Error;
+use pellucid_engine::passes::radix::Radix;
+use pellucid_engine::passes::scan::Scan;
+use pellucid_engine::reference;
+
+type Found = Result<Finding, Trouble>;
+
+pub(super) fn cases() -> Vec<Case> {
+    let about = "prefix sums of zeros, ones, one large number and any numbers: those that are wrong";
+    let scan = |n: usize| one(&format!("scan/{n}-elements"), about, move |stage| sums(stage, n));
+    let about = "a stable sort of any, few, equal and falling keys: records in a wrong place";
+    let sort = |n: usize| one(&format!("radix/{n}-records"), about, move |stage| sort(stage, n));
+    let scans = [1, 255, 256, 257, 4097, (1 << 20) + 1].map(scan);
+    let sorts = [1, 255, 256, 257, 1025, 100_000].map(sort);
+    let wrap = one("scan/overflow", "sums of 2^32 - 1 pass, sums beyond are told: verdicts that are wrong", overflow);
+    scans.into_iter().chain([wrap]).chain(sorts).collect()
+}
+
+/// Numbers without a pattern.
+fn any(n: usize) -> impl Iterator<Item = u32> {
+    (0..n as u32).map(|i| i.wrapping_mul(2_654_435_761) ^ (i >> 3).wrapping_mul(2_246_822_519))
+}
+
+/// Prefix sums on the device, and whether it says that they overflow.
+fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool), Trouble> {
+    let (device, n) = (stage.device(), values.len() as u64);
+    let input = device.upload("values", values)?;
+    let output = device.buffer::<u32>("sums", n, Memory::Device)?;
+    let flag = device.upload("flag", &[0u32])?;
+    let scan = Scan::new(device, n)?;
+    let mut recorder = device.recorder()?;
+    scan.record(&mut recorder, input.all(), output.all(), flag.all())?;
+    recorder.submit("scan")?;
+    Ok((output.read(0, n)?, flag.read(0, 1)?.first() != Some(&0)))
+}
+
+fn sums(stage: &mut Stage, n: usize) -> Found {
+    let mut single = vec![0u32; n];
+    single[n / 2] = 4_000_000_000;
+    let contents = [vec![0; n], vec![1; n], any(n).map(|v| v % 4000).collect(), single];
+    let (mut error, mut naive) = (0, 0);
+    for values in contents {
+        let (found, overflow) = scan(stage, &values)?;
+        let wanted = reference::scan::exclusive(&values);
+        error += found.iter().zip(&wanted).filter(|(a, b)| u64::from(**a) != **b).count() + usize::from(overflow);
+        // Blocks of 256 by themselves; for one block, sums that hold their own number.
+        let mut sum = 0u64;
+        for (i, value) in values.iter().enumerate() {
+            sum = if i % 256 == 0 { 0 } else { sum };
+            let own = if n <= 256 { u64::from(*value) } else { 0 };
+            naive += usize::from(sum + own != wanted[i]);
+            sum += u64::from(*value);
+        }
+    }
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn overflow(stage: &mut Stage) -> Found {
+    let most = u32::MAX;
+    let (mut error, mut naive) = (0, 0);
+    for n in [2usize, 64, 65, 5000, 70_000] {
+        for (first, last, beyond) in [(most - 1, 1, false), (most, 1, true), (1, most, true), (most, most, true)] {
+            let mut values = vec![0u32; n];
+            (values[0], values[n - 1]) = (first, last);
+            error += usize::from(scan(stage, &values)?.1 != beyond);
+            // Sums that wrap.
+            naive += usize::from(beyond);
+        }
+    }
+    Ok(Finding { error: f64::from(error as u32), bound: 0.0, naive: f64::from(naive as u32) })
+}
+
+/// Records sorted by the lowest bits of their keys on the device.
+fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]>, Trouble> {
+    let (device, n) = (stage.device(), records.len() as u64);
+    let none = || Trouble::from(Error::NoSubgroups { device: device.info().name.clone() });
+    let subgroup = device.info().subgroup.ok_or_else(none)?;
+    let from = device.upload("records", records)?;
+    let to = device.buffer("moved", n, Memory::Device)?;
+    let mut radix = Radix::new(device)?;
+    radix.reserve(device, n)?;
+    let mut recorder = device.recorder()?;
+    let place = radix.record(&mut recorder, device, [from.all(), to.all()], bits, subgroup)?;
+    recorder.submit("radix")?;
+    Ok([from, to][place].read(0, n)?)
+}
+
+fn sort(stage: &mut Stage, n: usize) -> Found {
+    let keys =
+        [any(n).collect::<Vec<u32>>(), any(n).map(|k| k % 3).collect(), vec![7; n], (0..n as u32).rev().collect()];
+    let (mut error, mut naive) = (0, 0);
+    for keys in keys {
+        let records: Vec<[u32; 2]> = keys.iter().zip(0..).map(|(key, i)| [*key, i]).collect();
+        let mut wanted = records.clone();
+        wanted.sort_by_key(|[key, _]| *key);
+        let apart = |found: &[[u32; 2]]| found.iter().zip(&wanted).filter(|(a, b)| a != b).count();
+        error += apart(&sorted(stage, &records, 32)?);
+        // Equal keys in any order: here, backward.
+        let mut backward = records;
+        backward.sort_by_key(|[key, i]| (*key, u32::MAX - i));
+        naive += apart(&backward) + usize::from(n == 1);
+    }
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}

@@ -1,0 +1,155 @@
+//! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the bytes that they give at the
+//! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding. And scenes in other units.
+
+use glam::{DVec3, Vec3};
+
+use super::stage::{Dot, HALF_ULP, bytes_apart, cloud, frame, pixels_apart, shifted};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::image::Image;
+use pellucid_engine::scene::{
+    BlendedSplats, Density, DiscShape, Discs, Hybrid, ImageSpace, Interpolated, Method, OneLayer, Peel, PeelLayers,
+    ScreenSplats, Shells, Soft, Stochastic,
+};
+
+const SIZE: [u32; 2] = [40, 30];
+/// d̃: what it is by itself depends on the box of all points.
+const DISTANCE: f32 = 0.25;
+const LAYERS: u32 = 4;
+const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
+
+pub(super) fn cases() -> Vec<Case> {
+    let discs = Discs::default();
+    let soft = Soft { density: Density::Softness(0.4), shells: Shells::Fixed(3), ..Soft::default() };
+    let filters = ImageSpace { min_layer_distance: Some(DISTANCE), ..ImageSpace::default() };
+    let methods = [
+        Method::ABuffer(discs),
+        Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs }),
+        Method::Sorted(discs),
+        Method::Peel(Peel::default()),
+        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
+        Method::Hybrid(Hybrid::default()),
+        Method::Weighted(discs),
+        Method::Points,
+        Method::Circles(ScreenSplats::default()),
+        Method::Paraboloid(Interpolated::default()),
+        Method::Hqs(BlendedSplats::default()),
+        Method::Splats(BlendedSplats::default()),
+        Method::SoftBase(soft),
+        Method::SoftConcentric(soft),
+        Method::SoftExpress(soft),
+        Method::OneLayer(OneLayer::default()),
+        Method::ImageSpace(filters),
+        Method::PeelLayers(PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: LAYERS }),
+    ];
+    let about = "moved by (500000, 4500000, 100): no byte changes";
+    let scales = "times 2^30 and 2^-30, camera and all: no byte of a color changes";
+    // The others number their random words by points, of which there is one more.
+    let known = |method: &&Method| !matches!(method, Method::Stochastic(_));
+    let others: Vec<Method> = methods.iter().filter(known).copied().collect();
+    let outliers = "a point at 1e20 that is not seen: colors as without it";
+    let mut all = [
+        each(&methods, "georeferenced", about, moved),
+        each(&methods, "scaled", scales, scaled),
+        each(&others, "outlier", outliers, outlier),
+    ];
+    // Two of them are of one method.
+    all.iter_mut().for_each(|cases| cases[1].name += "-oriented");
+    all.into_iter().flatten().collect()
+}
+
+/// Points on a grid of 1/1024 in a cube of side 2, one in three with a field that makes it soft.
+fn dots() -> Vec<Dot> {
+    let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 7) % 2048;
+    let coordinate = |i: u32, factor: u32| f64::from(part(i, factor)) / 1024.0 - 1.0;
+    let of = |i: u32| Dot {
+        position: DVec3::new(coordinate(i, 2_654_435_761), coordinate(i, 2_246_822_519), coordinate(i, 3_266_489_917)),
+        color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
+        opacity: 0.1 + 0.1 * (i % 8) as f32,
+        radius: 0.05 + 0.01 * (i % 16) as f32,
+        normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
+        field: if i.is_multiple_of(3) { 0.0 } else { 1.0 },
+    };
+    (1..400).map(of).collect()
+}
+
+fn camera() -> Camera {
+    let projection = Projection::Perspective { fov_y: 45f64.to_radians() };
+    // The eye lies on the grid, too.
+    Camera::look_at(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, DVec3::Y, projection, 0.125, 128.0)
+        .unwrap_or_else(|| unreachable!("the eye lies beside the middle"))
+}
+
+fn moved(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let mut render = |dots: &[Dot], camera: Camera| -> Result<Image, Trouble> {
+        Ok(stage.render(&cloud(dots), &frame(camera, SIZE, method))?.image)
+    };
+    let dots = dots();
+    let here = render(&dots, camera())?;
+    let (far, far_camera) = shifted(&dots, camera(), BY);
+    let there = render(&far, far_camera)?;
+    // Positions in float32: the same picture of what is left of them.
+    let rounded = |dot: &Dot| Dot { position: dot.position.as_vec3().as_dvec3(), ..*dot };
+    let single = render(&far.iter().map(rounded).collect::<Vec<_>>(), far_camera)?;
+    Ok(Finding { error: bytes_apart(&here, &there), bound: 0.0, naive: bytes_apart(&here, &single) })
+}
+
+fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let mut render = |factor: f64| -> Result<Vec<[f32; 4]>, Trouble> {
+        let scaled = |dot: &Dot| Dot { position: dot.position * factor, radius: dot.radius * factor as f32, ..*dot };
+        let dots: Vec<Dot> = dots().iter().map(scaled).collect();
+        let camera = camera();
+        let camera =
+            Camera { eye: camera.eye * factor, near: camera.near * factor, far: camera.far * factor, ..camera };
+        let method = with_distance(method, DISTANCE * factor as f32);
+        Ok(stage.render(&cloud(&dots), &frame(camera, SIZE, method))?.image.rgba)
+    };
+    let plain = render(1.0)?;
+    let mut error = 0.0;
+    for power in [30, -30] {
+        let other = render(2f64.powi(power))?;
+        let differ =
+            |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        error += plain.iter().zip(&other).map(differ).sum::<usize>() as f64;
+    }
+    // Something is drawn; an absolute tolerance of 1e-6, at which all depths are equal and all radii none, draws nothing.
+    let drawn = plain.iter().flatten().filter(|c| **c > 0.0).count();
+    Ok(Finding { error, bound: 0.0, naive: drawn as f64 })
+}
+
+/// With another d̃, if it has one.
+fn with_distance(method: Method, distance: f32) -> Method {
+    let apart = |filters| ImageSpace { min_layer_distance: Some(distance), ..filters };
+    match method {
+        Method::ImageSpace(filters) => Method::ImageSpace(apart(filters)),
+        Method::PeelLayers(layers) => Method::PeelLayers(PeelLayers { filters: apart(layers.filters), ..layers }),
+        method => method,
+    }
+}
+
+fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
+    let mut render = |dots: &[Dot]| Ok::<_, Trouble>(stage.image(dots, camera(), SIZE, method)?.rgba);
+    let dots = dots();
+    let alone = render(&dots)?;
+    let far = Dot { position: DVec3::new(1e20, -1e20, 1e20), radius: 0.1, opacity: 0.5, ..Dot::default() };
+    let with = render(&[dots.as_slice(), &[far]].concat())?;
+    // Counted from the middle of a box that holds them all, the others fall together.
+    let middle = 0.5 * far.position;
+    let rounded = |dot: &Dot| Dot { position: (dot.position - middle) + middle, ..*dot };
+    let lost = render(&dots.iter().map(rounded).collect::<Vec<_>>())?;
+    let wanted: Vec<[f64; 4]> = alone.iter().map(|pixel| pixel.map(f64::from)).collect();
+    let bound = if method.soft().is_some() {
+        // A corner of the box lies behind the camera, so that depths are counted from the eye: two ends of each of ten spheres
+        // on a ray, rounded by half a unit of 8, at an absorption λ r of at most 7 for a unit of length.
+        10.0 * 2.0 * 8.0 * HALF_ULP * 7.0
+    } else if method.filters().is_some() {
+        // What a depth is counted from changes, too: an edge has 8 depths below 8, each with 4 roundings, over 4 d̃; half of it is
+        // the share of the neighbors. Smoothing adds 18 roundings; color and alpha of a layer count in all behind it.
+        let edge = 8.0 * 4.0 * 8.0 / (4.0 * f64::from(DISTANCE)) / 2.0;
+        2.0 * f64::from(LAYERS) * (edge + 18.0) * HALF_ULP
+    } else {
+        // The order of points in memory changes, and with it that of sums: compensated ones, as for equal colors.
+        18.0 * HALF_ULP
+    };
+    Ok(Finding { error: pixels_apart(&with, &wanted), bound, naive: pixels_apart(&lost, &wanted) })
+}

@@ -1,0 +1,188 @@
+//! Opaque splats: where they meet, which of them wins, radii at their ends.
+
+use glam::{DVec3, Vec3};
+
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, pixels, pixels_apart};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::reference::coverage::Shape;
+use pellucid_engine::reference::splats;
+use pellucid_engine::scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
+
+type Found = Result<Finding, Trouble>;
+
+const ULP: f64 = 2.0 * HALF_ULP;
+
+pub(super) fn cases() -> Vec<Case> {
+    let plain = ScreenSplats::default();
+    let interpolated = Interpolated::default();
+    let flat = [Method::Squares(plain), Method::Circles(plain)];
+    let moved = [Method::Paraboloid(interpolated), Method::Cone(interpolated), Method::Sphere(plain)];
+    let nearest = [vec![Method::Points], flat.to_vec(), moved.to_vec()].concat();
+    let splats = [flat.to_vec(), moved.to_vec()].concat();
+    let blended = [Method::Hqs(BlendedSplats::default()), Method::Splats(BlendedSplats::default())];
+    let hqs = [blended[0]];
+    let all = [nearest.clone(), blended.to_vec()].concat();
+    [
+        each(
+            &moved,
+            "bisector",
+            "two equal splats meet on the straight line between them: pixels on the wrong side",
+            bisector,
+        ),
+        each(&hqs, "bisector", "two equal splats blend by exp(-2 ρ²), evenly on the line between them", blend),
+        each(&all, "equal-depths", "splats of equal depth and other colors, shuffled: no byte changes", ties),
+        each(
+            &nearest,
+            "nearest",
+            "depths of 500000 and 500000.5 between near 1 and far 1e6: the nearer one",
+            nearest_wins,
+        ),
+        each(
+            &splats,
+            "no-radius",
+            "radii of 0, 1e-45 and 1e-3 beside a pixel's centre: the pixel, at the point's depth",
+            no_radius,
+        ),
+        each(&splats, "huge-radius", "a radius of 3.4e38 is drawn 25 pixels wide: pixels that differ", huge_radius),
+        each(&blended, "equal-colors", "the mean of 100 000 splats of one color is that color", equal_colors),
+        each(
+            &hqs,
+            "limit",
+            "a splat exactly one radius behind the nearest is blended, one a unit behind that is not",
+            limit,
+        ),
+        each(&hqs, "no-blending", "blend_depth of 0: the nearest alone", no_blending),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+const SIZE: [u32; 2] = [32, 24];
+
+/// Two splats of a radius of 8 pixels at one depth, such that no pixel's centre is near the line between them.
+fn pair() -> [Dot; 2] {
+    let splat =
+        |x: f64, y: f64, color| Dot { position: DVec3::new(x, -y, -20.0), radius: 8.0, color, ..Dot::default() };
+    [splat(11.3125, 10.125, Vec3::X), splat(18.4375, 13.6875, Vec3::Z)]
+}
+
+fn center(pixel: usize) -> DVec3 {
+    at(pixel as u32 % SIZE[0], pixel as u32 / SIZE[0], 20.0)
+}
+
+fn bisector(stage: &mut Stage, method: Method) -> Found {
+    let [red, blue] = pair();
+    let image = stage.image(&[red, blue], pixels(SIZE), SIZE, method)?;
+    let covers = |dot: &Dot, pixel: usize| center(pixel).distance(dot.position) <= 8.0;
+    let nearer = |pixel: usize| center(pixel).distance(red.position) < center(pixel).distance(blue.position);
+    let all = || 0..image.rgba.len();
+    let wanted = |pixel: usize| match (covers(&red, pixel), covers(&blue, pixel)) {
+        (false, false) => [0.0; 4],
+        (true, false) => [1.0, 0.0, 0.0, 1.0],
+        (true, true) if nearer(pixel) => [1.0, 0.0, 0.0, 1.0],
+        _ => [0.0, 0.0, 1.0, 1.0],
+    };
+    let error = all().filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
+    // At equal depths all that both cover belongs to one of them.
+    let naive = all().filter(|pixel| covers(&red, *pixel) && covers(&blue, *pixel) && nearer(*pixel)).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn blend(stage: &mut Stage, method: Method) -> Found {
+    let dots = pair();
+    let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
+    let points = cloud(&dots);
+    let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
+    let wanted = splats::render(&pixels(SIZE), SIZE, &points, &colors, Shape::Disc, &BlendedSplats::default()).rgba;
+    let nearest = |pixel: &[f64; 4]| pixel.map(|c| c.round() as f32);
+    let naive: Vec<[f32; 4]> = wanted.iter().map(nearest).collect();
+    // exp(-2 ρ²): 4 roundings of ρ², 4 ρ times, at most 16 units; the exponential 3 + 2 · 2; twice, and a quotient of 2.5.
+    let bound = (2.0 * (16.0 + 7.0) + 4.0) * ULP / 2.0;
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: pixels_apart(&naive, &wanted) })
+}
+
+fn ties(stage: &mut Stage, method: Method) -> Found {
+    let color = |i: u32| Vec3::new((i % 7) as f32 / 7.0, (i % 5) as f32 / 5.0, (i % 3) as f32 / 3.0);
+    let dots: Vec<Dot> =
+        (0..60).map(|i| Dot { position: at(1, 1, 4.0), color: color(i), radius: 1.25, ..Dot::default() }).collect();
+    let mut shuffled = dots.clone();
+    shuffled.reverse();
+    shuffled.rotate_left(17);
+    let first = stage.image(&dots, pixels([3, 3]), [3, 3], method)?;
+    let second = stage.image(&shuffled, pixels([3, 3]), [3, 3], method)?;
+    // The first to arrive.
+    let pairs = dots[0].color.to_array().into_iter().zip(shuffled[0].color.to_array());
+    let naive = pairs.filter(|(a, b)| a != b).count();
+    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: naive as f64 })
+}
+
+fn nearest_wins(stage: &mut Stage, method: Method) -> Found {
+    let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 0.75, ..Dot::default() };
+    let camera = pellucid_engine::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
+    let dots = [dot(500_000.5, Vec3::X), dot(500_000.0, Vec3::Y), dot(500_001.0, Vec3::Z)];
+    let found = stage.image(&dots, camera, [1, 1], method)?.rgba[0];
+    // far (z - near) / (z (far - near)) in 24 bits, as a depth buffer has it: equal, and the first one stays.
+    let buffer = |z: f64| (1e6 * (z - 1.0) / (z * (1e6 - 1.0)) * f64::from((1u32 << 24) - 1)).round();
+    let naive = if buffer(500_000.5) == buffer(500_000.0) { 1.0 } else { 0.0 };
+    Ok(Finding { error: apart(&found, &[0.0, 1.0, 0.0, 1.0]), bound: 0.0, naive })
+}
+
+fn no_radius(stage: &mut Stage, method: Method) -> Found {
+    let mut error = 0f64;
+    for radius in [0.0, 1e-45, 1e-3] {
+        let dot = Dot { position: at(1, 1, 4.0) + DVec3::new(0.25, 0.25, 0.0), radius, ..Dot::default() };
+        let image = stage.image(&[dot], pixels([3, 3]), [3, 3], method)?;
+        let wanted: Vec<[f64; 4]> = (0..9).map(|i| if i == 4 { [1.0; 4] } else { [0.0; 4] }).collect();
+        // ρ counts as 1 there, so that nothing moves toward the viewer, but for squares.
+        error = error.max(pixels_apart(&image.rgba, &wanted)).max(apart(&image.depth[4..5], &[4.0]));
+    }
+    // No pixel's centre lies in it.
+    Ok(Finding { error, bound: 0.0, naive: 1.0 })
+}
+
+fn huge_radius(stage: &mut Stage, method: Method) -> Found {
+    let size = [64, 64];
+    let dot = Dot { position: at(31, 31, 4.0), radius: f32::MAX, ..Dot::default() };
+    let image = stage.image(&[dot], pixels(size), size, method)?;
+    let inside = |pixel: usize| {
+        let [x, y] = [pixel % 64, pixel / 64].map(|c| (c as f64 - 31.0).abs());
+        if matches!(method, Method::Squares(_)) { x.max(y) <= 25.0 } else { x.hypot(y) <= 25.0 }
+    };
+    let wanted = |pixel: usize| if inside(pixel) { [1.0; 4] } else { [0.0; 4] };
+    let error = (0..64 * 64).filter(|pixel| image.rgba[*pixel] != wanted(*pixel)).count();
+    let naive = (0..64 * 64).filter(|pixel| !inside(*pixel)).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn equal_colors(stage: &mut Stage, method: Method) -> Found {
+    let color = Vec3::new(0.1, 0.2, 0.7);
+    let dot = Dot { position: at(0, 0, 4.0), color, radius: 0.75, ..Dot::default() };
+    let found = stage.pixel(&vec![dot; 100_000], method)?;
+    let wanted = color.extend(1.0).as_dvec4().to_array();
+    let sum = (0..100_000).fold(Vec3::ZERO, |sum, _| sum + color) / 1e5;
+    // Compensated sums (2 units) of color and weight, a product each, and their quotient.
+    Ok(Finding { error: apart(&found, &wanted), bound: 9.0 * ULP, naive: apart(&sum.to_array(), &wanted[..3]) })
+}
+
+fn limit(stage: &mut Stage, method: Method) -> Found {
+    let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
+    // All numbers are exact: 4 + 1 ≤ 5.
+    let behind = 5.0 + f64::from(f32::EPSILON) * 4.0;
+    let dots = [dot(4.0, Vec3::X), dot(5.0, Vec3::Y), dot(behind, Vec3::Z)];
+    let found = stage.pixel(&dots, method)?;
+    // In the order of arrival the third would find another limit; with < the second one is lost.
+    Ok(Finding { error: apart(&found, &[0.5, 0.5, 0.0, 1.0]), bound: 0.0, naive: 0.5 })
+}
+
+fn no_blending(stage: &mut Stage, method: Method) -> Found {
+    let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
+    let method = match method {
+        Method::Hqs(settings) => Method::Hqs(BlendedSplats { blend_depth: 0.0, ..settings }),
+        method => method,
+    };
+    let behind = 4.0 + f64::from(f32::EPSILON) * 4.0;
+    let found = stage.pixel(&[dot(behind, Vec3::X), dot(4.0, Vec3::Y)], method)?;
+    // A tolerance of 1e-6 of the depth takes both.
+    Ok(Finding { error: apart(&found, &[0.0, 1.0, 0.0, 1.0]), bound: 0.0, naive: 0.5 })
+}

@@ -1,0 +1,160 @@
+//! Clouds on their way to the device: radii of degenerate clouds, places far from the origin, what is not finite.
+
+use std::io::Write;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use indicatif::ProgressBar;
+
+use super::stage::{HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
+use super::{Case, Finding, Stage, Trouble, one};
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::image::Image;
+use pellucid_engine::io;
+use pellucid_engine::prepare::{radius, uncertainty};
+use pellucid_engine::scene::{self, Discs, Method, Scene};
+
+type Found = Result<Finding, Trouble>;
+
+pub(super) fn cases() -> Vec<Case> {
+    vec![
+        one("prepare/all-equal", "500 points in one place: radius 0, and 1 - 0.99^500 on their pixel", all_equal),
+        one("prepare/line", "1000 points in a row: radii by Eq. 20, 2 · 12 h / √24", |_| line()),
+        one("prepare/plane", "a grid in a plane: normals along its axis", |_| plane()),
+        one("prepare/georeferenced", "the row moved by (500000, 4500000, 100): the same radii", |_| georeferenced()),
+        one("prepare/scale", "the row times 1000: radii times 1000 (Eq. 20 as printed: times √1000)", |_| scale()),
+        one(
+            "read/not-finite",
+            "NaN and infinity for position, color, opacity, normal, radius: the bytes of what they stand for",
+            not_finite,
+        ),
+    ]
+}
+
+/// A scene of one cloud as its file would be.
+fn scene() -> Result<Scene, Trouble> {
+    let text = "[method]\nname = \"abuffer\"\n[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\n";
+    Ok(Scene::from_toml(text, Path::new("check"))?)
+}
+
+fn all_equal(stage: &mut Stage) -> Found {
+    let dot = dot(8.0, Vec3::ONE, 0.01);
+    let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
+    let points = scene::assemble(&scene()?, vec![cloud], true, &ProgressBar::hidden())?;
+    let frame = frame(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
+    let found = stage.render(&points, &frame)?.image.rgba[0];
+    let wanted = composed(&vec![dot; 500]);
+    // Four roundings for each of a run of 256, and for each run.
+    let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
+    // Nothing, where a radius of 0 covers no pixel's centre; or a radius of 0 / 0.
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: wanted[3] })
+}
+
+/// 1000 points, 1/16 apart.
+fn in_a_row() -> Vec<DVec3> {
+    (0..1000).map(|i| DVec3::X * f64::from(i) / 16.0).collect()
+}
+
+fn radii(positions: &[DVec3]) -> Vec<f32> {
+    radius::estimate(positions, 24, &ProgressBar::hidden())
+}
+
+/// Eq. 20 in float32 for the middle point, with its twelve neighbors on each side.
+fn middle_in_float32(positions: &[DVec3]) -> f32 {
+    let near = &positions[500 - 12..=500 + 12];
+    let own = positions[500].as_vec3();
+    2.0 * near.iter().map(|p| p.as_vec3().distance(own)).fold(0.0, f32::max) / 24f32.sqrt()
+}
+
+fn line() -> Found {
+    let found = radii(&in_a_row());
+    let wanted = 2.0 * 12.0 / 16.0 / 24f64.sqrt();
+    let error = apart(&found[12..988], &[wanted; 976]);
+    // Rounded once. Twelve neighbors on either side, not 24: the ends of the row have twice the radius.
+    let ends = apart(&[found[0], found[999]], &[2.0 * wanted; 2]);
+    // With the point itself as one of K, its neighbors are 23, of which the last is as far, but K is 25 with them all.
+    let naive = apart(&[(2.0 * 12.0 / 16.0 / 25f64.sqrt()) as f32], &[wanted]);
+    Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive })
+}
+
+fn plane() -> Found {
+    // So far out that a covariance as the mean of products less the product of means has no digit left, in float64.
+    let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
+    let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
+    let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
+    let surface = uncertainty::estimate(&positions, None, 24, &ProgressBar::hidden());
+    let off = |normal: &Vec3| f64::from(normal.x.abs().max(normal.y.abs()).max((normal.z.abs() - 1.0).abs()));
+    let error = surface.normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
+    // In float32 the rows of the grid fall together: the plane is a line, with any normal across it.
+    let rows: Vec<f32> = positions.iter().map(|p| p.y as f32).collect();
+    let together = rows.iter().zip(&positions).any(|(y, p)| f64::from(*y) != p.y);
+    Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: if together { 1.0 } else { 0.0 } })
+}
+
+fn georeferenced() -> Found {
+    let here = radii(&in_a_row());
+    let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
+    // Along y, where float32 knows halves.
+    let turned: Vec<DVec3> = in_a_row().iter().map(|p| DVec3::new(0.0, p.x, 0.0) + away).collect();
+    let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r)).collect();
+    let naive = apart(&[middle_in_float32(&turned)], &[wanted[500]]);
+    // All places and differences are exact.
+    Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive })
+}
+
+fn scale() -> Found {
+    let here = radii(&in_a_row());
+    let large: Vec<DVec3> = in_a_row().iter().map(|p| *p * 1000.0).collect();
+    let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r) * 1000.0).collect();
+    let most = wanted.iter().copied().fold(0.0, f64::max);
+    // Both were rounded.
+    let naive = most - most / 1000f64.sqrt();
+    Ok(Finding { error: apart(&radii(&large), &wanted), bound: 2.0 * most * HALF_ULP, naive })
+}
+
+/// A cloud as a text file; each row is position, color, alpha, normal, radius.
+fn ply(rows: &[&str]) -> String {
+    let names = ["x", "y", "z", "red", "green", "blue", "alpha", "nx", "ny", "nz", "radius"];
+    let properties: String = names.iter().map(|name| format!("property float {name}\n")).collect();
+    let header = format!("ply\nformat ascii 1.0\nelement vertex {}\n{properties}end_header\n", rows.len());
+    header + &rows.join("\n") + "\n"
+}
+
+fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
+    let failed = |source| io::Error::Write { path: "a temporary file".into(), source };
+    let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
+    file.write_all(ply(rows).as_bytes()).map_err(failed)?;
+    let cloud = io::load(file.path(), &ProgressBar::hidden())?;
+    let points = scene::assemble(&scene()?, vec![cloud], true, &ProgressBar::hidden())?;
+    Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
+}
+
+fn not_finite(stage: &mut Stage) -> Found {
+    let odd = [
+        "nan -0.5 -8 1 1 1 1 0 0 1 0.5",
+        "0.5 inf -8 1 1 1 1 0 0 1 0.5",
+        "0.5 -0.5 -inf 1 1 1 1 0 0 1 0.5",
+        "1.5 -0.5 -8 nan 1 1 1 0 0 1 0.25",
+        "2.5 -0.5 -8 inf -inf 1 1 0 0 1 0.25",
+        "3.5 -0.5 -8 1 1 1 nan 0 0 1 0.25",
+        "4.5 -0.5 -8 1 1 1 inf 0 0 1 0.25",
+        "5.5 -0.5 -8 1 1 1 1 nan inf 1 0.25",
+        "6.5 -0.5 -8 1 1 1 1 0 0 1 nan",
+        "7.5 -0.5 -8 1 1 1 1 0 0 1 inf",
+    ];
+    // No position, no point; a color of 0, or of the end that it is beyond; opaque; no normal; no radius.
+    let meant = [
+        "1.5 -0.5 -8 0 1 1 1 0 0 1 0.25",
+        "2.5 -0.5 -8 1 0 1 1 0 0 1 0.25",
+        "3.5 -0.5 -8 1 1 1 1 0 0 1 0.25",
+        "4.5 -0.5 -8 1 1 1 1 0 0 1 0.25",
+        "5.5 -0.5 -8 1 1 1 1 0 0 0 0.25",
+        "6.5 -0.5 -8 1 1 1 1 0 0 1 0",
+        "7.5 -0.5 -8 1 1 1 1 0 0 1 0",
+    ];
+    let (found, wanted) = (picture(stage, &odd)?, picture(stage, &meant)?);
+    let drawn = wanted.rgba[1..].iter().all(|pixel| pixel[3] > 0.0) && wanted.rgba[0] == [0.0; 4];
+    let error = if drawn { bytes_apart(&found, &wanted) } else { f64::INFINITY };
+    // What is not finite spreads over its pixel.
+    Ok(Finding { error, bound: 0.0, naive: f64::INFINITY })
+}

@@ -1,0 +1,170 @@
+//! Images and lists at their ends: one pixel, as long as may be, one pixel that holds everything, one point.
+
+use std::f64::consts::E;
+
+use glam::{DVec3, Vec3};
+
+use super::discs::{exact, roundings, with_peel};
+use super::naive::over;
+use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, pixels, pixels_apart};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::reference::soft::{Behind, Model, Scene};
+use pellucid_engine::scene::{
+    BlendedSplats, Density, Discs, Hybrid, Interpolated, Method, OneLayer, ScreenSplats, Shells, Soft, Stochastic,
+};
+
+type Found = Result<Finding, Trouble>;
+
+pub(super) fn cases() -> Vec<Case> {
+    let discs = Discs::default();
+    let long = [
+        exact(),
+        vec![Method::Hybrid(Hybrid::default()), Method::Points, Method::Circles(ScreenSplats::default())],
+        vec![Method::Hqs(BlendedSplats::default()), Method::Stochastic(Stochastic::default())],
+    ]
+    .concat();
+    let one = [
+        Method::Stochastic(Stochastic { samples: 5, ..Stochastic::default() }),
+        Method::Hybrid(Hybrid::default()),
+        Method::Weighted(discs),
+        Method::Average(discs),
+        Method::Unsorted(discs),
+        Method::Points,
+        Method::Squares(ScreenSplats::default()),
+        Method::Circles(ScreenSplats::default()),
+        Method::Paraboloid(Interpolated::default()),
+        Method::Cone(Interpolated::default()),
+        Method::Sphere(ScreenSplats::default()),
+        Method::Hqs(BlendedSplats::default()),
+        Method::Splats(BlendedSplats::default()),
+        Method::OneLayer(OneLayer::default()),
+        Method::SoftBase(Soft::default()),
+        Method::SoftConcentric(Soft::default()),
+        Method::SoftExpress(Soft::default()),
+    ];
+    let one = [with_peel(), one.to_vec()].concat();
+    let spheres = Soft { density: Density::Lambda(1e-6), shells: Shells::Fixed(64), ..Soft::default() };
+    let spheres = [Method::SoftBase(spheres), Method::SoftConcentric(spheres)];
+    let round =
+        [exact(), vec![Method::Circles(ScreenSplats::default()), Method::Hqs(BlendedSplats::default())]].concat();
+    let placed = [exact(), vec![Method::Points, Method::Circles(ScreenSplats::default())]].concat();
+    [
+        each(
+            &long,
+            "16384x1",
+            "a row of 16384 pixels, points 2^-14 of a pixel left of a border: pixels that differ",
+            row,
+        ),
+        each(
+            &long,
+            "1x16384",
+            "a column of 16384 pixels, points 2^-14 of a pixel above a border: pixels that differ",
+            column,
+        ),
+        each(
+            &spheres,
+            "one-over-16384",
+            "one sphere over a row of 16384 pixels, of 64 shells, against float64",
+            one_sphere,
+        ),
+        each(&exact(), "one-pixel-of-many", "20 000 fragments in one of 4096 pixels against float64", crowded),
+        each(&round, "rim", "a radius of 25 pixels around a pixel's centre: 1961 of them, 20 on the rim itself", rim),
+        each(&placed, "border", "points on corners of pixels belong to the pixel right below", border),
+        each(&one, "one-point", "one opaque point of no radius: its pixel, at its depth", one_point),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// One point for each 64 pixels of a line of 16384, a little before a border of pixels.
+fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> Found {
+    let along = |i: u32| f64::from(64 * i + 63) - 2f64.powi(-14);
+    let dot = |i: u32| Dot { position: place(along(i)) - DVec3::Z * 8.0, ..Dot::default() };
+    let dots: Vec<Dot> = (0..256).map(dot).collect();
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    let wanted = |i: usize| if i % 64 == 62 { 1.0 } else { 0.0 };
+    let error = (0..16384).filter(|i| image.rgba[*i][3] != wanted(*i)).count();
+    let naive = (0..256).filter(|i| (along(*i) as f32).floor() as u32 != 64 * i + 62).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn row(stage: &mut Stage, method: Method) -> Found {
+    line(stage, method, [16384, 1], |x| DVec3::new(x, -0.5, 0.0))
+}
+
+fn column(stage: &mut Stage, method: Method) -> Found {
+    line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0))
+}
+
+fn one_sphere(stage: &mut Stage, method: Method) -> Found {
+    let size = [16384, 1];
+    let position = DVec3::new(8192.0, -0.5, -2e4);
+    let dots = [Dot { position, radius: 1e4, field: 1.0, ..Dot::default() }];
+    let points = cloud(&dots);
+    let Some(model) = Model::new(method, &points) else { unreachable!("a soft method") };
+    let scene = Scene { camera: &pixels(size), size, points: &points, colors: &[DVec3::ONE], model };
+    let wanted = scene.render(|_| Behind::NOTHING).rgba;
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    // The quadrature and the distance of the ray, x exp(-x) ≤ 1/e of which are seen; two ends and their roundings for each
+    // shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
+    let bound = 1e-5 / E + 24.0 * HALF_ULP * 4.0 + 128.0 * 1e-3 * 1e-6 + 64.0 * 8.0 * HALF_ULP;
+    // One invocation that visits them all ends where a driver allows 65 535 turns of its loops.
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: wanted[8192][3] })
+}
+
+fn crowded(stage: &mut Stage, method: Method) -> Found {
+    let size = [64, 64];
+    let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 20_000.0);
+    let dot =
+        |i: u32| Dot { position: at(37, 21, 1.0 + f64::from(i)), color: color(i), opacity: 1.5e-4, ..Dot::default() };
+    let dots: Vec<Dot> = (0..20_000).map(dot).collect();
+    let mut wanted = vec![[0.0; 4]; 64 * 64];
+    wanted[21 * 64 + 37] = composed(&dots);
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    // An array of the nearest 256.
+    let naive = apart(&over(&dots[..256]), &wanted[21 * 64 + 37]);
+    let error = pixels_apart(&image.rgba, &wanted);
+    Ok(Finding { error, bound: roundings(&method, dots.len()) * HALF_ULP, naive })
+}
+
+fn one_point(stage: &mut Stage, method: Method) -> Found {
+    let radius = if method.soft().is_some() { 0.25 } else { 0.0 };
+    let dot = Dot { position: at(1, 2, 8.0), color: Vec3::new(0.25, 0.5, 1.0), radius, ..Dot::default() };
+    let image = stage.image(&[dot], pixels([4, 4]), [4, 4], method)?;
+    let wanted: Vec<[f64; 4]> = (0..16).map(|i| if i == 9 { [0.25, 0.5, 1.0, 1.0] } else { [0.0; 4] }).collect();
+    let depth: Vec<f64> = (0..16).map(|i| if i == 9 { 8.0 } else { f64::INFINITY }).collect();
+    let deep = image.depth.iter().zip(&depth).filter(|(found, wanted)| f64::from(**found) != **wanted).count();
+    // A disc without radius holds the centre of no pixel.
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted).max(deep as f64), bound: 0.0, naive: 1.0 })
+}
+
+fn rim(stage: &mut Stage, method: Method) -> Found {
+    let size = [64, 64];
+    let dot = Dot { position: at(31, 31, 8.0), radius: 25.0, ..Dot::default() };
+    let image = stage.image(&[dot], pixels(size), size, method)?;
+    let inside = |pixel: usize, most: usize| {
+        let [x, y] = [pixel % 64, pixel / 64].map(|c| c.abs_diff(31));
+        x * x + y * y <= most
+    };
+    let wanted = |pixel: usize| if inside(pixel, 625) { 1.0 } else { 0.0 };
+    let error = (0..64 * 64).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
+    // With < for <= the rim is lost: 7² + 24², 15² + 20² and 25².
+    let naive = (0..64 * 64).filter(|pixel| inside(*pixel, 625) && !inside(*pixel, 624)).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn border(stage: &mut Stage, method: Method) -> Found {
+    let size = [15, 15];
+    let dot = |i: u32| {
+        let [x, y] = [3 * (i % 5), 3 * (i / 5)].map(f64::from);
+        Dot { position: DVec3::new(x, -y, -8.0), ..Dot::default() }
+    };
+    let dots: Vec<Dot> = (0..25).map(dot).collect();
+    let image = stage.image(&dots, pixels(size), size, method)?;
+    let wanted = |pixel: usize| if pixel.is_multiple_of(3) && (pixel / 15).is_multiple_of(3) { 1.0 } else { 0.0 };
+    let error = (0..225).filter(|pixel| image.rgba[*pixel][3] != wanted(*pixel)).count();
+    // The nearest centre, where two are as near: half to even takes the left one of an odd border.
+    let naive = (0..5).map(|i| 3.0 * f64::from(i)).filter(|x| (x - 0.5).round_ties_even() != *x).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}

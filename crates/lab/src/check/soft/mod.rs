@@ -1,0 +1,157 @@
+//! Soft spheres and discs: densities, rays and radii at their ends; what cuts spheres; how many of them are open.
+
+mod many;
+mod rays;
+
+use std::f64::consts::E;
+
+use glam::{DVec3, Vec3};
+
+use super::stage::{Dot, HALF_ULP, at, cloud, pixels_apart};
+use super::{Case, Finding, Stage, Trouble, each};
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::reference::soft::{Behind, Model, Scene};
+use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft};
+
+type Found = Result<Finding, Trouble>;
+
+const ULP: f64 = 2.0 * HALF_ULP;
+/// Relative, of an optical depth: what shaders/shared/absorb.wgsl promises of its quadrature.
+const INTEGRAL: f64 = 1e-5;
+/// Relative, of the distance of a ray from a centre: place on the screen, world units over a pixel, cross product and root, each
+/// of which Vulkan allows up to 3 units in the last place.
+const DISTANCE: f64 = 12.0 * ULP;
+
+pub(super) fn cases() -> Vec<Case> {
+    let soft = Soft { density: Density::Lambda(1.0), ..Soft::default() };
+    let base = [Method::SoftBase(soft)];
+    let concentric = [Method::SoftConcentric(Soft { shells: Shells::Fixed(3), ..soft })];
+    let both = [base[0], concentric[0]];
+    let express = [Method::SoftExpress(Soft { density: Density::Softness(0.5), ..soft })];
+    let all = [both[0], both[1], express[0]];
+    let layer = [Method::OneLayer(OneLayer::default())];
+    [
+        each(&both, "faint", "lambda of 1e-6: 1 - exp(-x) of 6e-7, relative", rays::faint),
+        each(&both, "dense", "lambda of 1e6: rays that pass within 1e-2 to 1e-5 of the rim", rays::dense),
+        each(&base, "through-centre", "d of 0 to 1e-3: d² ln d tends to 0", rays::through_centre),
+        each(&base, "grazing", "d = r (1 - 1e-4) at a depth of 1000, relative", rays::grazing),
+        each(&base, "thin-segment", "a segment of 1e-5 r between near and a solid point, relative", rays::thin_segment),
+        each(&both, "far-segment", "the same at a depth of 65536, relative", rays::far_segment),
+        each(&both, "inside-one", "the camera in a sphere: what lies before near is no part of it", many::inside_one),
+        each(&both, "inside-many", "the camera in 300 spheres", many::inside_many),
+        each(
+            &both,
+            "near-plane",
+            "a sphere cut through its centre by near: 1 - exp(-λ r²/2) and 1 - exp(-λ r)",
+            many::near_plane,
+        ),
+        each(&both, "solid", "cut by a solid point off the axis: at z / cos φ along the ray", many::solid),
+        each(&all, "no-radius", "radii of 0, 1e-45 and 1e-20: nothing", rays::no_radius),
+        each(
+            &both,
+            "huge-radius",
+            "radii of 1e3 to 3.4e38 around the camera: opaque, of their color",
+            rays::huge_radius,
+        ),
+        each(&both, "open-300", "300 spheres open at once, of other colors, against float64", many::open_300),
+        each(&both, "coincident", "300 equal spheres: 1 - exp(-300 x)", many::coincident),
+        each(
+            &base,
+            "far-away",
+            "a sphere of radius 1 at a distance of 1000, 1 degree wide, against float64",
+            rays::far_away,
+        ),
+        each(&base, "quantised", "d and color of 32 spheres are not cut to 8 bits", rays::quantised),
+        each(
+            &concentric,
+            "shells-add-up",
+            "1 to 64 shells: 1 - exp(-2 λ r), whatever their number",
+            rays::shells_add_up,
+        ),
+        each(
+            &both,
+            "leftover",
+            "what 300 spheres leave of the running sums when they end, behind them one of weight 0.008",
+            many::leftover,
+        ),
+        each(&all, "reversed", "coincident spheres of other colors, input reversed: no byte changes", many::reversed),
+        each(&all, "softness-0-and-1", "nothing of softness 0, opaque of softness 1", rays::extremes),
+        each(&all, "modulated", "Eq. 22 half-way between threshold and modulation", rays::modulated),
+        each(
+            &express,
+            "along-the-axis",
+            "200 discs along the axis of the view, shuffled, against float64",
+            many::along_the_axis,
+        ),
+        each(&express, "faint", "10 000 discs of opacity 1e-6: 1 - (1 - 1e-6)^10000", many::faint_discs),
+        each(
+            &layer,
+            "coincident-layer",
+            "the nearest soft points are one layer, however many they are",
+            many::one_layer,
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn with(method: Method, change: impl Fn(&mut Soft)) -> Method {
+    let mut method = method;
+    if let Method::SoftBase(soft) | Method::SoftConcentric(soft) | Method::SoftExpress(soft) = &mut method {
+        change(soft);
+    }
+    method
+}
+
+fn lambda(method: Method, lambda: f32) -> Method {
+    with(method, |soft| soft.density = Density::Lambda(lambda))
+}
+
+/// A soft sphere of which the ray of a pixel passes at a distance, above it.
+fn beside(x: u32, distance: f64, depth: f64, radius: f32) -> Dot {
+    let position = at(x, 0, depth) + DVec3::Y * distance;
+    Dot { position, radius, color: Vec3::new(0.25, 0.5, 1.0), field: 1.0, ..Dot::default() }
+}
+
+fn opacity(depth: f64) -> f64 {
+    -(-depth).exp_m1()
+}
+
+/// The image in float64.
+fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: Method) -> Vec<[f64; 4]> {
+    let points = cloud(dots);
+    let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
+    let Some(model) = Model::new(method, &points) else { unreachable!("a soft method") };
+    Scene { camera, size, points: &points, colors: &colors, model }.render(|_| Behind::NOTHING).rgba
+}
+
+/// What an opacity may be off at most: the quadrature, of which x exp(-x) ≤ 1/e is seen; the distance of the ray, on which an
+/// optical depth depends by at most 2 λ r for each sphere (Eq. 5, by d), or 8 λ for each one of three shells (Eq. 15); the
+/// exponential (3 + 2 x units, times exp(-x)); weights of colors, of which the mean is above 0.1; four roundings for each of
+/// two segments of a sphere.
+fn bound(spheres: usize, lambda: f64, radius: f64) -> f64 {
+    let n = spheres as f64;
+    let distance = n * lambda * radius * (2.0 * radius).max(8.0) * DISTANCE;
+    INTEGRAL / E + distance + 10.0 * DISTANCE + 4.0 * ULP + n * 8.0 * HALF_ULP
+}
+
+/// An image against float64; `naive` is another one.
+fn against_float64(
+    stage: &mut Stage,
+    dots: &[Dot],
+    (camera, size): (Camera, [u32; 2]),
+    method: Method,
+    bound: f64,
+    naive: &[[f32; 4]],
+) -> Found {
+    let wanted = truth(dots, &camera, size, method);
+    let image = stage.image(dots, camera, size, method)?;
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: pixels_apart(naive, &wanted) })
+}
+
+fn wide(degrees: f64, near: f64) -> Camera {
+    let projection = Projection::Perspective { fov_y: degrees.to_radians() };
+    Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, projection, near, 1e6)
+        .unwrap_or_else(|| unreachable!("looks along an axis"))
+}

@@ -1,0 +1,186 @@
+//! One sphere or one disc: densities, distances of the ray and radii at their ends.
+
+use std::f64::consts::{E, PI};
+
+use glam::{DVec3, Vec3};
+
+use super::{DISTANCE, Found, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide, with};
+use crate::check::stage::{Dot, HALF_ULP, apart, pixels, pixels_apart};
+use crate::check::{Finding, Stage, naive};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::reference::soft::density::antiderivative;
+use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout};
+
+/// The integral of ρ over a whole chord.
+fn chord(radius: f64, distance: f64) -> f64 {
+    2.0 * antiderivative(radius, distance, ((radius - distance) * (radius + distance)).sqrt())
+}
+
+fn relative(found: f32, wanted: f64) -> f64 {
+    apart(&[found], &[wanted]) / wanted
+}
+
+pub(super) fn faint(stage: &mut Stage, method: Method) -> Found {
+    let dots = [Dot { color: Vec3::ONE, ..beside(0, 0.3, 10.0, 1.0) }];
+    let method = lambda(method, 1e-6);
+    let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
+    let found = stage.pixel(&dots, method)?[3];
+    let depth = -(-wanted).ln_1p() as f32;
+    // d(depth)/depth is at most 4 of the relative error of d here, where d = 0.3 r.
+    let bound = INTEGRAL + 4.0 * DISTANCE + 8.0 * ULP;
+    Ok(Finding { error: relative(found, wanted), bound, naive: relative(1.0 - (-depth).exp(), wanted) })
+}
+
+pub(super) fn dense(stage: &mut Stage, method: Method) -> Found {
+    let edges = [1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5];
+    let sphere = |(x, edge): (u32, &f64)| beside(x, 0.25 * (1.0 - edge), 1000.0, 0.25);
+    let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
+    let (size, method) = ([8, 1], lambda(method, 1e6));
+    let naive = naive::Soft::new(1e6).image(&dots, &pixels(size), size);
+    // Placed in two floats: the distance from the rim is rounded as such, a few times, and counts to the power 1.5.
+    let bound = (INTEGRAL + 1.5 * 16.0 * ULP) / E + 8.0 * ULP;
+    against_float64(stage, &dots, (pixels(size), size), method, bound, &naive)
+}
+
+pub(super) fn through_centre(stage: &mut Stage, method: Method) -> Found {
+    let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
+    let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
+    let size = [8, 1];
+    let naive = naive::Soft::new(16.0).image(&dots, &pixels(size), size);
+    against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), &naive)
+}
+
+pub(super) fn grazing(stage: &mut Stage, method: Method) -> Found {
+    let dots = [beside(0, 0.25 * (1.0 - 1e-4), 1000.0, 0.25)];
+    let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
+    let found = stage.pixel(&dots, method)?[3];
+    let naive = naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0])[3];
+    // The error of d over r - d, to the power 1.5.
+    let bound = 1.5 * DISTANCE / 1e-4;
+    Ok(Finding { error: relative(found, wanted), bound, naive: relative(naive, wanted) })
+}
+
+/// A sphere of radius 1, cut by near and a solid point behind it: what is seen of it, and what the naive formula finds.
+fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
+    let length = 2f64.powi(-17);
+    let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
+    let wall = Dot { field: 0.0, color: Vec3::ZERO, ..beside(0, 0.0, near + length, 1.0) };
+    let camera = Camera { near, ..pixels([1, 1]) };
+    let method = lambda(method, 1e5);
+    let image = stage.image(&[sphere, wall], camera, [1, 1], method)?;
+    let density = match method {
+        Method::SoftBase(_) => {
+            let from = near - center;
+            antiderivative(1.0, 0.25, from + length) - antiderivative(1.0, 0.25, from)
+        }
+        // Eq. 15: of three shells those that reach so far, r_i of 1, 2/3 and 1/3.
+        _ => {
+            let reaches = |r: f64| (r * r - 0.0625).max(0.0).sqrt() > center - near;
+            let shells = [1.0, 2.0 / 3.0, 1.0 / 3.0].into_iter().filter(|r| reaches(*r));
+            length * shells.map(|r| (1.0 - 0.25 / r) / (3.0 * r)).sum::<f64>()
+        }
+    };
+    let wanted = opacity(1e5 * density);
+    let whole = naive::Soft { limits: [near as f32, (near + length) as f32], ..naive::Soft::new(1e5) };
+    let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
+    // Centre and both ends are binary fractions, exact wherever depths are counted from, and so is the segment's length.
+    let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
+    Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: relative(naive, wanted) })
+}
+
+pub(super) fn thin_segment(stage: &mut Stage, method: Method) -> Found {
+    segment(stage, method, 8.0, 8.5)
+}
+
+pub(super) fn far_segment(stage: &mut Stage, method: Method) -> Found {
+    segment(stage, method, 65536.0, 65536.5)
+}
+
+pub(super) fn no_radius(stage: &mut Stage, method: Method) -> Found {
+    let radii = [0.0, 1e-45, 1e-20];
+    let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
+    let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
+    let wanted: Vec<[f64; 4]> = match method {
+        // A disc covers the pixel of its centre, of which it is the middle, unless it has no radius at all.
+        Method::SoftExpress(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
+        _ => vec![[0.0; 4]; 3],
+    };
+    // 1 - d / r of no radius is no number.
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: f64::INFINITY })
+}
+
+pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> Found {
+    let (mut error, mut naive) = (0f64, 0f64);
+    for radius in [1e3, 1e10, 1e20, f32::MAX] {
+        let dots = [beside(0, 0.0, 10.0, radius)];
+        let wanted = [0.25, 0.5, 1.0, 1.0];
+        error = error.max(apart(&stage.pixel(&dots, method)?, &wanted));
+        naive = naive.max(apart(&naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]), &wanted));
+    }
+    // Opaque at once: one product and one quotient.
+    Ok(Finding { error, bound: 4.0 * ULP, naive })
+}
+
+pub(super) fn far_away(stage: &mut Stage, method: Method) -> Found {
+    let dots = [Dot { position: DVec3::new(0.3, 0.1, -1000.0), ..beside(0, 0.0, 0.0, 1.0) }];
+    let (camera, size) = (wide(0.25, 1.0), [12, 9]);
+    let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
+    // Directions of 1/1000 are as exact as any.
+    against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
+}
+
+pub(super) fn quantised(stage: &mut Stage, method: Method) -> Found {
+    let sphere =
+        |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
+    let dots: Vec<Dot> = (0..32).map(sphere).collect();
+    let (size, method) = ([32, 1], lambda(method, 16.0));
+    let packed = truth(&dots, &pixels(size), size, with(method, |soft| soft.layout = SoftLayout::Paper));
+    let naive: Vec<[f32; 4]> = packed.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
+    against_float64(stage, &dots, (pixels(size), size), method, bound(1, 16.0, 0.25), &naive)
+}
+
+pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> Found {
+    let dots = [beside(0, 0.0, 10.0, 2.0)];
+    let wanted = [opacity(0.25 * 2.0 * 2.0)];
+    let mut error = 0f64;
+    for shells in [1, 2, 4, 16, 64] {
+        let method = with(lambda(method, 0.25), |soft| soft.shells = Shells::Fixed(shells));
+        error = error.max(apart(&stage.pixel(&dots, method)?[3..], &wanted));
+    }
+    // Eq. 17 as printed counts the innermost shell alone: for two shells 3/4 of the sum.
+    let naive = apart(&[opacity(0.75 * 0.25 * 2.0 * 2.0) as f32], &wanted);
+    // Lengths of 64 segments come from depths around 10, relative to where they are counted from: a unit of 2 for each end.
+    let lengths = 0.25 * 128.0 * 2.0 * HALF_ULP;
+    Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive })
+}
+
+pub(super) fn extremes(stage: &mut Stage, method: Method) -> Found {
+    let dots = [beside(0, 0.0, 10.0, 1.0)];
+    let none = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(0.0)))?;
+    let all = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(1.0)))?;
+    let error = apart(&none, &[0.0; 4]).max(apart(&all, &[0.25, 0.5, 1.0, 1.0]));
+    // λ is infinite, times a chord's end at which ρ is 0.
+    Ok(Finding { error, bound: 4.0 * ULP, naive: f64::INFINITY })
+}
+
+pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
+    let (radius, distance, peak) = (1.0f64, 0.25, 0.5);
+    let dots = [Dot { field: 0.75, color: Vec3::ONE, ..beside(0, distance, 10.0, 1.0) }];
+    let change = |soft: &mut Soft| {
+        (soft.density, soft.modulation, soft.shells) = (Density::Softness(peak as f32), Some(1.0), Shells::Fixed(1));
+    };
+    let found = stage.pixel(&dots, with(method, change))?[3];
+    let plain = match method {
+        Method::SoftExpress(_) => peak * ((PI * distance / radius).cos() + 1.0) / 2.0,
+        Method::SoftBase(_) => opacity(-(-peak).ln_1p() * chord(radius, distance) / (radius * radius)),
+        // One shell: λ μ' and the chord.
+        _ => {
+            let length = 2.0 * ((radius - distance) * (radius + distance)).sqrt();
+            opacity(-(-peak).ln_1p() / (2.0 * radius) * (1.0 - distance / radius) * length)
+        }
+    };
+    let wanted = peak * (1.0 - distance / radius) * 0.5 + plain * 0.5;
+    // The law of the disc's profile is within 3e-7 (shaders/shared/profile.wgsl).
+    let error = apart(&[found], &[wanted]);
+    Ok(Finding { error, bound: bound(1, 0.7, 1.0) + 3e-7, naive: apart(&[plain as f32], &[wanted]) })
+}

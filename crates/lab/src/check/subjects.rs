@@ -1,0 +1,266 @@
+//! A small scene for every method, and for the settings that take other ways through the engine: what has to come out to the
+//! same byte whatever runs before, whatever the order of the input, whatever the budget (docs/determinism.md).
+//!
+//! One list serves the tests and the comparison of drivers. Positions and colors follow from counters and need operations
+//! that IEEE 754 defines to the last bit, so that they are the same everywhere.
+
+mod clouds;
+
+use glam::DVec3;
+use indicatif::ProgressBar;
+
+use super::stage;
+use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::plan;
+use pellucid_engine::points::{Arranged, Points};
+use pellucid_engine::prepare::{ensembles, order};
+use pellucid_engine::scene::{
+    BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, Light, LongLists,
+    Method, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout,
+    Spbr, SpbrSimplified, SplatShape, Stochastic,
+};
+
+/// A scene for a method.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The method, and behind a comma what is special about it, as in `abuffer, oriented`.
+    pub name: String,
+    /// The clouds, each as a file might hold it: in no particular order.
+    pub clouds: Vec<Points>,
+    /// What is rendered of them, list lengths and standard errors included.
+    pub frame: Frame,
+}
+
+/// Which order of the input an image follows, by the definition of its method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follows {
+    /// None: points and clouds may be in any order.
+    Nothing,
+    /// That of the clouds, not that of the points within: random words that shuffle and deal a cloud's points are told apart
+    /// by its place among the others (`spbr`, `spbr-simplified`).
+    Clouds,
+    /// That of the points, file after file: it is the order of blending (`unsorted`).
+    Points,
+}
+
+impl Subject {
+    /// Which order of the input shows.
+    pub fn follows(&self) -> Follows {
+        match self.frame.method {
+            Method::Unsorted(_) => Follows::Points,
+            method if method.is_dealt() => Follows::Clouds,
+            _ => Follows::Nothing,
+        }
+    }
+
+    /// All points as the method wants them.
+    pub fn arranged(&self) -> Arranged {
+        if self.frame.method.is_dealt() {
+            let hidden = ProgressBar::hidden();
+            return Arranged::Dealt(ensembles::deal(self.clouds.clone(), self.frame.seed, &hidden));
+        }
+        let mut all = Points::default();
+        for cloud in &self.clouds {
+            all.append(cloud.clone());
+        }
+        Arranged::Canonical(order::canonical(all))
+    }
+
+    /// Renders it from the beginning: orders and uploads the points, too.
+    ///
+    /// # Errors
+    /// As of [`Renderer::render`].
+    pub fn render(&self, renderer: &mut Renderer) -> Result<Rendered, Error> {
+        self.render_arranged(renderer, &self.arranged())
+    }
+
+    /// Renders it from what [`Self::arranged`] returned. `auto` takes what is exact for the scene, without a look at what is
+    /// cheaper on the device.
+    ///
+    /// # Errors
+    /// As of [`Renderer::render`].
+    pub fn render_arranged(&self, renderer: &mut Renderer, arranged: &Arranged) -> Result<Rendered, Error> {
+        let (method, _) = plan::resolve(self.frame.method, arranged.points());
+        let mut cloud = renderer.upload_arranged(arranged)?;
+        renderer.render(&mut cloud, &Frame { method, ..self.frame })
+    }
+
+    /// The same with each cloud's points in another order.
+    #[must_use]
+    pub fn shuffled(&self, seed: u32) -> Self {
+        Self { clouds: self.clouds.iter().map(|cloud| clouds::shuffled(cloud, seed)).collect(), ..self.clone() }
+    }
+
+    /// The same with the clouds in reverse order.
+    #[must_use]
+    pub fn clouds_reversed(&self) -> Self {
+        Self { clouds: self.clouds.iter().rev().cloned().collect(), ..self.clone() }
+    }
+
+    /// The same with another frame.
+    #[must_use]
+    pub fn with(&self, frame: Frame) -> Self {
+        Self { frame, ..self.clone() }
+    }
+}
+
+/// All of them: at least one for each method that a scene file can name.
+pub fn subjects() -> Vec<Subject> {
+    [discs(), opaque(), soft(), surfaces(), ensembles_of_points()].into_iter().flatten().collect()
+}
+
+/// Columns and rows of the images: no multiple of a tile.
+const SIZE: [u32; 2] = [56, 40];
+
+fn subject(method: Method, special: &str, clouds: Vec<Points>, change: impl FnOnce(&mut Frame)) -> Subject {
+    let fov_y = 0.8;
+    let eye = DVec3::new(0.75, 1.0, 3.5);
+    let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
+        .unwrap_or_else(|| unreachable!("eye and target differ, and the view is not vertical"));
+    let mut frame = Frame { fragments: true, ..stage::frame(camera, SIZE, method) };
+    change(&mut frame);
+    let comma = if special.is_empty() { "" } else { ", " };
+    Subject { name: format!("{}{comma}{special}", method.name()), clouds, frame }
+}
+
+fn as_it_is(_: &mut Frame) {}
+
+/// An orthographic view of the same.
+fn orthographic(frame: &mut Frame) {
+    frame.camera.projection = Projection::Orthographic { height: 3.0 };
+}
+
+/// Light from a point beside the scene.
+fn lit(frame: &mut Frame) {
+    let light = Light::Position(DVec3::new(2.0, 3.0, 2.5));
+    frame.shading = Shading { model: ShadingModel::Phong, specular: 0.3, light, ..Shading::default() };
+}
+
+fn lit_and_encoded(frame: &mut Frame) {
+    lit(frame);
+    frame.color = ColorSpace::Encoded;
+}
+
+/// Shadows of that light, which is a small ball.
+fn shadowed(frame: &mut Frame) {
+    lit(frame);
+    frame.shadows = Some(Shadows { samples: 3, light_radius: 0.2, resolution: 48, min_layer_distance: None });
+}
+
+/// Transparent discs, and what approximates them.
+fn discs() -> Vec<Subject> {
+    let flat = Discs::default();
+    let soft_edged = Discs { falloff: Falloff::Gaussian, ..flat };
+    let oriented = Discs { shape: DiscShape::Oriented, ..flat };
+    let drawn = |discs| Discs { raster: Raster::Hardware, ..discs };
+    let in_place = Discs { long_lists: LongLists::InPlace, ..oriented };
+    let computed = Discs { raster: Raster::Compute, ..oriented };
+    let sampled = |discs| Stochastic { discs, samples: 24, alpha_correction: true };
+    let (few, many) = (clouds::few, clouds::many);
+    vec![
+        subject(Method::Auto(flat), "", many(), as_it_is),
+        subject(Method::ABuffer(flat), "", many(), as_it_is),
+        subject(Method::ABuffer(soft_edged), "Gaussian, encoded", many(), lit_and_encoded),
+        subject(Method::ABuffer(oriented), "oriented", many(), orthographic),
+        subject(Method::ABuffer(drawn(oriented)), "oriented, rasteriser", many(), as_it_is),
+        subject(Method::ABuffer(in_place), "oriented, in place", many(), as_it_is),
+        subject(Method::LinkedList(oriented), "oriented", many(), as_it_is),
+        subject(Method::Sorted(flat), "", many(), as_it_is),
+        subject(Method::Sorted(Discs { falloff: Falloff::Gaussian, ..oriented }), "oriented, Gaussian", many(), lit),
+        subject(Method::Peel(Peel::default()), "", few(), as_it_is),
+        subject(Method::Peel(Peel { discs: oriented, layers: 9 }), "oriented, 9 layers", few(), as_it_is),
+        subject(Method::Stochastic(sampled(Discs { raster: Raster::Compute, ..flat })), "compute", many(), as_it_is),
+        subject(Method::Stochastic(sampled(computed)), "oriented, compute", few(), orthographic),
+        subject(Method::Stochastic(sampled(drawn(oriented))), "oriented, rasteriser", few(), as_it_is),
+        subject(Method::Hybrid(Hybrid::default()), "", many(), as_it_is),
+        subject(Method::Hybrid(Hybrid { discs: oriented, k: 11 }), "oriented, k = 11", few(), as_it_is),
+        subject(Method::Weighted(flat), "", many(), as_it_is),
+        subject(Method::Average(soft_edged), "Gaussian", many(), as_it_is),
+        subject(Method::Unsorted(flat), "", many(), as_it_is),
+    ]
+}
+
+/// Splats of which the nearest wins, and those that are blended with what lies close.
+fn opaque() -> Vec<Subject> {
+    let few = clouds::few;
+    let splats = ScreenSplats { size: 1.5, ..ScreenSplats::default() };
+    let relief = |shape| Interpolated { splats, shape };
+    let drawn = ScreenSplats { raster: Raster::Hardware, ..splats };
+    let blended = BlendedSplats { splats, ..BlendedSplats::default() };
+    vec![
+        subject(Method::Points, "", few(), lit),
+        subject(Method::Squares(splats), "", few(), as_it_is),
+        subject(Method::Circles(splats), "shadows", few(), shadowed),
+        subject(Method::Circles(drawn), "rasteriser", few(), as_it_is),
+        subject(Method::Paraboloid(relief(SplatShape::Circle)), "", few(), as_it_is),
+        subject(Method::Cone(relief(SplatShape::Square)), "squares", few(), lit_and_encoded),
+        subject(Method::Sphere(splats), "", few(), lit),
+        subject(Method::Hqs(blended), "", clouds::many(), as_it_is),
+        subject(Method::Splats(blended), "Phong", clouds::many(), lit),
+    ]
+}
+
+/// Soft spheres and discs, with solid points among them.
+fn soft() -> Vec<Subject> {
+    let soft = Soft { density: Density::Softness(0.3), ..Soft::default() };
+    let stiff = Soft { density: Density::Lambda(2e4), ..soft };
+    let modulated = Soft { modulation: Some(0.9), ..soft };
+    let shells = Soft { shells: Shells::Fixed(4), ..soft };
+    let packed = Soft { layout: SoftLayout::Paper, ..soft };
+    let (few, clear) = (clouds::few, clouds::soft_alone);
+    vec![
+        subject(Method::SoftBase(soft), "solid points", few(), as_it_is),
+        subject(Method::SoftBase(soft), "", clear(), as_it_is),
+        subject(Method::SoftBase(modulated), "modulated", clear(), orthographic),
+        subject(Method::SoftBase(stiff), "stiff", clear(), as_it_is),
+        subject(Method::SoftBase(packed), "packed", clear(), as_it_is),
+        subject(Method::SoftConcentric(shells), "4 shells", clear(), as_it_is),
+        subject(Method::SoftConcentric(soft), "solid points", few(), as_it_is),
+        subject(Method::SoftExpress(modulated), "solid points", few(), as_it_is),
+        subject(Method::OneLayer(OneLayer::default()), "", few(), as_it_is),
+    ]
+}
+
+/// Surfaces of points that are closed in the image.
+fn surfaces() -> Vec<Subject> {
+    let filters = ImageSpace { fill: 2, occlusion: 2, min_layer_distance: Some(0.1), ..ImageSpace::default() };
+    let layers = PeelLayers { filters: ImageSpace { cull: false, ..filters }, layers: 3 };
+    vec![
+        subject(Method::ImageSpace(filters), "", clouds::surfaces(), lit),
+        subject(Method::PeelLayers(layers), "", clouds::surfaces(), as_it_is),
+        subject(Method::PeelLayers(layers), "shadows", clouds::surfaces(), shadowed),
+    ]
+}
+
+/// Points that are dealt to ensembles.
+fn ensembles_of_points() -> Vec<Subject> {
+    let spbr = Spbr { ensembles: 30, ..Spbr::default() };
+    let simplified = SpbrSimplified { ensembles: 12, ..SpbrSimplified::default() };
+    // Enough points that a small budget streams them.
+    let crowd = Spbr { ensembles: 5, cos_theta: false, ..spbr };
+    vec![
+        subject(Method::Spbr(spbr), "", clouds::surfaces(), as_it_is),
+        subject(Method::Spbr(spbr), "shaded", clouds::surfaces(), lit),
+        subject(Method::Spbr(crowd), "70 000 points", clouds::crowd(), as_it_is),
+        subject(Method::SpbrSimplified(simplified), "", clouds::surfaces(), as_it_is),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use pellucid_engine::scene::METHODS;
+
+    #[test]
+    fn there_is_one_for_every_method_and_no_two_of_a_name() {
+        let subjects = subjects();
+        for method in METHODS {
+            assert!(subjects.iter().any(|s| s.frame.method.name() == *method), "{method} has none");
+        }
+        let names: HashSet<&String> = subjects.iter().map(|s| &s.name).collect();
+        assert_eq!(names.len(), subjects.len());
+    }
+}

@@ -1,0 +1,125 @@
+//! The points of the subjects: whatever makes ties, long lists, full tiles and large splats.
+
+use glam::{DVec3, Vec3};
+
+use pellucid_engine::points::Points;
+use pellucid_engine::random::threefry2x32;
+
+/// A number in [0, 1) for a point, of several that it has.
+fn part(cloud: u32, point: u32, which: u32) -> f64 {
+    f64::from(threefry2x32([point, which], [cloud, 0x706f_696e])[0]) / 4_294_967_296.0
+}
+
+/// A point of the unit ball's surface, nearly evenly: corners of the cube get no more than faces.
+fn direction(cloud: u32, point: u32) -> DVec3 {
+    let candidate =
+        |turn: u32| DVec3::from_array([0, 1, 2].map(|axis| 2.0 * part(cloud, point, 3 * turn + axis) - 1.0));
+    let inside = |v: &DVec3| (0.01..1.0).contains(&v.length_squared());
+    let found = (10..30).map(candidate).find(inside).unwrap_or(DVec3::X);
+    found / found.length()
+}
+
+/// What makes a point of its number.
+struct Recipe {
+    count: u32,
+    position: fn(u32, u32) -> (DVec3, DVec3),
+    /// Least and largest.
+    radius: [f64; 2],
+    opacity: [f64; 2],
+}
+
+fn cloud(number: u32, recipe: &Recipe) -> Points {
+    let between = |[low, high]: [f64; 2], part: f64| (low + (high - low) * part) as f32;
+    let of = |make: &dyn Fn(u32) -> f32| (0..recipe.count).map(make).collect::<Vec<f32>>();
+    let places: Vec<(DVec3, DVec3)> = (0..recipe.count).map(|i| (recipe.position)(number, i)).collect();
+    let color = |i: u32| Vec3::from_array([0, 1, 2].map(|channel| part(number, i, channel) as f32));
+    Points {
+        positions: places.iter().map(|(position, _)| position.as_vec3().as_dvec3()).collect(),
+        colors: (0..recipe.count).map(color).collect(),
+        opacities: of(&|i| match i % 50 {
+            // Both ends, now and then.
+            7 => 0.0,
+            31 => 1.0,
+            _ => between(recipe.opacity, part(number, i, 3)),
+        }),
+        radii: of(&|i| if i % 40 == 3 { 0.0 } else { between(recipe.radius, part(number, i, 4)) }),
+        // Some have none.
+        normals: Some(
+            places
+                .iter()
+                .zip(0..)
+                .map(|((_, normal), i): (_, u32)| if i % 29 == 5 { Vec3::ZERO } else { normal.as_vec3() })
+                .collect(),
+        ),
+        file_order: Vec::new(),
+        fields: of(&|i| part(number, i, 5) as f32),
+    }
+}
+
+/// A ball's surface; every third point on a grid, so that depths and places coincide.
+fn ball(count: u32) -> Points {
+    let position = |cloud, i: u32| {
+        let normal = direction(cloud, i);
+        (if i.is_multiple_of(3) { (normal * 8.0).round() / 8.0 } else { normal }, normal)
+    };
+    cloud(1, &Recipe { count, position, radius: [0.02, 0.15], opacity: [0.05, 0.8] })
+}
+
+/// A floor below.
+fn floor(count: u32) -> Points {
+    let position = |cloud, i| {
+        let [x, z] = [0, 1].map(|axis| 3.0 * part(cloud, i, 60 + axis) - 1.5);
+        (DVec3::new(x, -1.0, z), DVec3::Y)
+    };
+    cloud(2, &Recipe { count, position, radius: [0.04, 0.1], opacity: [0.3, 0.3] })
+}
+
+/// So many points within a pixel or two: long lists, and tiles with more splats than a run takes.
+fn knot(count: u32) -> Points {
+    let position = |cloud, i| {
+        let normal = direction(cloud, i);
+        (DVec3::new(0.5, 0.25, 0.75) + 0.06 * part(cloud, i, 70) * normal, normal)
+    };
+    cloud(3, &Recipe { count, position, radius: [0.005, 0.06], opacity: [0.002, 0.02] })
+}
+
+/// A few splats that are visited tile by tile.
+fn large() -> Points {
+    let position = |cloud, i| (DVec3::new(-0.5, 0.0, -1.0) + 0.5 * direction(cloud, i), direction(cloud, i + 100));
+    cloud(4, &Recipe { count: 6, position, radius: [1.2, 1.8], opacity: [0.1, 0.3] })
+}
+
+/// For methods whose time grows with the longest list.
+pub(super) fn few() -> Vec<Points> {
+    vec![ball(700), floor(300), knot(60), large()]
+}
+
+/// Lists beyond 256 fragments, tiles beyond 2048 splats.
+pub(super) fn many() -> Vec<Points> {
+    vec![ball(1500), floor(500), knot(2300), large()]
+}
+
+/// Nothing but soft points; lists beyond 256 events.
+pub(super) fn soft_alone() -> Vec<Points> {
+    let soft =
+        |points: Points| Points { fields: points.fields.iter().map(|f| 0.5 + f / 2.0 + 0.001).collect(), ..points };
+    vec![soft(ball(400)), soft(knot(200)), soft(large())]
+}
+
+/// Surfaces alone.
+pub(super) fn surfaces() -> Vec<Points> {
+    vec![ball(2500), floor(1200)]
+}
+
+/// More points than are kept on the device for a small budget.
+pub(super) fn crowd() -> Vec<Points> {
+    vec![ball(70_000), floor(900)]
+}
+
+/// The same points in another order, that of their words for the seed.
+pub(super) fn shuffled(points: &Points, seed: u32) -> Points {
+    let mut order: Vec<(u32, usize)> =
+        (0..points.len()).map(|i| (threefry2x32([i as u32, seed], [5, 5])[0], i)).collect();
+    order.sort_unstable();
+    points.clone().in_order(|place| order[place].1)
+}

@@ -1,0 +1,348 @@
+//! Surfaces of points that are filtered in the image (`image-space`), and layers of them (`peel-layers`): holes, borders, and
+//! d̃ at its ends.
+
+use glam::Vec3;
+
+use super::naive::over;
+use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels, pixels_apart};
+use super::{Case, Finding, Stage, Trouble, each, one};
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Frame, Rendered};
+use pellucid_engine::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
+
+type Found = Result<Finding, Trouble>;
+
+/// No filter.
+const PLAIN: ImageSpace = ImageSpace {
+    fill: 0,
+    occlusion: 0,
+    smooth: 0,
+    antialias: false,
+    antialias_threshold: 0.25,
+    min_layer_distance: Some(0.25),
+    cull: false,
+};
+/// Bytes of a pixel with its depth.
+const PIXEL: f64 = 20.0;
+
+pub(super) fn cases() -> Vec<Case> {
+    let filters = ImageSpace { fill: 2, occlusion: 2, smooth: 2, antialias: true, ..PLAIN };
+    let both = [Method::ImageSpace(filters), Method::PeelLayers(PeelLayers { filters, layers: 3 })];
+    let alone = [
+        one("image-space/holes", "square holes, 1 to 6 wide: closed after 1, 1, 2, 3, 5, 6 fills and no sooner", holes),
+        one("image-space/silhouette", "40 fills beside borders along the axes and at 45 degrees: nothing", silhouette),
+        one("image-space/tilted-plane", "the filter of occluded pixels on tilted planes: no byte changes", tilted),
+        one("image-space/tiny-distance", "d̃ of 1e-30: one surface is left, one a unit behind is replaced", tiny),
+        one("image-space/huge-distance", "d̃ of 3e38: nothing is another surface, nothing an edge", huge),
+        one("image-space/thresholds", "antialiasing from 0 and from 1 on: a step of depth and the outline", thresholds),
+        one("image-space/one-color", "100 times smoothed in the corner of an image: that color", smoothed),
+        one("peel-layers/at-the-distance", "d̃ behind a surface: the next layer; a unit before that: none", at_distance),
+        one("peel-layers/tiny-distance", "d̃ of 1e-30: surfaces a unit apart are two layers, each once", tiny_layers),
+        one("peel-layers/huge-distance", "d̃ of 3e38: one layer", huge_layers),
+        one("peel-layers/three-planes", "opacities of 0.3, 0.6 and 0.9, shuffled, against float64", three_planes),
+        one("peel-layers/opacity-0-and-1", "nothing of opacity 0, nothing behind opacity 1", extremes),
+        one("peel-layers/ends", "0, 1, 8, 9 and 17 surfaces: as many layers as there are", ends),
+        one("peel-layers/all-equal", "500 points in one place, d̃ of 1% of nothing: one layer", all_equal),
+    ];
+    let mut all = Vec::from(alone);
+    all.extend(each(&both, "budget", "cut by a memory budget: no byte changes", budget));
+    all.extend(each(&both, "equal-depths", "points of equal depth and other colors, shuffled: no byte changes", ties));
+    all
+}
+
+fn image(stage: &mut Stage, dots: &[Dot], size: [u32; 2], filters: ImageSpace) -> Result<Image, Trouble> {
+    Ok(stage.image(dots, pixels(size), size, Method::ImageSpace(filters))?)
+}
+
+fn layered(
+    stage: &mut Stage,
+    dots: &[Dot],
+    size: [u32; 2],
+    filters: ImageSpace,
+    layers: u32,
+) -> Result<Rendered, Trouble> {
+    let method = Method::PeelLayers(PeelLayers { filters, layers });
+    Ok(stage.render(&cloud(dots), &frame(pixels(size), size, method))?)
+}
+
+/// A point in the middle of each pixel that has a depth.
+fn surface(size: [u32; 2], color: impl Fn(u32, u32) -> Vec3, depth: impl Fn(u32, u32) -> Option<f64>) -> Vec<Dot> {
+    let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+    let point = |(x, y)| Some(Dot { position: at(x, y, depth(x, y)?), color: color(x, y), ..Dot::default() });
+    all.filter_map(point).collect()
+}
+
+/// Colors that tell neighbors apart.
+fn mixed(x: u32, y: u32) -> Vec3 {
+    Vec3::new((x % 3) as f32 / 2.0, (y % 5) as f32 / 4.0, ((x + 2 * y) % 7) as f32 / 6.0)
+}
+
+fn red(_: u32, _: u32) -> Vec3 {
+    Vec3::X
+}
+
+fn holes(stage: &mut Stage) -> Found {
+    // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with it, in
+    // the next iteration, the ends of the sides: what is left of a hole after each is found by hand.
+    let known = [(1u32, 1u32), (2, 1), (3, 2), (4, 3), (5, 5), (6, 6)];
+    let mut error = 0;
+    for (side, iterations) in known {
+        let size = [side + 8, side + 6];
+        let is_hole = |x: u32, y: u32| (4..4 + side).contains(&x) && (3..3 + side).contains(&y);
+        let sheet = surface(size, red, |x, y| (!is_hole(x, y)).then_some(4.0));
+        let mut left = |fill| -> Result<usize, Trouble> {
+            let image = image(stage, &sheet, size, ImageSpace { fill, ..PLAIN })?;
+            let full = |(rgba, z): &(&[f32; 4], &f32)| **rgba == [1.0, 0.0, 0.0, 1.0] && **z == 4.0;
+            Ok(image.rgba.len() - image.rgba.iter().zip(&image.depth).filter(full).count())
+        };
+        error += left(iterations)? + usize::from(left(iterations - 1)? == 0);
+    }
+    // Whatever has a neighbor takes it: a hole is closed from all sides, half its width at a time.
+    let naive = known.iter().filter(|(side, iterations)| side.div_ceil(2) != *iterations).count();
+    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+}
+
+fn silhouette(stage: &mut Stage) -> Found {
+    let size = [20, 18];
+    let shapes: [fn(u32, u32) -> bool; 5] = [
+        |x, _| x >= 7,
+        |_, y| y < 11,
+        |x, y| x + y >= 19,
+        |x, y| x + 18 >= y + 20,
+        |x, y| (4..9).contains(&x) && (5..16).contains(&y),
+    ];
+    let (mut error, mut naive) = (0.0, 0);
+    for is_there in shapes {
+        let dots = surface(size, red, |x, y| is_there(x, y).then_some(4.0));
+        let plain = image(stage, &dots, size, PLAIN)?;
+        error += bytes_apart(&image(stage, &dots, size, ImageSpace { fill: 40, ..PLAIN })?, &plain);
+        // Whatever has a neighbor takes it.
+        let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        let has = |x: u32, y: u32| (y.saturating_sub(1)..=y + 1).any(|y| is_there(x.saturating_sub(1), y));
+        naive += all.filter(|(x, y)| !is_there(*x, *y) && has(*x, *y)).count();
+    }
+    Ok(Finding { error, bound: 0.0, naive: naive as f64 * PIXEL })
+}
+
+fn tilted(stage: &mut Stage) -> Found {
+    let size = [40, 30];
+    let (mut error, mut naive) = (0.0, 0);
+    // Along an axis five neighbors are as far or farther, whatever d̃; between, those of one side are nearer by less than it.
+    for (gx, gy, distance) in [(0.0, 0.0, 0.01), (0.5, 0.0, 0.01), (0.0, -0.5, 0.01), (0.125, 0.25, 0.5)] {
+        let depth = |x: u32, y: u32| 50.0 + gx * f64::from(x) + gy * f64::from(y);
+        let dots = surface(size, mixed, |x, y| Some(depth(x, y)));
+        let filters = ImageSpace { min_layer_distance: Some(distance), ..PLAIN };
+        let plain = image(stage, &dots, size, filters)?;
+        for occlusion in [1, 5] {
+            error += bytes_apart(&image(stage, &dots, size, ImageSpace { occlusion, ..filters })?, &plain);
+        }
+        // One neighbor that is nearer by d̃ hides a pixel.
+        let hidden = |x: u32, y: u32| x > 0 && depth(x - 1, y) <= depth(x, y) - f64::from(distance);
+        naive += (0..40 * 30).filter(|i| hidden(i % 40, i / 40)).count();
+    }
+    Ok(Finding { error, bound: 0.0, naive: naive as f64 * PIXEL })
+}
+
+fn tiny(stage: &mut Stage) -> Found {
+    let size = [16, 12];
+    let filters = ImageSpace { min_layer_distance: Some(1e-30), ..PLAIN };
+    let sheet = surface(size, mixed, |_, _| Some(4.0));
+    let plain = image(stage, &sheet, size, filters)?;
+    let left = image(stage, &sheet, size, ImageSpace { occlusion: 3, ..filters })?;
+    // One pixel a unit in the last place behind the others, which all are red.
+    let behind = f64::from(4f32.next_up());
+    let dots = surface(size, red, |x, y| Some(if (x, y) == (7, 5) { behind } else { 4.0 }));
+    let dots: Vec<Dot> = dots.iter().map(|dot| if dot.position.z == -4.0 { *dot } else { blue(dot) }).collect();
+    let replaced = image(stage, &dots, size, ImageSpace { occlusion: 1, ..filters })?;
+    let wrong = replaced.rgba.iter().filter(|rgba| **rgba != [1.0, 0.0, 0.0, 1.0]).count();
+    let error = bytes_apart(&plain, &left) + wrong as f64;
+    // Not behind 4 - 1e-30, which is 4: the whole sheet is taken for what lies behind it.
+    let hidden = |dot: &&Dot| (-dot.position.z as f32) <= -dot.position.z as f32 - 1e-30;
+    let naive = sheet.iter().filter(hidden).count();
+    Ok(Finding { error, bound: 0.0, naive: naive as f64 })
+}
+
+fn blue(dot: &Dot) -> Dot {
+    Dot { color: Vec3::Z, ..*dot }
+}
+
+fn huge(stage: &mut Stage) -> Found {
+    let size = [16, 12];
+    let filters = ImageSpace { min_layer_distance: Some(3e38), ..PLAIN };
+    let dots = surface(size, mixed, |x, y| (x != 3 || y > 4).then_some(if x == 7 { 9e6 } else { 1.0 }));
+    let plain = image(stage, &dots, size, filters)?;
+    let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
+    // With an infinity for background every pixel beside it is an edge: what is left of it after 4 d̃ = ∞ is no number.
+    Ok(Finding { error: bytes_apart(&plain, &filtered), bound: 0.0, naive: f64::INFINITY })
+}
+
+fn thresholds(stage: &mut Stage) -> Found {
+    let size = [8, 5];
+    let color = |x: u32, _: u32| if x < 3 { Vec3::ZERO } else { Vec3::X };
+    let dots = surface(size, color, |x, _| (x < 6).then_some(if x < 3 { 4.0 } else { 6.0 }));
+    let mut error = 0f64;
+    // With d̃ = 2 the step is a quarter of an edge, and the outline, to far at 1e7, all of one. Red and alpha of the row in the
+    // middle: (1 - t/2) own + (t/2) mean; powers of two, exact.
+    for (threshold, step) in [(0.0, [0.03125, 0.96875]), (1.0, [0.0, 1.0])] {
+        let filters =
+            ImageSpace { antialias: true, antialias_threshold: threshold, min_layer_distance: Some(2.0), ..PLAIN };
+        let found = image(stage, &dots, size, filters)?;
+        let wanted = [
+            [0.0, 0.875],
+            [0.0, 1.0],
+            [step[0], 1.0],
+            [step[1], 1.0],
+            [1.0, 1.0],
+            [0.875, 0.875],
+            [0.125, 0.125],
+            [0.0, 0.0],
+        ];
+        let wanted = wanted.map(|[red, alpha]| [red, 0.0, 0.0, alpha]);
+        error = error.max(pixels_apart(&found.rgba[16..24], &wanted));
+    }
+    // An infinity less an infinity beside the outline: not above a threshold, and its eighth of red is missing.
+    Ok(Finding { error, bound: 0.0, naive: 0.125 })
+}
+
+fn smoothed(stage: &mut Stage) -> Found {
+    let size = [6, 5];
+    let color = Vec3::new(0.1, 0.2, 0.7);
+    let dots = surface(size, |_, _| color, |_, _| Some(4.0));
+    let found = image(stage, &dots, size, ImageSpace { smooth: 100, ..PLAIN })?;
+    let wanted = vec![color.extend(1.0).as_dvec4().to_array(); 30];
+    // An iteration: 8 sums of products with powers of two, a quotient of 2.5 units, and as much again for its divisor.
+    let bound = 100.0 * 18.0 * HALF_ULP;
+    // A corner has 16 + 2 · 2 + 1 of 28 in the image.
+    Ok(Finding { error: pixels_apart(&found.rgba, &wanted), bound, naive: 7.0 / 28.0 })
+}
+
+/// Points of one pixel, which all lie on its ray.
+fn on_a_ray(stage: &mut Stage, dots: &[Dot], distance: Option<f32>, layers: u32) -> Result<Rendered, Trouble> {
+    layered(stage, dots, [1, 1], ImageSpace { min_layer_distance: distance, ..PLAIN }, layers)
+}
+
+fn at_distance(stage: &mut Stage) -> Found {
+    // Powers of two, so that 4 + 0.25 is exact. Those in the first place are one surface, however many they are.
+    let before = f64::from(4.25f32.next_down());
+    let mut dots = vec![dot(4.0, Vec3::X, 0.5); 5];
+    dots.extend([dot(before, Vec3::Y, 1.0), dot(4.25, Vec3::Z, 0.5)]);
+    let found = on_a_ray(stage, &dots, Some(0.25), 9)?;
+    let error = apart(&found.image.rgba[0], &[0.5, 0.0, 0.25, 0.75]);
+    let error = error.max((f64::from(found.facts.layers) - 2.0).abs());
+    // A tolerance of 1e-6 takes what comes just before for the second layer.
+    Ok(Finding { error, bound: 0.0, naive: 0.5 })
+}
+
+fn tiny_layers(stage: &mut Stage) -> Found {
+    let dots = [dot(4.0, Vec3::X, 0.5), dot(f64::from(4f32.next_up()), Vec3::Y, 0.5)];
+    let found = on_a_ray(stage, &dots, Some(1e-30), 4)?;
+    let error = apart(&found.image.rgba[0], &[0.5, 0.25, 0.0, 0.75]);
+    // 4 + 1e-30 is 4: the first surface again, in every layer.
+    let again = over(&[dots[0]; 4]);
+    let naive = apart(&again, &[0.5, 0.25, 0.0, 0.75]);
+    Ok(Finding { error: error.max((f64::from(found.facts.layers) - 2.0).abs()), bound: 0.0, naive })
+}
+
+fn huge_layers(stage: &mut Stage) -> Found {
+    let dots = [dot(1.0, Vec3::X, 0.5), dot(9e6, Vec3::Y, 1.0)];
+    let found = on_a_ray(stage, &dots, Some(3e38), 9)?;
+    let error = apart(&found.image.rgba[0], &[0.5, 0.0, 0.0, 0.5]);
+    // In the bounds of the scene there is room for more.
+    Ok(Finding { error: error.max((f64::from(found.facts.layers) - 1.0).abs()), bound: 0.0, naive: 0.5 })
+}
+
+fn three_planes(stage: &mut Stage) -> Found {
+    let dots = [dot(5.0, Vec3::X, 0.3), dot(6.0, Vec3::Y, 0.6), dot(9.0, Vec3::new(0.1, 0.7, 1.0), 0.9)];
+    let wanted = composed(&dots);
+    let shuffled = [dots[2], dots[0], dots[1]];
+    let found = on_a_ray(stage, &shuffled, Some(0.25), 4)?.image.rgba[0];
+    // For each layer: color times alpha, 1 - α, their product and a sum.
+    let bound = 4.0 * 3.0 * HALF_ULP;
+    // As they came.
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&shuffled), &wanted) })
+}
+
+fn extremes(stage: &mut Stage) -> Found {
+    let dots = [
+        dot(1.0, Vec3::ONE, 0.0),
+        dot(2.0, Vec3::Y, 0.5),
+        dot(3.0, Vec3::ONE, 0.0),
+        dot(4.0, Vec3::X, 1.0),
+        dot(5.0, Vec3::ONE, 1.0),
+    ];
+    let image = on_a_ray(stage, &dots, Some(0.25), 9)?.image;
+    let found = [image.rgba[0].as_slice(), &[image.depth[0]]].concat();
+    // Powers of two; the depth is that of the first layer with an opacity. Naive: that of the nearest.
+    Ok(Finding { error: apart(&found, &[0.5, 0.5, 0.0, 1.0, 2.0]), bound: 0.0, naive: 1.0 })
+}
+
+fn ends(stage: &mut Stage) -> Found {
+    let (mut error, mut naive) = (0f64, f64::INFINITY);
+    // 8 layers are one submission.
+    for count in [0u32, 1, 8, 9, 17] {
+        let mut dots: Vec<Dot> = (0..count).map(|i| dot(4.0 + f64::from(i), Vec3::ONE, 0.5)).collect();
+        // Behind the camera: a cloud has a point at least.
+        dots.push(dot(-4.0, Vec3::ONE, 0.5));
+        let found = on_a_ray(stage, &dots, Some(0.25), MAX_POINT_LAYERS)?;
+        // Sums of powers of two.
+        let wanted = 1.0 - 0.5f64.powi(count as i32);
+        let layers = f64::from(found.facts.layers);
+        error = error.max(apart(&found.image.rgba[0], &[wanted; 4])).max((layers - f64::from(count)).abs());
+        naive = naive.min(f64::from(MAX_POINT_LAYERS - count));
+    }
+    Ok(Finding { error, bound: 0.0, naive })
+}
+
+fn all_equal(stage: &mut Stage) -> Found {
+    let dots = vec![dot(4.0, Vec3::X, 0.5); 500];
+    let found = on_a_ray(stage, &dots, None, 4)?;
+    let wanted = [0.5, 0.0, 0.0, 0.5];
+    let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
+    // Nothing behind it: the same point in every layer.
+    Ok(Finding { error, bound: 0.0, naive: apart(&over(&dots[..4]), &wanted) })
+}
+
+/// Points over an image, more than one to a pixel, on four depths.
+fn scattered(size: [u32; 2], count: u32) -> Vec<Dot> {
+    let part = |i: u32, factor: u32, of: u32| (i.wrapping_mul(factor) >> 9) % of;
+    let of = |i: u32| Dot {
+        position: at(part(i, 2_654_435_761, size[0]), part(i, 2_246_822_519, size[1]), f64::from(4 + i % 4)),
+        color: mixed(i, i / 3),
+        opacity: 0.5,
+        ..Dot::default()
+    };
+    (1..=count).map(of).collect()
+}
+
+fn budget(stage: &mut Stage, method: Method) -> Found {
+    let size = [160, 120];
+    let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
+    let whole = frame(pixels(size), size, method);
+    let free = stage.renderer.render(&mut cloud, &whole)?;
+    // Less and less, until it takes several windows; too little for any is refused.
+    let mut budget = 8u64 << 20;
+    let cut = loop {
+        let cut = stage.renderer.render(&mut cloud, &Frame { memory_budget: Some(budget), ..whole })?;
+        if cut.facts.windows > free.facts.windows {
+            break cut;
+        }
+        budget = budget / 4 * 3;
+    };
+    let error = bytes_apart(&free.image, &cut.image);
+    // Filters that end where a window does: two columns on each side of a border through the image.
+    Ok(Finding { error, bound: 0.0, naive: f64::from(4 * size[1]) * PIXEL })
+}
+
+fn ties(stage: &mut Stage, method: Method) -> Found {
+    let size = [24, 16];
+    let dots = scattered(size, 3000);
+    let mut shuffled = dots.clone();
+    shuffled.reverse();
+    shuffled.rotate_left(1234);
+    let frame = Frame { fragments: true, ..frame(pixels(size), size, method) };
+    let first = stage.render(&cloud(&dots), &frame)?.image;
+    let second = stage.render(&cloud(&shuffled), &frame)?.image;
+    // The first to arrive, of those on the nearest depth.
+    let naive = dots[0].color.to_array().into_iter().zip(shuffled[0].color.to_array()).filter(|(a, b)| a != b).count();
+    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: naive as f64 })
+}

@@ -1,0 +1,177 @@
+//! Choosing a method and its setting by error or by time, from measurements on the very image that is to be rendered.
+//!
+//! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on composed
+//! linear R, G, B against the exact method, `abuffer` or `soft-base`, or against what ensembles tend to, in float64; its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
+//! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it, and the
+//! same wish nothing.
+//!
+//! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is accurate
+//! enough or slower than the fastest one that is. Stochastic errors fall as samples^(−1/2): two small steps tell which one to
+//! try next, and that one is measured too. **By time**: the fastest exact method if it fits, else each ladder until a step
+//! takes too long. In the end whatever is close to the best takes turns with it for a few more frames.
+
+mod climb;
+mod trials;
+
+use glam::Vec3;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+
+use crate::report::tradeoff::settings::{Ladders, Setting, settings};
+use pellucid_engine::Result;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{self, Frame};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::points::Arranged;
+use pellucid_engine::scene::{self, Method};
+use trials::Trials;
+
+/// RMSE up to this is rounding: settings below it are equally accurate, and the fastest of them is taken.
+pub const EXACT: f64 = 1e-6;
+
+/// What is wished for; if both, the error counts and the time is only looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wish {
+    /// The largest RMSE allowed: the fastest setting that keeps to it.
+    pub max_error: Option<f64>,
+    /// The largest device time of a frame allowed, in ms: the most accurate setting that keeps to it.
+    pub budget_ms: Option<f64>,
+}
+
+impl Wish {
+    /// Whether there is one at all.
+    pub fn is_any(&self) -> bool {
+        self.max_error.is_some() || self.budget_ms.is_some()
+    }
+}
+
+/// What is chosen from.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// The scene's points, which `cloud` holds.
+    pub arranged: &'a Arranged,
+    /// The frame; of its method only whose image formation counts.
+    pub frame: Frame,
+    /// Linear RGB.
+    pub background: Vec3,
+    /// The only method that may be taken.
+    pub only: Option<&'a str>,
+}
+
+/// What was measured of a setting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Against the exact method, on this image.
+    pub rmse: f64,
+    /// Median device time of a frame.
+    pub gpu_ms: f64,
+}
+
+/// What was chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// The method with its setting.
+    pub method: Method,
+    /// The setting as options of the command line would give it; empty for the defaults.
+    pub setting: String,
+    /// What was measured of it.
+    pub figures: Figures,
+    /// The wish.
+    pub wish: Wish,
+    /// What of the wish could not be fulfilled, in words.
+    pub warning: Option<String>,
+    /// Settings of which something is known.
+    pub known: usize,
+    /// Frames that were rendered to choose; 0 if all was known before.
+    pub frames: usize,
+}
+
+impl Choice {
+    /// The wish, the setting and its figures as one JSON object: the image's `pellucid:choice`.
+    pub fn json(&self) -> Value {
+        let Self { method, setting, figures, wish, .. } = self;
+        json!({
+            "max_error": wish.max_error,
+            "budget_ms": wish.budget_ms,
+            "method": method.name(),
+            "setting": setting,
+            "rmse": figures.rmse,
+            "gpu_ms": figures.gpu_ms,
+        })
+    }
+}
+
+/// Chooses. `recalibrate`: forgets what was known of this scene. `progress` ticks only.
+///
+/// # Errors
+/// A method of another image formation, no setting of `only`, a frame that the exact method can't render, a lost device.
+pub fn choose(
+    device: &Device,
+    cloud: &mut DeviceCloud,
+    subject: &Subject<'_>,
+    wish: Wish,
+    recalibrate: bool,
+    progress: &ProgressBar,
+) -> Result<Choice> {
+    let mut trials = Trials::open(device, cloud, subject, recalibrate, progress)?;
+    let occasion = trials.occasion();
+    let (mut all, _) = settings(&occasion, &Ladders::FINE);
+    all.retain(|setting| subject.only.is_none_or(|only| only == setting.method.name()));
+    // Of two wishes the error decides.
+    let asked =
+        format!("{:?} {:?} {:?}", wish.max_error, wish.budget_ms.filter(|_| wish.max_error.is_none()), subject.only);
+    let found = match (trials.chosen(&asked, &all), wish.max_error, wish.budget_ms) {
+        (Some(found), _, _) => Some(found),
+        (None, Some(most), _) => climb::by_error(&mut trials, &all, most)?,
+        (None, None, budget) => climb::by_time(&mut trials, &all, budget.unwrap_or(f64::INFINITY))?,
+    };
+    if let Some((setting, _)) = &found {
+        trials.choose(asked, setting);
+    }
+    trials.store();
+    let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
+    let warning = unfulfilled(wish, figures);
+    let Setting { method, text, .. } = setting;
+    let (known, frames) = (trials.known(), trials.frames);
+    Ok(Choice { method, setting: text, figures, wish, warning, known, frames })
+}
+
+/// Why nothing could be chosen.
+fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine::Error {
+    let unknown =
+        || scene::Error::Usage(format!("{}: it does not draw what is compared on this scene", only.unwrap_or("any")));
+    refusal.map_or_else(|| unknown().into(), Into::into)
+}
+
+/// What of a wish the chosen setting misses.
+fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures) -> Option<String> {
+    let error = wish.max_error.filter(|most| rmse > *most);
+    let time = wish.budget_ms.filter(|most| gpu_ms > *most);
+    match (error, time, wish.max_error) {
+        (Some(most), _, _) => {
+            Some(format!("no setting has an RMSE of at most {most}: the most accurate one is taken, with {rmse:.1e}"))
+        }
+        (None, Some(most), Some(error)) => Some(format!(
+            "no setting with an RMSE of at most {error} takes at most {most} ms: this one takes {gpu_ms:.1} ms"
+        )),
+        (None, Some(most), None) => {
+            Some(format!("no setting takes at most {most} ms: the fastest one is taken, with {gpu_ms:.1} ms"))
+        }
+        (None, None, _) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missed_is_said() {
+        let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
+        let said = |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures).unwrap_or_default();
+        assert_eq!(said(Some(0.01), Some(20.0)), "");
+        assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
+        assert!(said(None, Some(1.0)).contains("the fastest one"));
+        assert!(said(Some(0.1), Some(1.0)).contains("takes at most 1 ms"));
+    }
+}

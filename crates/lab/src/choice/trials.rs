@@ -1,0 +1,262 @@
+//! Frames that are rendered to choose, and what is known from earlier ones.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use indicatif::ProgressBar;
+use serde::{Deserialize, Serialize};
+
+use super::{Figures, Subject};
+use crate::report::tradeoff::renderers::Renderers;
+use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
+use crate::report::truth;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::output::{LinearImage, linear};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::profile::median;
+use pellucid_engine::scene::Method;
+use pellucid_engine::{Result, gpu, identity, metrics};
+
+/// Frames behind a median where two settings are close.
+const FRAMES: usize = 7;
+/// The same if a frame takes more than a second.
+const SLOW_FRAMES: usize = 3;
+/// How much slower than the best so far a setting may be at first sight and still deserve a second look.
+const CLOSE: f64 = 1.4;
+/// Folder of the cache.
+const KIND: &str = "choices";
+
+/// What is known of a setting.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Record {
+    rmse: f64,
+    gpu_ms: Vec<f64>,
+    peak_device_bytes: u64,
+}
+
+impl Record {
+    /// With the median time; of few frames the least, since whatever disturbs one makes it slower.
+    fn figures(&self) -> Figures {
+        let gpu_ms = if self.is_settled() { median(self.gpu_ms.clone()) } else { self.least() };
+        Figures { rmse: self.rmse, gpu_ms }
+    }
+
+    fn least(&self) -> f64 {
+        self.gpu_ms.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether more frames would tell little more.
+    fn is_settled(&self) -> bool {
+        self.gpu_ms.len() >= if self.least() > 1e3 { SLOW_FRAMES } else { FRAMES }
+    }
+}
+
+/// What is known of a scene, as the cache holds it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Known {
+    max_list: u32,
+    /// By [`Setting::key`].
+    records: BTreeMap<String, Record>,
+    /// The setting that was chosen, by what was wished for.
+    #[serde(default)]
+    chosen: BTreeMap<String, String>,
+}
+
+/// Everything that is measured of one scene.
+pub(super) struct Trials<'a> {
+    device: &'a Device,
+    cloud: &'a mut DeviceCloud,
+    subject: &'a Subject<'a>,
+    progress: &'a ProgressBar,
+    /// That of the reference.
+    frame: Frame,
+    formation: Formation,
+    key: String,
+    known: Known,
+    /// Settings that could not be rendered, and why the last of them could not.
+    refused: BTreeSet<String>,
+    pub refusal: Option<methods::Error>,
+    renderer: Renderer,
+    /// Rendered once anything has to be compared with it.
+    reference: Option<LinearImage>,
+    /// Rendered so far.
+    pub frames: usize,
+}
+
+impl<'a> Trials<'a> {
+    pub fn open(
+        device: &'a Device,
+        cloud: &'a mut DeviceCloud,
+        subject: &'a Subject<'a>,
+        recalibrate: bool,
+        progress: &'a ProgressBar,
+    ) -> Result<Self> {
+        let formation = formation(&subject.frame.method, subject.arranged.points())?;
+        // Errors are those of every bit, and lists are not counted for the trials.
+        let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
+        let key = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
+        let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
+        let known: Option<Known> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        let renderer = Renderer::new(device)?;
+        let (is_new, known) = (known.is_none(), known.unwrap_or_default());
+        let mut trials = Self {
+            device,
+            cloud,
+            subject,
+            progress,
+            frame,
+            formation,
+            key,
+            known,
+            refused: BTreeSet::new(),
+            refusal: None,
+            renderer,
+            reference: None,
+            frames: 0,
+        };
+        if is_new {
+            trials.reference()?;
+        }
+        Ok(trials)
+    }
+
+    /// Keeps what is known.
+    pub fn store(&self) {
+        if let Ok(bytes) = serde_json::to_vec(&self.known) {
+            gpu::cache::store(KIND, &self.key, &bytes);
+        }
+    }
+
+    /// What was chosen for the same wish before: times differ from run to run, and what they decide must not.
+    pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
+        let key = self.known.chosen.get(wish)?;
+        let setting = all.iter().find(|setting| setting.key() == *key)?;
+        Some((setting.clone(), self.figures(setting)?))
+    }
+
+    /// Takes note of a choice.
+    pub fn choose(&mut self, wish: String, setting: &Setting) {
+        self.known.chosen.insert(wish, setting.key());
+    }
+
+    /// What decides which settings apply.
+    pub fn occasion(&self) -> Occasion {
+        Occasion::new(self.subject.arranged.points(), self.formation, self.known.max_list)
+    }
+
+    /// Settings of which something is known.
+    pub fn known(&self) -> usize {
+        self.known.records.len()
+    }
+
+    /// The figures of a setting that was measured.
+    pub fn figures(&self, setting: &Setting) -> Option<Figures> {
+        self.known.records.get(&setting.key()).map(Record::figures)
+    }
+
+    /// The figures of a setting, measured now unless they are known; `None` if it can't be rendered. `best`: the time of the
+    /// best setting so far; what is much slower gets one frame after that which pays for buffers and shaders, else two.
+    pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
+        if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
+            self.progress.set_message(format!("choosing the method: {}", setting.key()));
+            match self.first_frames(setting, best) {
+                Ok(record) => {
+                    self.device.check_validation()?;
+                    self.known.records.insert(setting.key(), record);
+                }
+                Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
+                    self.refused.insert(setting.key());
+                    self.refusal = Some(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(self.figures(setting))
+    }
+
+    fn first_frames(&mut self, setting: &Setting, best: Option<f64>) -> Result<Record> {
+        let first = self.render(setting.method)?;
+        let image = linear(&first.image, self.subject.background, self.frame.color);
+        self.renderer.recycle(first.image);
+        self.reference()?;
+        let reference = self.reference.as_ref().expect("rendered above");
+        let rmse = metrics::rmse(&reference.pixels, &image.pixels);
+        let peak_device_bytes = first.facts.peak_device_bytes;
+        let mut gpu_ms = Vec::new();
+        while gpu_ms.len() < 2 {
+            let rendered = self.render(setting.method)?;
+            let ms = gpu(&rendered);
+            self.renderer.recycle(rendered.image);
+            gpu_ms.push(ms);
+            if best.is_some_and(|best| ms > CLOSE * best) {
+                break;
+            }
+        }
+        Ok(Record { rmse, gpu_ms, peak_device_bytes })
+    }
+
+    fn render(&mut self, method: Method) -> Result<Rendered> {
+        let rendered = self.renderer.render(self.cloud, &Frame { method, ..self.frame })?;
+        self.frames += 1;
+        Ok(rendered)
+    }
+
+    fn reference(&mut self) -> Result<()> {
+        if self.reference.is_none() {
+            if let Some(image) = truth::ensembles(self.subject.arranged, &self.frame) {
+                self.reference = Some(linear(&image, self.subject.background, self.frame.color));
+                return Ok(());
+            }
+            let rendered = self.render(self.frame.method)?;
+            self.known.max_list = rendered.facts.max_list;
+            self.reference = Some(linear(&rendered.image, self.subject.background, self.frame.color));
+        }
+        Ok(())
+    }
+
+    /// The fastest of some settings that were measured: those close to it take turns until their medians are to be trusted.
+    pub fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
+        let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
+        let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
+        let close: Vec<&Setting> =
+            settings.iter().copied().filter(|setting| ms(self, setting) <= CLOSE * least).collect();
+        self.settle(&close)?;
+        let fastest = close.into_iter().min_by(|a, b| ms(self, a).total_cmp(&ms(self, b)));
+        Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
+    }
+
+    /// Times settings in turns until their medians are to be trusted.
+    pub fn settle(&mut self, settings: &[&Setting]) -> Result<()> {
+        let open = |trials: &Self, setting: &Setting| {
+            trials.known.records.get(&setting.key()).is_some_and(|record| !record.is_settled())
+        };
+        let mut left: Vec<&Setting> = settings.iter().copied().filter(|setting| open(self, setting)).collect();
+        let peak = |setting: &&Setting| {
+            let record = self.known.records.get(&setting.key());
+            (setting.method.name(), record.map_or(0, |record| record.peak_device_bytes))
+        };
+        let mut renderers = Renderers::new(self.device, left.iter().map(peak));
+        let mut is_warm = false;
+        while !left.is_empty() {
+            for setting in &left {
+                self.progress.set_message(format!("choosing the method: {} again", setting.key()));
+                let renderer = renderers.of(setting.method.name())?;
+                self.frames += 1;
+                let rendered = renderer.render(self.cloud, &Frame { method: setting.method, ..self.frame })?;
+                let ms = gpu(&rendered);
+                renderer.recycle(rendered.image);
+                if let (true, Some(record)) = (is_warm, self.known.records.get_mut(&setting.key())) {
+                    record.gpu_ms.push(ms);
+                }
+            }
+            is_warm = true;
+            left.retain(|setting| open(self, setting));
+        }
+        Ok(self.device.check_validation()?)
+    }
+}
+
+/// Device time of a frame in ms.
+fn gpu(rendered: &Rendered) -> f64 {
+    rendered.profile.gpu().as_secs_f64() * 1e3
+}

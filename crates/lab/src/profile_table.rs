@@ -1,0 +1,71 @@
+//! The per-pass table of a profile, for people.
+
+use std::time::Duration;
+
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
+use pellucid_engine::methods::FrameProfile;
+use pellucid_engine::profile::{Profile, median};
+
+/// The per-pass table over all frames: least, median and greatest device time, share of the frame, and what was moved.
+///
+/// `copy_rate` in bytes per second (reads and writes together), from [`copy_rate`](pellucid_engine::profile::copy_rate).
+pub fn profile_table(profile: &Profile, copy_rate: Option<f64>) -> String {
+    let mut table = Table::new();
+    let line = LineStyle::none().fill('─').junction('─');
+    table.load_style(TableStyle::new().top_border(line).header_separator(line).bottom_border(line));
+    table.set_header(["pass", "min ms", "median ms", "max ms", "share", "invocations", "MiB", "GB/s", "of copy rate"]);
+    let rows = profile.passes();
+    let total: f64 = rows.iter().map(|r| r.median).sum();
+    for row in &rows {
+        let seconds = row.median / 1e3;
+        let rate = row.bytes.filter(|_| seconds > 0.0).map(|b| b as f64 / seconds);
+        table.add_row([
+            row.name.to_owned(),
+            format!("{:.3}", row.min),
+            format!("{:.3}", row.median),
+            format!("{:.3}", row.max),
+            format!("{:.1}%", 100.0 * row.median / total.max(f64::MIN_POSITIVE)),
+            row.invocations.map_or_else(String::new, |n| n.to_string()),
+            row.bytes.map_or_else(String::new, |b| format!("{:.1}", b as f64 / f64::from(1 << 20))),
+            rate.map_or_else(String::new, |r| format!("{:.2}", r / 1e9)),
+            rate.zip(copy_rate).map_or_else(String::new, |(r, c)| format!("{:.0}%", 100.0 * r / c)),
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{}\n{table}\n{}", head(profile), foot(profile, copy_rate))
+}
+
+fn head(profile: &Profile) -> String {
+    format!(
+        "{} ({}), {} frame(s)\n{} points, {} pixels, {} fragments, longest list {}",
+        profile.device,
+        profile.driver,
+        profile.frames.len(),
+        profile.facts.points,
+        profile.pixels,
+        profile.facts.fragments,
+        profile.facts.max_list
+    )
+}
+
+fn foot(profile: &Profile, copy_rate: Option<f64>) -> String {
+    let median =
+        |f: fn(&FrameProfile) -> Duration| median(profile.frames.iter().map(|p| f(p).as_secs_f64() * 1e3).collect());
+    let (gpu, submitted, wall) = (median(FrameProfile::gpu), median(|f| f.submitted), median(|f| f.wall));
+    let mut lines = vec![format!(
+        "passes {gpu:.2} ms of {submitted:.2} ms submitted ({:.1}%), frame with read-back {wall:.2} ms",
+        100.0 * gpu / submitted.max(f64::MIN_POSITIVE)
+    )];
+    lines.push(format!(
+        "device memory: peak {}, fragments {} in {} band(s)",
+        bytesize::ByteSize(profile.facts.peak_device_bytes),
+        bytesize::ByteSize(profile.facts.fragment_bytes),
+        profile.facts.bands
+    ));
+    if let Some(rate) = copy_rate {
+        lines.push(format!("copy rate of this device: {:.2} GB/s, reads and writes together", rate / 1e9));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,310 @@
+//! The depth-complexity sweep: layers per pixel × pixels, for every transparent method, on scenes where both are exact.
+//!
+//! **Scenes.** Two built-in scenes in which every pixel has exactly as many fragments as there are layers, since a mean
+//! says little about lists: [`Workload::Stack`], few discs over the whole image, and [`Workload::Mosaic`], many discs of 9
+//! pixels. They differ only in what it takes to reach the fragments. α = 1 − 2^(−1/layers): the pile lets half of the light
+//! through however many layers it has, so that each of them counts in the image and none may be left out.
+//!
+//! **Times.** A cell of the sweep is one scene. Each method renders it once with buffers of its own, which gives memory
+//! and image, once more to warm up, then all methods in turns, so that a machine that slows down slows them all.
+//!
+//! **Limits.** A cell is skipped, with the reason in the report, if it has more fragments than allowed, if a method's own
+//! times so far predict a frame longer than allowed, or if a method says that it can't.
+
+mod files;
+mod page;
+pub(super) mod sweep;
+
+use serde::{Deserialize, Serialize};
+
+use super::fit::{PowerLaw, power_law};
+use pellucid_engine::scene::Method;
+
+pub use files::{Report, write};
+pub use sweep::run;
+
+/// Which scene gives the layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Workload {
+    /// As many discs as layers, each over the whole image.
+    Stack,
+    /// Each layer is tiled by discs of 3 × 3 pixels.
+    Mosaic,
+}
+
+impl Workload {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Stack, Self::Mosaic];
+
+    /// The built-in scene's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stack => "stack",
+            Self::Mosaic => "mosaic",
+        }
+    }
+}
+
+/// What to measure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Width and height of the square images, in pixels, ascending.
+    pub sides: Vec<u32>,
+    /// Layers per pixel, ascending.
+    pub layers: Vec<u32>,
+    /// The methods, see [`Method::transparent`].
+    pub methods: Vec<Method>,
+    /// Frames behind each median, at least 1.
+    pub frames: u32,
+    /// Cells with more fragments are skipped.
+    pub max_fragments: u64,
+    /// Cells in which a method's frame is predicted to take longer, in seconds, are skipped for this method.
+    pub max_seconds: f64,
+    /// Seed of the scenes and of the pixels that are compared with the reference.
+    pub seed: u64,
+    /// As [`pellucid_engine::methods::Frame::memory_budget`].
+    pub memory_budget: Option<u64>,
+}
+
+impl Settings {
+    /// The whole sweep: 1 to 4096 layers over 64², 256² and 1024² pixels.
+    pub fn full(methods: Vec<Method>) -> Self {
+        Self {
+            sides: vec![64, 256, 1024],
+            layers: (0..=12).map(|power| 1 << power).collect(),
+            methods,
+            frames: 5,
+            max_fragments: 1 << 26,
+            max_seconds: 2.0,
+            seed: 0,
+            memory_budget: None,
+        }
+    }
+
+    /// A part of it for a quick look and for tests: 1 to 1024 layers by fours, over 64² and 256² pixels.
+    pub fn quick(methods: Vec<Method>) -> Self {
+        Self {
+            sides: vec![64, 256],
+            layers: (0..=5).map(|power| 1 << (2 * power)).collect(),
+            frames: 3,
+            max_fragments: 1 << 20,
+            ..Self::full(methods)
+        }
+    }
+
+    /// Scenes that a run goes through.
+    pub fn cells(&self) -> usize {
+        Workload::ALL.len() * self.sides.len() * self.layers.len()
+    }
+}
+
+/// One method on one scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// The scene.
+    pub workload: Workload,
+    /// Width and height of the image in pixels.
+    pub side: u32,
+    /// Fragments in each pixel.
+    pub layers: u32,
+    /// side².
+    pub pixels: u64,
+    /// Splats of the scene.
+    pub points: u64,
+    /// layers · pixels.
+    pub fragments: u64,
+    /// Fragments that the method counted; `None` if it doesn't count any.
+    pub counted: Option<u64>,
+    /// The method's name.
+    pub method: &'static str,
+    /// Device time of all passes.
+    pub gpu_ms: Spread,
+    /// From the first submission to the end of read-back, on the host's clock.
+    pub wall_ms: Spread,
+    /// Largest number of device bytes at any time of a frame, cloud and image included.
+    pub peak_device_bytes: u64,
+    /// Bytes of the fragment buffer.
+    pub fragment_bytes: u64,
+    /// Bands that the image was cut into.
+    pub bands: u64,
+    /// Against the reference in float64.
+    pub error: Deviation,
+    /// Each pass in the order of its first run.
+    pub passes: Vec<Pass>,
+}
+
+impl Cell {
+    /// Millions of fragments per second of device time.
+    pub fn mfragments_per_s(&self) -> f64 {
+        self.fragments as f64 / (1e3 * self.gpu_ms.median)
+    }
+
+    /// [`Self::peak_device_bytes`] over fragments.
+    pub fn bytes_per_fragment(&self) -> f64 {
+        self.peak_device_bytes as f64 / self.fragments as f64
+    }
+}
+
+/// Some measurements of one thing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The least.
+    pub min: f64,
+    /// The middle one, or the mean of the middle two.
+    pub median: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of some values, 0 of none.
+    pub fn of(values: Vec<f64>) -> Self {
+        let min = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        let max = values.iter().copied().reduce(f64::max).unwrap_or(0.0);
+        Self { min, median: pellucid_engine::profile::median(values), max }
+    }
+}
+
+/// How far an image is from the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Largest difference in linear R, G, B and A.
+    pub max: f64,
+    /// Root of the mean squared difference in linear R, G, B.
+    pub rmse: f64,
+    /// Pixels that were compared: all, or a random sample.
+    pub pixels: usize,
+}
+
+/// One pass, its runs in all bands together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pass {
+    /// Name as in `plan`.
+    pub name: &'static str,
+    /// Device time.
+    pub gpu_ms: Spread,
+}
+
+/// A cell that was not measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Skipped {
+    /// The scene.
+    pub workload: Workload,
+    /// Width and height of the image in pixels.
+    pub side: u32,
+    /// Fragments in each pixel.
+    pub layers: u32,
+    /// The method's name.
+    pub method: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
+/// How a method's time grows with the layers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Slope {
+    /// The scene.
+    pub workload: Workload,
+    /// Width and height of the image in pixels.
+    pub side: u32,
+    /// The method's name.
+    pub method: &'static str,
+    /// Least and most layers of the cells that were fitted: the deeper half of those measured, at least three.
+    pub layers: [u32; 2],
+    /// Milliseconds of device time over layers.
+    #[serde(flatten)]
+    pub law: PowerLaw,
+}
+
+/// All that a run found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sweep {
+    /// In the order in which they were measured.
+    pub cells: Vec<Cell>,
+    /// The others.
+    pub skipped: Vec<Skipped>,
+}
+
+impl Sweep {
+    /// The cells of one line of the plots, by ascending layers.
+    pub fn series(&self, workload: Workload, side: u32, method: &str) -> Vec<&Cell> {
+        let belongs = |cell: &&Cell| cell.workload == workload && cell.side == side && cell.method == method;
+        self.cells.iter().filter(belongs).collect()
+    }
+
+    /// The last cell of each series.
+    pub fn deepest(&self) -> Vec<&Cell> {
+        let is_last = |cell: &&Cell| {
+            let series = self.series(cell.workload, cell.side, cell.method);
+            series.last().is_some_and(|last| last.layers == cell.layers)
+        };
+        self.cells.iter().filter(is_last).collect()
+    }
+
+    /// How time grows in each series that is long enough to tell.
+    ///
+    /// Only the deeper half of a series is fitted: before it a frame costs the same whatever is in it.
+    pub fn slopes(&self) -> Vec<Slope> {
+        let mut slopes = Vec::new();
+        for &Cell { workload, side, method, .. } in self.deepest() {
+            let series = self.series(workload, side, method);
+            let deep = &series[series.len() - series.len().div_ceil(2).max(3).min(series.len())..];
+            if deep.len() < 3 {
+                continue;
+            }
+            let points: Vec<_> = deep.iter().map(|cell| (f64::from(cell.layers), cell.gpu_ms.median)).collect();
+            if let Some(law) = power_law(&points) {
+                let layers = [deep[0].layers, deep[deep.len() - 1].layers];
+                slopes.push(Slope { workload, side, method, layers, law });
+            }
+        }
+        slopes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(method: &'static str, layers: u32, ms: f64) -> Cell {
+        Cell {
+            workload: Workload::Stack,
+            side: 8,
+            layers,
+            pixels: 64,
+            points: layers.into(),
+            fragments: 64 * u64::from(layers),
+            counted: None,
+            method,
+            gpu_ms: Spread::of(vec![ms]),
+            wall_ms: Spread::of(vec![ms]),
+            peak_device_bytes: 0,
+            fragment_bytes: 0,
+            bands: 1,
+            error: Deviation { max: 0.0, rmse: 0.0, pixels: 64 },
+            passes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_deeper_half_of_each_method() {
+        let mut cells: Vec<Cell> = [1, 2, 4, 8].map(|layers| cell("flat", layers, 5.0)).into();
+        // A fixed cost up to 4 layers, then quadratic: of seven cells the last four are fitted.
+        let deep = [16.0, 16.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+        cells.extend(deep.iter().enumerate().map(|(i, ms)| cell("deep", 1 << i, *ms)));
+        cells.extend([1, 2].map(|layers| cell("short", layers, 5.0)));
+        let sweep = Sweep { cells, skipped: Vec::new() };
+        let slopes = sweep.slopes();
+        let found: Vec<_> = slopes.iter().map(|s| (s.method, s.layers, s.law.exponent)).collect();
+        assert!(matches!(found[..], [("flat", [2, 8], _), ("deep", [8, 64], _)]), "{found:?}");
+        assert!(found[0].2.abs() < 1e-12 && (found[1].2 - 2.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(sweep.deepest().iter().map(|cell| cell.layers).collect::<Vec<_>>(), [8, 64, 2]);
+    }
+
+    #[test]
+    fn spreads_by_hand() {
+        assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Spread { min: 1.0, median: 2.0, max: 3.0 });
+        assert_eq!(Spread::of(Vec::new()), Spread { min: 0.0, median: 0.0, max: 0.0 });
+    }
+}

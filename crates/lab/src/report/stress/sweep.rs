@@ -1,0 +1,236 @@
+//! Runs the sweep on a device.
+
+use std::time::Duration;
+
+use indicatif::ProgressBar;
+
+use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
+use crate::report::truth::Truth;
+use pellucid_engine::Result;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{self, Factors, Frame, FrameProfile, Rendered, Renderer, Stop};
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{self, Method, Scene, procedural};
+
+/// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
+const NOISE_SECONDS: f64 = 0.01;
+
+/// Measures every cell that the limits allow. `progress` counts cells.
+///
+/// # Errors
+/// What ends all work: a lost device, a message of the validation layers. What one method can't do is skipped instead.
+pub fn run(device: &Device, settings: &Settings, progress: &ProgressBar) -> Result<Sweep> {
+    let mut sweep = Sweep::default();
+    for workload in Workload::ALL {
+        for &side in &settings.sides {
+            for &layers in &settings.layers {
+                progress.set_message(format!("{}, {side} × {side} pixels, {layers} layers", workload.name()));
+                Place { workload, side, layers }.measure(device, settings, &mut sweep)?;
+                progress.inc(1);
+            }
+        }
+    }
+    Ok(sweep)
+}
+
+/// Where in the sweep.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    workload: Workload,
+    side: u32,
+    layers: u32,
+}
+
+impl Place {
+    fn pixels(self) -> u64 {
+        u64::from(self.side) * u64::from(self.side)
+    }
+
+    fn fragments(self) -> u64 {
+        self.pixels() * u64::from(self.layers)
+    }
+
+    /// Adds one cell, measured or skipped, for each method.
+    fn measure(self, device: &Device, settings: &Settings, sweep: &mut Sweep) -> Result<()> {
+        let mut methods = Vec::new();
+        for &method in &settings.methods {
+            match self.limit(settings, sweep, method) {
+                Some(reason) => sweep.skipped.push(self.skipped(method, reason)),
+                None => methods.push(method),
+            }
+        }
+        if methods.is_empty() {
+            return Ok(());
+        }
+        let (points, camera) = self.scene(settings.seed)?;
+        let frame = |method| Frame {
+            camera,
+            size: [self.side; 2],
+            shading: Default::default(),
+            color: Default::default(),
+            method,
+            stop: Stop::Exact,
+            seed: 0,
+            max_error: None,
+            spread: false,
+            ensembles: None,
+            shadows: None,
+            factors: Factors::default(),
+            memory_budget: settings.memory_budget,
+            fragments: false,
+        };
+        let mut renderer = Renderer::new(device)?;
+        let mut cloud = match renderer.upload(&points) {
+            Ok(cloud) => cloud,
+            Err(error) => {
+                let reason = refusal(error)?;
+                sweep.skipped.extend(methods.iter().map(|method| self.skipped(*method, reason.clone())));
+                return Ok(());
+            }
+        };
+        // Before there is anything else on the device.
+        let mut runs = Vec::new();
+        for method in methods {
+            match Renderer::new(device)?.render(&mut cloud, &frame(method)) {
+                Ok(first) => runs.push(Run { method, first, frames: Vec::new() }),
+                Err(error) => sweep.skipped.push(self.skipped(method, refusal(error)?)),
+            }
+            device.check_validation()?;
+        }
+        for round in 0..=settings.frames {
+            for run in &mut runs {
+                let rendered = renderer.render(&mut cloud, &frame(run.method))?;
+                // The first round pays for buffers.
+                if round > 0 {
+                    run.frames.push(rendered.profile);
+                }
+            }
+        }
+        device.check_validation()?;
+        let truth = Truth::new(&points, &frame(Method::ABuffer(Default::default())), settings.seed);
+        sweep.cells.extend(runs.into_iter().map(|run| self.cell(points.len(), run, &truth)));
+        Ok(())
+    }
+
+    fn skipped(self, method: Method, reason: String) -> Skipped {
+        let Self { workload, side, layers } = self;
+        Skipped { workload, side, layers, method: method.name(), reason }
+    }
+
+    /// Why this cell is too much for a method, if it is.
+    fn limit(self, settings: &Settings, sweep: &Sweep, method: Method) -> Option<String> {
+        let (fragments, most) = (self.fragments(), settings.max_fragments);
+        if fragments > most {
+            return Some(format!("{fragments} fragments, more than the limit of {most}"));
+        }
+        let times: Vec<_> = sweep
+            .series(self.workload, self.side, method.name())
+            .iter()
+            .map(|cell| (f64::from(cell.layers), cell.wall_ms.median / 1e3))
+            .collect();
+        let seconds = predict(&times, self.layers.into())?;
+        (seconds > settings.max_seconds).then(|| {
+            let most = settings.max_seconds;
+            format!("a frame would take about {seconds:.2} s by the cells before, more than the limit of {most} s")
+        })
+    }
+
+    fn scene(self, seed: u64) -> Result<(Points, Camera)> {
+        let name = self.workload.name();
+        let opacity = 1.0 - 0.5f64.powf(1.0 / f64::from(self.layers));
+        let parameters = [("layers", self.layers.into()), ("size", self.side.into()), ("opacity", opacity)];
+        let parameters = parameters.map(|(key, value): (&str, f64)| (key.to_owned(), value));
+        let generated = procedural::build(name, &parameters, seed).map_err(scene::Error::from)?;
+        let scene = Scene::from_toml(&generated.scene_toml, name.as_ref())?;
+        let clouds = scene::take_generated(&scene, &generated)?;
+        let up = scene::up_axis(&clouds);
+        let points = scene::assemble(&scene, clouds, true, &ProgressBar::hidden())?;
+        let (camera, _) = scene::camera(&scene, &points, up)?;
+        Ok((points, camera))
+    }
+
+    fn cell(self, points: usize, run: Run, truth: &Truth) -> Cell {
+        let Self { workload, side, layers } = self;
+        let facts = &run.first.facts;
+        let ms = |time: fn(&FrameProfile) -> Duration| {
+            Spread::of(run.frames.iter().map(|frame| time(frame).as_secs_f64() * 1e3).collect())
+        };
+        Cell {
+            workload,
+            side,
+            layers,
+            pixels: self.pixels(),
+            points: points as u64,
+            fragments: self.fragments(),
+            counted: (facts.fragments > 0).then_some(facts.fragments),
+            method: run.method.name(),
+            gpu_ms: ms(FrameProfile::gpu),
+            wall_ms: ms(|frame| frame.wall),
+            peak_device_bytes: facts.peak_device_bytes,
+            fragment_bytes: facts.fragment_bytes,
+            bands: facts.bands,
+            error: truth.deviation(&run.first.image),
+            passes: passes(&run.frames),
+        }
+    }
+}
+
+/// A method in a cell.
+struct Run {
+    method: Method,
+    /// Of buffers that nothing else used.
+    first: Rendered,
+    frames: Vec<FrameProfile>,
+}
+
+/// What a method can't do, in words; an error that ends all work stays one.
+fn refusal(error: methods::Error) -> Result<String> {
+    if error.is_refusal() { Ok(error.to_string()) } else { Err(error.into()) }
+}
+
+/// Seconds of a frame of `layers` layers, from (layers, seconds) of the same method before: the last one grown by the
+/// power law through the last two, or in proportion to the layers. `None` without any.
+pub(in crate::report) fn predict(times: &[(f64, f64)], layers: f64) -> Option<f64> {
+    let &(last, seconds) = times.last()?;
+    let before = times.iter().rev().nth(1).filter(|(_, before)| *before > NOISE_SECONDS);
+    let exponent = before.map_or(1.0, |(layers, before)| (seconds / before).ln() / (last / layers).ln());
+    Some(seconds * (layers / last).powf(exponent.max(1.0)))
+}
+
+fn passes(frames: &[FrameProfile]) -> Vec<Pass> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for pass in frames.iter().flat_map(|frame| &frame.passes) {
+        if !names.contains(&pass.name) {
+            names.push(pass.name);
+        }
+    }
+    let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |p| p.name == name);
+    let ms = |name| Spread::of(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
+    names.into_iter().map(|name| Pass { name, gpu_ms: ms(name) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_predicted_from_the_cells_before() {
+        assert_eq!(predict(&[], 4.0), None);
+        assert_eq!(predict(&[(2.0, 3.0)], 4.0), Some(6.0));
+        // Quadratic: twice the layers, four times the time, and that again for one step and for two.
+        let quadratic = [(1.0, 0.5), (2.0, 1.0), (4.0, 4.0)];
+        assert!((predict(&quadratic, 8.0).unwrap() - 16.0).abs() < 1e-9);
+        assert!((predict(&quadratic, 16.0).unwrap() - 64.0).abs() < 1e-9);
+        // What hardly grew, or was too short to tell, is taken to grow with the layers.
+        assert_eq!(predict(&[(1.0, 1.0), (2.0, 1.0)], 4.0), Some(2.0));
+        assert_eq!(predict(&[(1.0, 0.001), (2.0, 1.0)], 4.0), Some(2.0));
+    }
+
+    #[test]
+    fn what_a_method_can_not_do_is_a_reason_and_a_lost_device_is_an_error() {
+        let reason = refusal(methods::Error::PixelOverflow { x: 3, y: 4 }).unwrap();
+        assert!(reason.contains("pixel (3, 4)"), "{reason}");
+        assert!(refusal(pellucid_engine::gpu::Error::Lost { during: "a test".into() }.into()).is_err());
+    }
+}

@@ -1,0 +1,145 @@
+//! What was measured so far, kept in the report's folder until the report is written: whoever is interrupted goes on from
+//! there.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Errors, Reference, Repeats, Shaded};
+use pellucid_engine::atomic::Staged;
+use pellucid_engine::output;
+
+const NAME: &str = "tradeoff.partial.json";
+
+/// The first frames of a setting: its memory, its errors and its pictures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Trial {
+    pub peak_device_bytes: u64,
+    pub fragment_bytes: u64,
+    pub errors: Errors,
+    pub repeats: Option<Repeats>,
+    pub rmse_analytic: Option<f64>,
+    pub holes: Option<f64>,
+    pub rmse_inside: Option<f64>,
+    pub picture: String,
+    pub difference: String,
+    /// Of a frame that found its buffers and shaders ready, on the host's clock.
+    pub seconds: f64,
+}
+
+/// A frame that was timed among those of the other settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Timed {
+    /// In which run of the command, from 1.
+    pub sitting: u32,
+    pub gpu_ms: f64,
+    pub wall_ms: f64,
+    pub passes: Vec<(String, f64)>,
+}
+
+/// All of one setting.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Measured {
+    pub trial: Trial,
+    pub frames: Vec<Timed>,
+}
+
+/// All of one scene, as the file holds it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Content {
+    /// Of the scene, the device and the program, see [`pellucid_engine::identity`].
+    pub identity: String,
+    /// Runs of the command so far.
+    pub sittings: u32,
+    pub reference: Option<Reference>,
+    pub shaded: Option<Shaded>,
+    /// By [`super::settings::Setting::key`].
+    pub settings: BTreeMap<String, Measured>,
+}
+
+/// The file and what it holds.
+pub(super) struct Partial {
+    folder: PathBuf,
+    pub content: Content,
+}
+
+impl Partial {
+    /// What an earlier run left, if it measured the same; else nothing.
+    pub fn open(folder: &Path, identity: String) -> Self {
+        // A cache: what can't be read counts as absent.
+        let read = || -> Option<Content> {
+            let content: Content = serde_json::from_slice(&std::fs::read(folder.join(NAME)).ok()?).ok()?;
+            (content.identity == identity).then_some(content)
+        };
+        let mut content = read().unwrap_or(Content { identity: identity.clone(), ..Content::default() });
+        // Pictures may have been cleared away.
+        content.settings.retain(|_, measured| {
+            [&measured.trial.picture, &measured.trial.difference].iter().all(|name| folder.join(name).is_file())
+        });
+        content.sittings += 1;
+        Self { folder: folder.to_owned(), content }
+    }
+
+    /// After every frame, so that it doesn't wait for the disk.
+    pub fn save(&self) -> Result<(), output::Error> {
+        let path = self.folder.join(NAME);
+        let staged = Staged::write_quickly(&path, |file| {
+            serde_json::to_writer(&mut *file, &self.content)?;
+            writeln!(file)
+        });
+        let written = staged.and_then(|staged| staged.publish(&path));
+        written.map_err(|source| output::Error::Write { path, source })
+    }
+}
+
+/// Removes what was kept: the report has it all.
+///
+/// # Errors
+/// What the system says, unless there was nothing.
+pub fn discard(folder: &Path) -> Result<(), output::Error> {
+    let path = folder.join(NAME);
+    match std::fs::remove_file(&path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(output::Error::Write { path, source }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_belongs_to_the_same_scene_is_found_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut partial = Partial::open(folder.path(), "a".to_owned());
+        let errors = Errors { rmse: 0.1, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
+        let trial = |picture: &str| Trial {
+            peak_device_bytes: 1,
+            fragment_bytes: 0,
+            errors,
+            repeats: None,
+            rmse_analytic: None,
+            holes: None,
+            rmse_inside: None,
+            picture: picture.to_owned(),
+            difference: picture.to_owned(),
+            seconds: 0.25,
+        };
+        std::fs::write(folder.path().join("there.png"), "").unwrap();
+        for (key, picture) in [("kept", "there.png"), ("lost", "gone.png")] {
+            partial.content.settings.insert(key.to_owned(), Measured { trial: trial(picture), frames: Vec::new() });
+        }
+        partial.save().unwrap();
+        let again = Partial::open(folder.path(), "a".to_owned());
+        assert_eq!(again.content.sittings, 2);
+        assert_eq!(again.content.settings.keys().collect::<Vec<_>>(), ["kept"]);
+        assert!(Partial::open(folder.path(), "b".to_owned()).content.settings.is_empty(), "another scene");
+        std::fs::write(folder.path().join(NAME), "{").unwrap();
+        assert!(Partial::open(folder.path(), "a".to_owned()).content.settings.is_empty(), "cut short");
+        discard(folder.path()).unwrap();
+        discard(folder.path()).unwrap();
+        assert!(!folder.path().join(NAME).exists());
+    }
+}

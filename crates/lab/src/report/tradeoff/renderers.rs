@@ -1,0 +1,35 @@
+//! Renderers whose buffers last while frames of several methods take turns.
+
+use std::collections::BTreeMap;
+
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::{Error, Renderer};
+
+/// One renderer for each method if memory allows, so that none finds its buffers freed by another; else one for all.
+pub(crate) struct Renderers {
+    device: Device,
+    each: bool,
+    by_name: BTreeMap<&'static str, Renderer>,
+}
+
+impl Renderers {
+    /// For methods of which a frame takes so many bytes.
+    pub fn new(device: &Device, peaks: impl Iterator<Item = (&'static str, u64)>) -> Self {
+        let mut most = BTreeMap::new();
+        for (name, peak) in peaks {
+            let greatest: &mut u64 = most.entry(name).or_default();
+            *greatest = peak.max(*greatest);
+        }
+        let each = most.values().sum::<u64>() <= device.limits().heap_bytes / 2;
+        Self { device: device.clone(), each, by_name: BTreeMap::new() }
+    }
+
+    /// That of a method, made when it is first asked for.
+    pub fn of(&mut self, name: &'static str) -> Result<&mut Renderer, Error> {
+        let name = if self.each { name } else { "" };
+        if !self.by_name.contains_key(name) {
+            self.by_name.insert(name, Renderer::new(&self.device)?);
+        }
+        Ok(self.by_name.get_mut(name).expect("just made"))
+    }
+}

@@ -1,0 +1,178 @@
+//! Rows from frames: medians, the Pareto front, slopes.
+
+use super::figures::short;
+use super::partial::Measured;
+use super::settings::Setting;
+use super::{Convergence, Row};
+use crate::report::fit::power_law;
+use crate::report::stress::Spread;
+use pellucid_engine::profile::median;
+
+/// A row without its place on the front.
+pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
+    let Measured { trial, frames } = measured;
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in frames.iter().flat_map(|frame| &frame.passes) {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |pass| pass.0 == name).map(|pass| pass.1);
+    Row {
+        method: setting.method.name().to_owned(),
+        setting: setting.text.clone(),
+        step: setting.step.map(|(key, value)| (key.to_owned(), value)),
+        thinning: setting.thinning,
+        stochastic: setting.is_stochastic(),
+        gpu_ms: Spread::of(frames.iter().map(|frame| frame.gpu_ms).collect()),
+        wall_ms: Spread::of(frames.iter().map(|frame| frame.wall_ms).collect()),
+        frames: frames.len(),
+        peak_device_bytes: trial.peak_device_bytes,
+        fragment_bytes: trial.fragment_bytes,
+        errors: trial.errors,
+        repeats: trial.repeats,
+        rmse_analytic: trial.rmse_analytic,
+        holes: trial.holes,
+        rmse_inside: trial.rmse_inside,
+        front: false,
+        picture: trial.picture.clone(),
+        difference: trial.difference.clone(),
+        passes: names.into_iter().map(|name| (name.to_owned(), median(times(name).collect()))).collect(),
+    }
+}
+
+/// Marks what no other row beats: by median device time and RMSE.
+pub(super) fn mark_front(rows: &mut [Row]) {
+    let places: Vec<[f64; 2]> = rows.iter().map(|row| [row.gpu_ms.median, row.errors.rmse]).collect();
+    for (row, place) in rows.iter_mut().zip(&places) {
+        row.front = !places.iter().any(|other| beats(*other, *place));
+    }
+}
+
+/// Whether `a` is nowhere above `b` and somewhere below it.
+fn beats(a: [f64; 2], b: [f64; 2]) -> bool {
+    a[0] <= b[0] && a[1] <= b[1] && a != b
+}
+
+/// How many frames of each cost (seconds) fit the allowed seconds, one more of each included that warms up: at most `most`,
+/// at least 1, fewer of what takes longest in all.
+pub(super) fn frames(costs: &[f64], most: usize, allowed: f64) -> Vec<usize> {
+    let mut counts = vec![most; costs.len()];
+    let total = |counts: &[usize]| counts.iter().zip(costs).map(|(n, cost)| (1 + n) as f64 * cost).sum::<f64>();
+    while total(&counts) > allowed {
+        let share = |i: &usize| counts[*i] as f64 * costs[*i];
+        let reducible = (0..costs.len()).filter(|i| counts[*i] > 1);
+        let Some(longest) = reducible.max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
+        counts[longest] -= 1;
+    }
+    counts
+}
+
+/// Slopes of every ladder with at least three rows; `rows` are those of `settings`.
+pub(super) fn convergence(settings: &[Setting], rows: &[Row]) -> Vec<Convergence> {
+    let mut found: Vec<Convergence> = Vec::new();
+    let mut done: Vec<&str> = Vec::new();
+    for first in settings {
+        let Some((key, value)) = first.step else { continue };
+        if done.contains(&first.series.as_str()) {
+            continue;
+        }
+        done.push(&first.series);
+        let ladder: Vec<(f64, &Row)> = settings
+            .iter()
+            .zip(rows)
+            .filter(|(setting, _)| setting.series == first.series)
+            .filter_map(|(setting, row)| Some((setting.step?.1, row)))
+            .collect();
+        let over_steps: Vec<_> = ladder.iter().map(|(step, row)| (*step, row.errors.rmse)).collect();
+        let over_time: Vec<_> = ladder.iter().map(|(_, row)| (row.gpu_ms.median, row.errors.rmse)).collect();
+        if let (true, Some(rmse), Some(over_time)) = (ladder.len() >= 3, power_law(&over_steps), power_law(&over_time))
+        {
+            let rest = short(&first.text).replace(&format!("{key}={value}"), "");
+            let key = format!("{key} {}", rest.trim()).trim_end().to_owned();
+            let method = first.method.name().to_owned();
+            found.push(Convergence { method, key, rmse, over_time, rows: ladder.len() });
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::Errors;
+    use crate::report::tradeoff::partial::{Timed, Trial};
+    use crate::report::tradeoff::settings::{Formation, Ladders, Occasion, settings};
+    use pellucid_engine::scene::Discs;
+
+    fn measured(times: &[f64], rmse: f64) -> Measured {
+        let errors = Errors { rmse, nmse: 0.0, psnr: None, ssim: 1.0, flip: 0.0, max: 0.0, above_1_255: 0.0 };
+        let trial = Trial {
+            peak_device_bytes: 5,
+            fragment_bytes: 0,
+            errors,
+            repeats: None,
+            rmse_analytic: None,
+            holes: None,
+            rmse_inside: None,
+            picture: String::new(),
+            difference: String::new(),
+            seconds: 0.0,
+        };
+        let frame = |ms: &f64| Timed { sitting: 1, gpu_ms: *ms, wall_ms: 2.0 * ms, passes: vec![("a/b".into(), *ms)] };
+        Measured { trial, frames: times.iter().map(frame).collect() }
+    }
+
+    fn all() -> Vec<Setting> {
+        let formation = Formation::Discs(Discs::default());
+        let occasion = Occasion { formation, opaque: false, oriented: false, max_list: 1000 };
+        settings(&occasion, &Ladders::FULL).0
+    }
+
+    #[test]
+    fn rows_hold_medians() {
+        let row = row(&all()[0], &measured(&[3.0, 1.0, 2.0], 0.0));
+        assert_eq!((row.gpu_ms.min, row.gpu_ms.median, row.wall_ms.max, row.frames), (1.0, 2.0, 6.0, 3));
+        assert_eq!(row.passes, [("a/b".to_owned(), 2.0)]);
+    }
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let places = [(1.0, 0.5), (2.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.0), (4.0, 0.0), (0.5, 0.9)];
+        let mut rows: Vec<Row> = places.map(|(ms, rmse)| row(&all()[0], &measured(&[ms], rmse))).into();
+        mark_front(&mut rows);
+        let front: Vec<bool> = rows.iter().map(|row| row.front).collect();
+        // Of two equal ones neither is better.
+        assert_eq!(front, [true, false, true, false, true, true, true]);
+    }
+
+    #[test]
+    fn slow_settings_get_fewer_frames() {
+        assert_eq!(frames(&[1.0, 1.0], 10, 100.0), [10, 10]);
+        // 11 + 6·4 = 35 and 11 + 6·3 = 29.
+        assert_eq!(frames(&[1.0, 6.0], 10, 29.0), [10, 2]);
+        // At least one, even if it doesn't fit.
+        assert_eq!(frames(&[100.0, 0.1], 4, 1.0), [1, 1]);
+        assert_eq!(frames(&[], 4, 1.0), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn every_long_ladder_gets_its_slopes() {
+        let settings: Vec<Setting> = all().into_iter().filter(Setting::is_stochastic).collect();
+        // RMSE falls as samples^(−1/2), time grows in proportion.
+        let rows: Vec<Row> = settings
+            .iter()
+            .map(|setting| {
+                let samples = setting.step.unwrap().1;
+                row(setting, &measured(&[samples], 0.5 / samples.sqrt()))
+            })
+            .collect();
+        let found = convergence(&settings, &rows);
+        let keys: Vec<&str> = found.iter().map(|c| c.key.as_str()).collect();
+        assert_eq!(keys, ["samples", "samples alpha_correction=false", "samples raster=hardware"]);
+        for law in found.iter().flat_map(|c| [c.rmse, c.over_time]) {
+            assert!((law.exponent + 0.5).abs() < 1e-12, "{law:?}");
+        }
+        assert_eq!(convergence(&settings[..2], &rows[..2]), []);
+    }
+}

@@ -1,0 +1,111 @@
+//! Opaque points: what their methods have in common, and what their images are held against.
+
+mod clouds;
+pub(super) mod figures;
+pub(super) mod findings;
+pub(super) mod ladder;
+pub(super) mod shadows;
+mod truth;
+
+pub(super) use clouds::Clouds;
+pub(super) use truth::{Silhouette, supersampled};
+
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{BlendedSplats, ImageSpace, Interpolated, Method, Relief, ScreenSplats, SplatShape};
+
+/// What the scene says of opaque points, whatever its method. Sizes and iterations are settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surfaces {
+    /// Whether points have normals.
+    pub normals: bool,
+    /// Clamp and rasteriser; of size 1.
+    pub splats: ScreenSplats,
+    /// Outline of what has one.
+    pub shape: SplatShape,
+    /// `blend_depth` of three-pass splats.
+    pub blend_depth: f32,
+    /// The filters of `image-space`.
+    pub filters: ImageSpace,
+    /// That of the scene's method.
+    pub relief: Relief,
+}
+
+impl Surfaces {
+    /// Of a scene; `None` if its method draws no opaque points.
+    pub fn of(method: &Method, points: &Points) -> Option<Self> {
+        let normals = points.normals.is_some();
+        let plain = Self {
+            normals,
+            splats: ScreenSplats::default(),
+            shape: SplatShape::default(),
+            blend_depth: BlendedSplats::default().blend_depth,
+            filters: ImageSpace::default(),
+            relief: method.relief(),
+        };
+        let sized = |splats: &ScreenSplats| ScreenSplats { size: 1.0, ..*splats };
+        Some(match method {
+            Method::Points => plain,
+            Method::Squares(splats) | Method::Circles(splats) | Method::Sphere(splats) => {
+                Self { splats: sized(splats), ..plain }
+            }
+            Method::Paraboloid(settings) | Method::Cone(settings) => {
+                let Interpolated { splats, shape } = settings;
+                Self { splats: sized(splats), shape: *shape, ..plain }
+            }
+            Method::Hqs(settings) | Method::Splats(settings) => {
+                let BlendedSplats { splats, blend_depth, shape } = settings;
+                Self { splats: sized(splats), shape: *shape, blend_depth: *blend_depth, ..plain }
+            }
+            Method::ImageSpace(filters) => Self { filters: *filters, ..plain },
+            _ => return None,
+        })
+    }
+
+    /// The method that draws surfaces best: blended splats of size 1, in the points' tangent planes if there are normals.
+    pub fn reference(&self) -> Method {
+        let settings = self.blended(1.0, SplatShape::default());
+        if self.normals { Method::Splats(settings) } else { Method::Hqs(settings) }
+    }
+
+    fn sized(&self, size: f64) -> ScreenSplats {
+        ScreenSplats { size: size as f32, ..self.splats }
+    }
+
+    fn interpolated(&self, size: f64) -> Interpolated {
+        Interpolated { splats: self.sized(size), shape: self.shape }
+    }
+
+    fn blended(&self, size: f64, shape: SplatShape) -> BlendedSplats {
+        // They go through tiles in compute shaders, whatever draws the others.
+        let splats = ScreenSplats { raster: Default::default(), ..self.sized(size) };
+        BlendedSplats { splats, blend_depth: self.blend_depth, shape }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scene_s_settings_are_kept_but_for_the_size() {
+        let splats = ScreenSplats { size: 3.0, max_pixel_radius: 7.0, ..ScreenSplats::default() };
+        let square = SplatShape::Square;
+        let points = Points { normals: Some(Vec::new()), ..Points::default() };
+        let of = |method: Method| Surfaces::of(&method, &points).unwrap();
+        let cone = of(Method::Cone(Interpolated { splats, shape: square }));
+        assert_eq!((cone.splats.size, cone.splats.max_pixel_radius, cone.shape), (1.0, 7.0, square));
+        assert_eq!((cone.relief, cone.normals), (Relief::Cone, true));
+        let Method::Splats(reference) = cone.reference() else { panic!("{cone:?}") };
+        assert_eq!((reference.splats.size, reference.splats.max_pixel_radius), (1.0, 7.0));
+        assert_eq!(reference.shape, SplatShape::Circle);
+        let hqs =
+            Surfaces::of(&Method::Hqs(BlendedSplats { splats, blend_depth: 0.5, shape: square }), &Points::default());
+        let hqs = hqs.unwrap();
+        assert!(matches!(hqs.reference(), Method::Hqs(BlendedSplats { blend_depth: 0.5, .. })), "{hqs:?}");
+        let filters = ImageSpace { min_layer_distance: Some(0.25), ..ImageSpace::default() };
+        assert_eq!(of(Method::ImageSpace(filters)).filters, filters);
+        for other in [Method::default(), Method::PeelLayers(Default::default()), Method::OneLayer(Default::default())] {
+            assert_eq!(Surfaces::of(&other, &points), None);
+        }
+    }
+}

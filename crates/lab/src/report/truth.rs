@@ -1,0 +1,124 @@
+//! Exact images as the float64 reference has them: some pixels of discs, all of soft spheres and of what ensembles tend to.
+
+use rand::{SeedableRng, seq};
+use rand_pcg::Pcg64;
+
+use super::stress::Deviation;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::{Error, Frame, Renderer};
+use pellucid_engine::points::{Arranged, Points};
+use pellucid_engine::reference::abuffer::{Composite, composite, lists_at};
+use pellucid_engine::reference::shading::shade;
+use pellucid_engine::reference::soft::{Behind, Model, Scene};
+use pellucid_engine::reference::{Picture, spbr};
+use pellucid_engine::scene::{Density, Method, Soft};
+
+/// Pixels that are compared with the reference; of a smaller image all.
+const SAMPLE: usize = 256;
+
+/// A random sample of pixels.
+pub(super) struct Truth {
+    /// Row by row, ascending.
+    pixels: Vec<usize>,
+    values: Vec<Composite>,
+}
+
+impl Truth {
+    /// Of a frame of discs.
+    pub fn new(points: &Points, frame: &Frame, seed: u64) -> Self {
+        let count = frame.size[0] as usize * frame.size[1] as usize;
+        let mut pixels = seq::index::sample(&mut Pcg64::seed_from_u64(seed), count, SAMPLE.min(count)).into_vec();
+        pixels.sort_unstable();
+        let colors = shade(points, &frame.camera, &frame.shading, frame.color);
+        let discs = frame.method.discs().copied().unwrap_or_default();
+        let lists = lists_at(&frame.camera, frame.size, points, &discs, &pixels);
+        Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
+    }
+
+    /// How far an image is from it.
+    pub fn deviation(&self, image: &Image) -> Deviation {
+        let (mut max, mut squares) = (0f64, 0f64);
+        for (pixel, truth) in self.pixels.iter().zip(&self.values) {
+            let truth = truth.color.extend(truth.alpha).to_array();
+            for (channel, (value, truth)) in image.rgba[*pixel].iter().zip(truth).enumerate() {
+                // NaN must not pass as no difference.
+                let difference =
+                    Some((f64::from(*value) - truth).abs()).filter(|d| !d.is_nan()).unwrap_or(f64::INFINITY);
+                max = max.max(difference);
+                squares += if channel < 3 { difference * difference } else { 0.0 };
+            }
+        }
+        Deviation { max, rmse: (squares / (3 * self.pixels.len()) as f64).sqrt(), pixels: self.pixels.len() }
+    }
+}
+
+/// Soft spheres in float64, before the solid points as the device splats them; `None` for another method.
+pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> Result<Option<Image>, Error> {
+    let Some(model) = Model::new(frame.method, points) else { return Ok(None) };
+    let solids = solids(device, points, &model.soft, frame)?;
+    let colors = shade(points, &frame.camera, &frame.shading, frame.color);
+    let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };
+    let picture = scene.render(|pixel| solids.as_ref().map_or(Behind::NOTHING, |image| behind(image, pixel)));
+    Ok(Some(rounded(&picture)))
+}
+
+/// What the mean over ensembles tends to as their number grows, in float64; `None` for another method.
+pub(crate) fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
+    let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
+    let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
+    Some(rounded(&spbr::limit(&frame.camera, frame.size, dealt, &colors, &settings.into())))
+}
+
+fn rounded(picture: &Picture) -> Image {
+    Image {
+        width: picture.width,
+        height: picture.height,
+        rgba: picture.rgba.iter().map(|pixel| pixel.map(|value| value as f32)).collect(),
+        depth: picture.depth.iter().map(|depth| *depth as f32).collect(),
+        fragments: None,
+        layers: None,
+        stderr: None,
+    }
+}
+
+/// The picture of the solid points alone, as the device has it behind soft ones of no density; `None` if there are none.
+fn solids(device: &Device, points: &Points, soft: &Soft, frame: &Frame) -> Result<Option<Image>, Error> {
+    if points.fields.iter().all(|field| *field > soft.threshold) && !points.fields.is_empty() {
+        return Ok(None);
+    }
+    let method = Method::SoftBase(Soft { threshold: soft.threshold, density: Density::Lambda(0.0), ..Soft::default() });
+    let mut renderer = Renderer::new(device)?;
+    let mut cloud = renderer.upload(points)?;
+    Ok(Some(renderer.render(&mut cloud, &Frame { method, ..*frame })?.image))
+}
+
+fn behind(image: &Image, pixel: usize) -> Behind {
+    let [r, g, b, alpha] = image.rgba[pixel].map(f64::from);
+    Behind { color: glam::DVec3::new(r, g, b), alpha, depth: f64::from(image.depth[pixel]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_pixel_shows_and_so_does_none_at_all() {
+        let white = Composite { color: glam::DVec3::ONE, alpha: 1.0, depth: 1.0 };
+        let truth = Truth { pixels: vec![0, 3], values: vec![white, white] };
+        let image = |rgba: [f32; 4]| Image {
+            width: 4,
+            height: 1,
+            rgba: vec![[1.0; 4], [0.0; 4], [0.0; 4], rgba],
+            depth: vec![1.0; 4],
+            fragments: None,
+            layers: None,
+            stderr: None,
+        };
+        assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
+        // One channel of six is off by 0.5; A counts for the largest difference alone.
+        let Deviation { max, rmse, .. } = truth.deviation(&image([1.0, 0.5, 1.0, 0.25]));
+        assert!(max == 0.75 && (rmse - (0.25f64 / 6.0).sqrt()).abs() < 1e-15);
+        assert_eq!(truth.deviation(&image([f32::NAN; 4])).max, f64::INFINITY);
+    }
+}

@@ -1,0 +1,210 @@
+//! How accurate the picture is by now: what is known of it, and how far each draft of a view was off, once there is something to
+//! hold it against.
+
+use std::sync::Arc;
+
+use super::stage::Pose;
+use pellucid_engine::metrics;
+use pellucid_engine::points::Points;
+use pellucid_engine::scene::{DiscShape, Method, Peel, Scene};
+use pellucid_lab::report::tradeoff::settings::{self, Formation};
+
+/// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
+const MOST_BYTES: usize = 256 << 20;
+
+/// What a method's whole picture is, of what it shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Standing {
+    /// Exact, but for rounding.
+    Exact,
+    /// A mean of samples or ensembles; the standard error tells how far off.
+    Sampled,
+    /// Something else than what this method would show.
+    Approximation(Method),
+    /// What the method says: no other one draws the same.
+    Own,
+}
+
+impl Standing {
+    /// Of a method that is in force for these points.
+    pub fn of(method: &Method, points: &Points) -> Self {
+        let oriented = |shape| shape == DiscShape::Oriented && points.normals.is_some();
+        let exact = match method {
+            Method::ABuffer(_) | Method::LinkedList(_) | Method::Peel(Peel { layers: 0, .. }) => true,
+            Method::Sorted(discs) => !oriented(discs.shape),
+            Method::SoftBase(_) => true,
+            _ => false,
+        };
+        match settings::formation(method, points) {
+            _ if exact => Self::Exact,
+            Ok(Formation::Ensembles(_)) => Self::Sampled,
+            Ok(formation) => Self::Approximation(formation.exact()),
+            Err(_) => Self::Own,
+        }
+    }
+}
+
+/// A picture of a view as its table of accuracy has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// What it has of the whole.
+    pub name: String,
+    /// Milliseconds that it took.
+    pub ms: f64,
+    /// Its standard error in linear light, if that was found.
+    pub standard_error: Option<f64>,
+    /// RMSE in linear light against the best picture of the view that there is.
+    pub rmse: Option<f64>,
+}
+
+/// What pictures of the view are held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reference {
+    /// The whole picture.
+    Whole,
+    /// That of a method that is exact.
+    Exact(&'static str),
+}
+
+/// The accuracy of a view, for the overlay.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accuracy {
+    /// The pictures so far, the last one last.
+    pub rungs: Vec<Rung>,
+    /// What they were held against, if anything.
+    pub against: Option<Reference>,
+    /// What the last picture is, if it is a whole one.
+    pub standing: Option<Standing>,
+}
+
+/// Pictures of one view. Pixels are composed linear R, G, B.
+#[derive(Default)]
+pub struct History {
+    view: Option<(Arc<Scene>, Pose)>,
+    rungs: Vec<(Rung, Vec<[f32; 3]>)>,
+    against: Option<Reference>,
+}
+
+impl History {
+    /// Adds a picture; those of another view are forgotten. The whole one is what the ones before are held against.
+    pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Vec<[f32; 3]>, whole: bool) {
+        if !self.is_of(scene, pose) {
+            *self = Self { view: Some((scene.clone(), pose)), ..Self::default() };
+        }
+        // The same once more says nothing new.
+        self.rungs.retain(|(before, _)| before.name != rung.name);
+        self.rungs.push((rung, pixels));
+        while self.rungs.len() > 1 && self.bytes() > MOST_BYTES {
+            self.rungs.remove(0);
+        }
+        if let (true, Some((last, whole))) =
+            (whole, self.rungs.split_last_mut().map(|((_, whole), rest)| (rest, whole)))
+        {
+            last.iter_mut().for_each(|(rung, pixels)| rung.rmse = Some(metrics::rmse(whole, pixels)));
+            self.against = Some(Reference::Whole);
+        }
+    }
+
+    /// Holds all pictures of a view against the one that an exact method makes of it; false if the view is another one by now.
+    pub fn measure(&mut self, scene: &Arc<Scene>, pose: Pose, method: &'static str, exact: &[[f32; 3]]) -> bool {
+        let same = self.is_of(scene, pose);
+        if same {
+            self.rungs.iter_mut().for_each(|(rung, pixels)| rung.rmse = Some(metrics::rmse(exact, pixels)));
+            self.against = Some(Reference::Exact(method));
+        }
+        same
+    }
+
+    fn is_of(&self, scene: &Scene, pose: Pose) -> bool {
+        self.view.as_ref().is_some_and(|(before, from)| *from == pose && **before == *scene)
+    }
+
+    fn bytes(&self) -> usize {
+        self.rungs.iter().map(|(_, pixels)| size_of_val(pixels.as_slice())).sum()
+    }
+
+    /// The table.
+    pub fn accuracy(&self, standing: Option<Standing>) -> Accuracy {
+        let rungs = self.rungs.iter().map(|(rung, _)| rung.clone()).collect();
+        Accuracy { rungs, against: self.against, standing }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use pellucid_engine::scene::{Discs, Document, Overrides, PeelLayers, Soft, Spbr, Stochastic};
+
+    fn points(normals: bool) -> Points {
+        let normals = normals.then(|| vec![Vec3::Z]);
+        Points {
+            positions: vec![Default::default()],
+            opacities: vec![0.5],
+            radii: vec![1.0],
+            normals,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn exact_methods_are_told_from_others() {
+        let of = |method| Standing::of(&method, &points(true));
+        let discs = Discs::default();
+        let oriented = Discs { shape: DiscShape::Oriented, ..discs };
+        assert_eq!(of(Method::Sorted(discs)), Standing::Exact);
+        assert_eq!(of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
+        assert_eq!(Standing::of(&Method::Sorted(oriented), &points(false)), Standing::Exact);
+        assert_eq!(of(Method::Peel(Default::default())), Standing::Exact);
+        let cut = Method::Peel(Peel { layers: 3, ..Default::default() });
+        assert_eq!(of(cut), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
+        let sampled = Method::Stochastic(Stochastic::default());
+        assert_eq!(of(sampled), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(of(Method::SoftBase(Soft::default())), Standing::Exact);
+        assert!(matches!(of(Method::SoftExpress(Soft::default())), Standing::Approximation(Method::SoftBase(_))));
+        assert_eq!(of(Method::Spbr(Spbr::default())), Standing::Sampled);
+        for own in [Method::Points, Method::Hqs(Default::default()), Method::PeelLayers(PeelLayers::default())] {
+            assert_eq!(of(own), Standing::Own);
+        }
+    }
+
+    #[test]
+    fn pictures_of_one_view_are_held_against_its_best() {
+        let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
+        let (scene, mut history) = (Arc::new(scene), History::default());
+        let rung = |name: &str| Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
+        let gray = |value: f32| vec![[value; 3]; 4];
+        history.add(&scene, Pose::Scene, rung("a"), gray(0.5), false);
+        history.add(&scene, Pose::Scene, rung("b"), gray(0.25), false);
+        assert_eq!(history.accuracy(None).against, None);
+        history.add(&scene, Pose::Scene, rung("whole"), gray(0.0), true);
+        let errors = |history: &History| history.accuracy(None).rungs.iter().map(|rung| rung.rmse).collect::<Vec<_>>();
+        assert_eq!(errors(&history), [Some(0.5), Some(0.25), None]);
+        assert!(history.measure(&scene, Pose::Scene, "abuffer", &gray(0.125)));
+        assert_eq!(errors(&history), [Some(0.375), Some(0.125), Some(0.125)]);
+        assert_eq!(history.accuracy(None).against, Some(Reference::Exact("abuffer")));
+        // Another view: all before is forgotten, and what belongs to the old one isn't taken.
+        let mut again = Scene::clone(&scene);
+        again.image.size[0] += 1;
+        let again = Arc::new(again);
+        history.add(&again, Pose::Scene, rung("a"), gray(1.0), false);
+        assert_eq!(errors(&history), [None]);
+        assert!(!history.measure(&scene, Pose::Scene, "abuffer", &gray(0.0)));
+        assert_eq!(errors(&history), [None]);
+    }
+
+    #[test]
+    fn what_is_kept_has_a_bound() {
+        let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
+        let (scene, mut history) = (Arc::new(scene), History::default());
+        let pixels = MOST_BYTES / size_of::<[f32; 3]>() / 2;
+        for name in ["a", "b", "c"] {
+            let rung = Rung { name: name.into(), ms: 1.0, standard_error: None, rmse: None };
+            history.add(&scene, Pose::Scene, rung, vec![[0.0; 3]; pixels], false);
+        }
+        assert_eq!(history.accuracy(None).rungs.len(), 2);
+        assert!(history.bytes() <= MOST_BYTES);
+    }
+}

@@ -1,0 +1,57 @@
+//! What else changes when a key does: keys that can't be beside it go, and numbers stop where they would pass one another.
+
+use pellucid_engine::scene::{Change, Light, Method, Setting, SoftLayout};
+
+/// How far apart threshold and modulation stay: a step of their sliders.
+const APART: f32 = 0.001;
+
+/// The least modulation above a threshold; 1 if there is none.
+pub fn above(threshold: f32) -> f32 {
+    (threshold + APART).min(1.0)
+}
+
+/// A change of one key, and nothing else.
+pub fn changes(key: &str, value: Option<Setting>) -> Vec<Change> {
+    vec![(key.to_owned(), value)]
+}
+
+/// The changes that a method's key needs to get a value, or to be taken out. `softness` and `lambda` take each other's place,
+/// `modulation` and the paper's layout too, and `threshold` and `modulation` stop at each other.
+pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec<Change> {
+    let soft = method.soft();
+    let modulation = soft.and_then(|soft| soft.modulation);
+    let is_paper = soft.is_some_and(|soft| soft.layout == SoftLayout::Paper);
+    let out = match (key, &value) {
+        ("softness", Some(_)) if soft.is_some() => Some("lambda"),
+        ("lambda", Some(_)) => Some("softness"),
+        ("modulation", Some(_)) if is_paper => Some("layout"),
+        ("layout", Some(Setting::Word(word))) if word == "paper" => Some("modulation"),
+        _ => None,
+    };
+    let value = match (key, value, soft) {
+        ("threshold", Some(Setting::Number(t)), _) => {
+            let most = modulation.map_or(1.0, |most| (most - APART).max(0.0));
+            Some(Setting::Number(t.min(super::rounded(most))))
+        }
+        ("modulation", Some(Setting::Number(most)), Some(soft)) => {
+            Some(Setting::Number(most.max(super::rounded(above(soft.threshold)))))
+        }
+        (_, value, _) => value,
+    };
+    let out = out.map(|rival| (format!("method.{rival}"), None));
+    out.into_iter().chain([(format!("method.{key}"), value)]).collect()
+}
+
+/// The changes that give the scene another light. The radius of a light is an angle or a length, so that it goes if the light
+/// becomes another kind.
+pub fn light_changes(before: Light, light: Light) -> Vec<Change> {
+    let (key, value) = match light {
+        Light::Headlight => ("shading.light", Setting::Word("headlight".to_owned())),
+        Light::Direction(direction) => ("shading.light", Setting::Numbers(direction.to_array().to_vec())),
+        Light::Position(position) => ("shading.light.position", Setting::Numbers(position.to_array().to_vec())),
+    };
+    let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
+    let radius = (!same).then(|| ("shadows.light_radius".to_owned(), None));
+    let given = [("shading.light".to_owned(), None), (key.to_owned(), Some(value))];
+    radius.into_iter().chain(given).collect()
+}

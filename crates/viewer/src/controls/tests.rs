@@ -1,0 +1,188 @@
+//! Every key has a control, and every place of a control is a scene.
+
+use super::*;
+use pellucid_engine::scene::{
+    Change, Document, Light, METHODS, Overrides, SHADING_KEYS, SHADOW_KEYS, Scene, method_keys,
+};
+
+const EXTENT: Extent = Extent { diagonal: 250.0, median_radius: 0.125 };
+
+fn document(method: &str) -> Document {
+    let text = format!("[[cloud]]\npath = 'a.ply'\n[method]\nname = '{method}'\n");
+    Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap()
+}
+
+/// Both ends of a control.
+fn ends(control: Control) -> Vec<Setting> {
+    match control {
+        Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
+        Control::Count(from, to) => vec![Setting::Integer(from), Setting::Integer(to)],
+        Control::Flag => vec![Setting::Flag(false), Setting::Flag(true)],
+        Control::Choice(words) => words.iter().map(|word| Setting::Word((*word).to_owned())).collect(),
+        Control::Color => vec![Setting::Numbers(vec![0.0; 3]), Setting::Numbers(vec![1.0; 3])],
+    }
+}
+
+fn is_on(entry: &Entry) -> bool {
+    match &entry.presence {
+        Presence::Always => true,
+        Presence::Optional { on, .. } | Presence::Rival { on } => *on,
+    }
+}
+
+/// The scene that a file with these changes has: what is saved.
+fn saved(document: &Document) -> Scene {
+    let text = document.to_toml("".as_ref()).unwrap();
+    Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap().scene().unwrap()
+}
+
+/// Goes to both ends of a control and back: each is a scene that has the value and nothing else changed, saved too, and without
+/// the key everything is as before.
+fn moves(
+    document: &Document,
+    key: &str,
+    entry: &dyn Fn(&Scene) -> Entry,
+    give: &dyn Fn(Option<Setting>) -> Vec<Change>,
+) {
+    let before = document.scene().unwrap();
+    let first = entry(&before);
+    let mut changed = document.clone();
+    let same = changed.change(&give(Some(first.value.clone()))).unwrap();
+    assert_eq!(entry(&same).value, first.value, "{key}: as it begins");
+    if is_on(&first) {
+        assert_eq!((same.method, &same.clouds, same.shading), (before.method, &before.clouds, before.shading), "{key}");
+    }
+    for end in ends(first.control) {
+        let scene = changed.change(&give(Some(end.clone()))).unwrap_or_else(|error| panic!("{key} = {end:?}: {error}"));
+        let shown = entry(&scene);
+        assert!(is_on(&shown) && shown.control == first.control, "{key} = {end:?}: {shown:?}");
+        assert_eq!(entry(&saved(&changed)), shown, "{key} = {end:?} as saved");
+        // Threshold and modulation alone stop at each other.
+        if !matches!(key, "method.modulation" | "method.threshold") {
+            assert_eq!(shown.value, end, "{key}");
+        }
+    }
+    let scene = changed.change(&give(None)).unwrap();
+    assert_eq!(entry(&scene), first, "{key} taken out");
+    assert_eq!(scene, Scene { settings: scene.settings.clone(), ..before }, "{key}");
+}
+
+/// A key that a method gets can't be forgotten here, and a control shows the value that is in force.
+#[test]
+fn every_key_of_every_method_has_a_control_with_its_value() {
+    for name in METHODS {
+        let document = document(name);
+        for key in method_keys(name) {
+            let entry = |scene: &Scene| {
+                control(&scene.method, key, EXTENT).unwrap_or_else(|| panic!("{name}: {key} has no control"))
+            };
+            let method = document.scene().unwrap().method;
+            moves(&document, &format!("method.{key}"), &entry, &|value| method_changes(&method, key, value));
+        }
+        assert_eq!(control(&document.scene().unwrap().method, "nonsense", EXTENT), None);
+    }
+}
+
+#[test]
+fn every_key_of_shading_and_shadows_has_a_control() {
+    for light in ["[1, 2, -3]", "{ position = [1, 2, 3] }"] {
+        let text = format!(
+            "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shadows]\n[shading]\nmodel = 'phong'\nlight = {light}"
+        );
+        let document = Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap();
+        let given = document.clone().scene().unwrap().shading.light;
+        for key in SHADING_KEYS.iter().filter(|key| **key != "light") {
+            let dotted = format!("shading.{key}");
+            let entry = |scene: &Scene| shading(&scene.shading, key).expect(key);
+            // The model of this scene is not the default.
+            if *key == "model" {
+                let mut document = document.clone();
+                for end in ends(entry(&document.scene().unwrap()).control) {
+                    let scene = document.change(&changes(&dotted, Some(end.clone()))).unwrap();
+                    assert_eq!(entry(&scene).value, end);
+                }
+            } else {
+                moves(&document, &dotted, &entry, &|value| changes(&dotted, value));
+            }
+        }
+        for key in SHADOW_KEYS.iter().filter(|key| **key != "method") {
+            let dotted = format!("shadows.{key}");
+            let entry = |scene: &Scene| shadows(&scene.shadows.unwrap(), given, key, EXTENT).expect(key);
+            moves(&document, &dotted, &entry, &|value| changes(&dotted, value));
+        }
+    }
+}
+
+#[test]
+fn clouds_have_their_controls() {
+    let document = document("soft-base");
+    for key in ["opacity", "radius_factor", "color", "radius", "neighbors"] {
+        for target in ["cloud.0", "cloud.*"] {
+            let dotted = format!("{target}.{key}");
+            let entry = |scene: &Scene| cloud(&scene.clouds[0], key, false, Some(12), EXTENT).expect(key);
+            moves(&document, &dotted, &entry, &|value| changes(&dotted, value));
+        }
+    }
+}
+
+#[test]
+fn threshold_and_modulation_stop_at_each_other() {
+    let mut document = document("soft-express");
+    let mut set = |key: &str, value: Option<f64>| {
+        let method = document.scene().unwrap().method;
+        let scene = document.change(&method_changes(&method, key, value.map(Setting::Number))).unwrap();
+        let soft = *scene.method.soft().unwrap();
+        (soft.threshold, soft.modulation)
+    };
+    assert_eq!(set("modulation", Some(0.75)), (0.5, Some(0.75)));
+    assert_eq!(set("threshold", Some(0.9)), (0.749, Some(0.75)));
+    assert_eq!(set("threshold", Some(0.25)), (0.25, Some(0.75)));
+    assert_eq!(set("modulation", Some(0.0)), (0.25, Some(0.251)));
+    assert_eq!(set("threshold", Some(0.0)), (0.0, Some(0.251)));
+    assert_eq!(set("modulation", Some(0.0)), (0.0, Some(0.001)));
+    assert_eq!(set("modulation", None), (0.0, None));
+    assert_eq!(set("threshold", Some(1.0)), (1.0, None));
+}
+
+#[test]
+fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
+    let mut document = document("soft-base");
+    let mut set = |key: &str, value: Setting| {
+        let method = document.scene().unwrap().method;
+        document.change(&method_changes(&method, key, Some(value))).unwrap().method
+    };
+    // In whichever order: what the other slider begins with is the same density.
+    let lambda = control(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
+    let method = set("lambda", lambda.value);
+    assert_eq!(control(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
+    assert!(!is_on(&control(&method, "softness", EXTENT).unwrap()));
+    let method = set("softness", Setting::Number(0.75));
+    assert!(!is_on(&control(&method, "lambda", EXTENT).unwrap()));
+    set("modulation", Setting::Number(0.75));
+    let method = set("layout", Setting::Word("paper".into()));
+    assert_eq!(method.soft().unwrap().modulation, None);
+    let method = set("modulation", Setting::Number(0.75));
+    assert_eq!(method.soft().unwrap().layout, SoftLayout::Precise);
+}
+
+#[test]
+fn lights_take_each_others_place() {
+    let text = "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shading]\nmodel = 'lambert'\n[shadows]\nlight_radius = 200.0";
+    let mut document = Document::from_toml(text, "s.toml".as_ref(), &Overrides::default()).unwrap();
+    let (along, at) = (glam::DVec3::new(0.5, 0.25, -1.0), glam::DVec3::new(7.0, 8.0, 9.0));
+    let lights = [Light::Position(at), Light::Direction(along), Light::Headlight, Light::Direction(along)];
+    for light in lights.into_iter().chain([Light::Position(at), Light::Position(along), Light::Headlight]) {
+        let before = document.scene().unwrap().shading.light;
+        let scene = document.change(&light_changes(before, light)).unwrap();
+        assert_eq!((scene.shading.light, saved(&document).shading.light), (light, light));
+    }
+    assert!(!document.has("shadows.light_radius"), "degrees are no world units");
+}
+
+#[test]
+fn numbers_are_as_short_as_in_the_file() {
+    assert_eq!(rounded(0.17), 0.17);
+    assert_eq!(rounded(f32::MAX) as f32, f32::MAX);
+    assert_eq!((significant(0.012_345_67), significant(98_765.4), significant(0.0)), (0.012_35, 98_770.0, 0.0));
+    assert_eq!(thousandths(0.249_999_9), 0.25);
+}

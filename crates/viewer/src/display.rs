@@ -1,0 +1,202 @@
+//! From an image to the bytes on the screen: those that its PNG has.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use pellucid_engine::color::{decode_srgb, encode_srgb};
+use pellucid_engine::image::Image;
+use pellucid_engine::output::to_byte;
+use pellucid_engine::scene::ColorSpace;
+
+/// Cells of the table that says where to begin.
+const CELLS: usize = 4096;
+
+/// sRGB bytes of linear values.
+///
+/// A byte is the number of steps below a value, so that 255 comparisons with the least value of each would do; a table leaves
+/// one or two of them.
+pub struct Display {
+    /// The least value that becomes this byte.
+    steps: [f32; 256],
+    /// The byte at each cell's beginning.
+    begin: Vec<u8>,
+}
+
+impl Display {
+    pub fn new() -> Self {
+        let byte = |value: f32| to_byte(encode_srgb(value));
+        let mut steps = [0.0f32; 256];
+        for (step, least) in (0u8..=255).zip(&mut steps).skip(1) {
+            // Positive floats are in the order of their bits.
+            let guess = decode_srgb((f32::from(step) - 0.5) / 255.0);
+            let mut bits = guess.to_bits();
+            while byte(f32::from_bits(bits)) >= step {
+                bits -= 1;
+            }
+            while byte(f32::from_bits(bits)) < step {
+                bits += 1;
+            }
+            *least = f32::from_bits(bits);
+        }
+        let begin = (0..=CELLS).map(|cell| byte(cell as f32 / CELLS as f32)).collect();
+        Self { steps, begin }
+    }
+
+    /// The byte of a linear value; NaN is 0.
+    fn byte(&self, value: f32) -> u8 {
+        // The cast of NaN is 0.
+        let value = value.clamp(0.0, 1.0);
+        let mut byte = self.begin[(value * CELLS as f32) as usize];
+        while byte < u8::MAX && value >= self.steps[usize::from(byte) + 1] {
+            byte += 1;
+        }
+        byte
+    }
+
+    /// R, G, B and 255 of each composed pixel, whose values are those of a color space.
+    pub fn bytes(&self, pixels: &[[f32; 3]], color: ColorSpace) -> Vec<u8> {
+        let mut bytes = vec![u8::MAX; 4 * pixels.len()];
+        bytes.par_chunks_exact_mut(4).zip(pixels).for_each(|(pixel, composed)| {
+            for (byte, value) in pixel.iter_mut().zip(composed) {
+                *byte = match color {
+                    ColorSpace::Linear => self.byte(*value),
+                    ColorSpace::Encoded => to_byte(*value),
+                };
+            }
+        });
+        bytes
+    }
+}
+
+/// An image over a background (linear, as the scene gives it), row by row: values of the color space in force.
+pub fn compose(image: &Image, background: Vec3, color: ColorSpace) -> Vec<[f32; 3]> {
+    let background = pellucid_engine::output::background(background, color);
+    image.rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect()
+}
+
+/// From the pixels of the screen to those of a coarser picture with the same camera: the middles of both lie on each other, and a
+/// row of one is `from[1] / to[1]` rows of the other.
+#[derive(Debug, Clone, Copy)]
+struct Scaling {
+    from: [usize; 2],
+    to: [usize; 2],
+}
+
+impl Scaling {
+    /// Where the centre of a pixel lies, in pixels from the centre of the first one.
+    fn place(&self, axis: usize, at: usize) -> f64 {
+        let scale = self.from[1] as f64 / self.to[1] as f64;
+        (at as f64 + 0.5 - 0.5 * self.to[axis] as f64) * scale + 0.5 * self.from[axis] as f64 - 0.5
+    }
+
+    /// The two pixels that this place lies between, and the share of the second one.
+    fn between(&self, axis: usize, at: usize) -> (usize, usize, f32) {
+        let last = self.from[axis].saturating_sub(1);
+        let place = self.place(axis, at).clamp(0.0, last as f64);
+        let first = place as usize;
+        (first, (first + 1).min(last), (place - first as f64) as f32)
+    }
+
+    /// The pixel that holds this place.
+    fn nearest(&self, axis: usize, at: usize) -> usize {
+        let last = self.from[axis].saturating_sub(1);
+        self.place(axis, at).round().clamp(0.0, last as f64) as usize
+    }
+}
+
+/// A coarser picture at the size of the screen, between pixels interpolated (bilinear). Sizes are columns and rows.
+pub fn enlarge(pixels: &[[f32; 3]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
+    let scaling = Scaling { from: from.map(|n| n as usize), to: to.map(|n| n as usize) };
+    let width = scaling.to[0];
+    let columns: Vec<_> = (0..width).map(|x| scaling.between(0, x)).collect();
+    let mut out = vec![[0.0; 3]; width * scaling.to[1]];
+    out.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+        let (above, below, down) = scaling.between(1, y);
+        let row_of = |y: usize| &pixels[y * scaling.from[0]..(y + 1) * scaling.from[0]];
+        let (above, below) = (row_of(above), row_of(below));
+        for (pixel, (left, right, along)) in row.iter_mut().zip(&columns) {
+            let mixed = |row: &[[f32; 3]]| Vec3::from(row[*left]).lerp(Vec3::from(row[*right]), *along);
+            *pixel = mixed(above).lerp(mixed(below), down).to_array();
+        }
+    });
+    out
+}
+
+/// Its depths: each those of the nearest pixel, since nothing lies between a surface and what is behind it.
+pub fn enlarge_depths(depths: &[f32], from: [u32; 2], to: [u32; 2]) -> Vec<f32> {
+    let scaling = Scaling { from: from.map(|n| n as usize), to: to.map(|n| n as usize) };
+    let columns: Vec<_> = (0..scaling.to[0]).map(|x| scaling.nearest(0, x)).collect();
+    let row = |y| {
+        let start = scaling.nearest(1, y) * scaling.from[0];
+        columns.iter().map(move |x| depths[start + x])
+    };
+    (0..scaling.to[1]).flat_map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn every_byte_is_that_of_the_png() {
+        let display = Display::new();
+        let mut random = rand_pcg::Pcg64::seed_from_u64(7);
+        let near =
+            |value: f32| (-3..=3).map(move |ulps: i32| f32::from_bits(value.to_bits().wrapping_add_signed(ulps)));
+        let steps = display.steps[1..].iter().copied().flat_map(near);
+        let cells = (1..=CELLS).map(|cell| cell as f32 / CELLS as f32).flat_map(near);
+        let odd = [0.0, -0.0, -1.0, 1.0, 1.5, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, f32::MIN_POSITIVE];
+        let chance = (0..200_000).map(|_| random.random_range(-0.1..1.1f32).powi(3));
+        for value in steps.chain(cells).chain(odd).chain(chance) {
+            assert_eq!(display.byte(value), to_byte(encode_srgb(value)), "{value}");
+        }
+    }
+
+    #[test]
+    fn a_coarser_picture_lies_where_the_finer_one_would() {
+        // A ramp is the same at any size, but for the border, where nothing lies beyond the last pixel.
+        let ramp = |[w, h]: [u32; 2], step: f32| -> Vec<[f32; 3]> {
+            let value = |i: u32, n: u32| (i as f32 + 0.5 - 0.5 * n as f32) * step;
+            (0..w * h).map(|i| [value(i % w, w), value(i / w, h), 1.0]).collect()
+        };
+        // 17 rows are 1.882 of each of 9: 31 columns take 16.47 of them.
+        for (from, to) in [([15, 11], [30, 22]), ([16, 9], [31, 17]), ([8, 6], [8, 6]), ([6, 4], [41, 29])] {
+            let step = to[1] as f32 / from[1] as f32;
+            let (enlarged, fine) = (enlarge(&ramp(from, step), from, to), ramp(to, 1.0));
+            let border = step.ceil() as u32;
+            for (i, (a, b)) in enlarged.iter().zip(&fine).enumerate() {
+                let (x, y) = (i as u32 % to[0], i as u32 / to[0]);
+                let inside = x >= border && y >= border && x + border < to[0] && y + border < to[1];
+                let near = (a[0] - b[0]).abs() < 1e-4 && (a[1] - b[1]).abs() < 1e-4;
+                assert!((!inside || near) && a[2] == 1.0, "{from:?} {to:?} {x} {y}: {a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn depths_are_those_of_pixels() {
+        let depths = [1.0, f32::INFINITY, 3.0, 4.0];
+        let large = enlarge_depths(&depths, [2, 2], [4, 4]);
+        assert_eq!(large[..4], [1.0, 1.0, f32::INFINITY, f32::INFINITY]);
+        assert_eq!(large[12..], [3.0, 3.0, 4.0, 4.0]);
+        assert_eq!(enlarge_depths(&depths, [2, 2], [2, 2]), depths);
+    }
+
+    #[test]
+    fn composed_pixels_are_those_of_the_image() {
+        let image = Image {
+            width: 2,
+            height: 1,
+            rgba: vec![[0.25, 0.0, 0.0, 0.5], [0.0; 4]],
+            depth: vec![1.0, f32::INFINITY],
+            fragments: None,
+            layers: None,
+            stderr: None,
+        };
+        let composed = compose(&image, Vec3::new(0.5, 1.0, 0.0), ColorSpace::Linear);
+        assert_eq!(composed, [[0.5, 0.5, 0.0], [0.5, 1.0, 0.0]]);
+        let bytes = Display::new().bytes(&composed, ColorSpace::Linear);
+        assert_eq!(bytes, [188, 188, 0, 255, 188, 255, 0, 255]);
+    }
+}

@@ -1,0 +1,278 @@
+//! What is left out while things move, so that a frame keeps to its time: first samples, ensembles and layers, then pixels and,
+//! in the same measure, points.
+//!
+//! A coarser picture has one pixel for `coarse` × `coarse` of the screen, and one of so many points with `coarse` times the
+//! radius: what lies on a pixel stays the same, and all work shrinks alike, whether pixels or points make it. So one number
+//! tells from the last frame what another one will take.
+
+use pellucid_engine::scene::{Method, PeelLayers, Stochastic};
+
+/// Samples, ensembles or layers of a frame whose cost nobody knows yet, and the fewest of any frame: with less, larger pixels show
+/// more.
+const FEWEST: u32 = 4;
+
+/// Columns and rows of the screen for one that is rendered.
+const COARSE: [u32; 6] = [1, 2, 3, 4, 6, 8];
+
+/// How much work a picture is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effort {
+    /// Things move: what fits these milliseconds.
+    Moving(f64),
+    /// They are at rest: what fits these milliseconds, and more lights for shadows than before.
+    Refining(f64),
+    /// Nothing is left out.
+    Whole,
+}
+
+impl Effort {
+    /// The milliseconds, if there is an end to them.
+    pub fn budget_ms(self) -> Option<f64> {
+        match self {
+            Self::Moving(ms) | Self::Refining(ms) => Some(ms),
+            Self::Whole => None,
+        }
+    }
+}
+
+/// What a picture has of the whole one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Draft {
+    /// Samples, ensembles or layers, of methods that have some.
+    pub steps: Option<u32>,
+    /// Columns and rows of the screen for one that is rendered.
+    pub coarse: u32,
+}
+
+/// What a frame took, and of which work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Milliseconds.
+    pub ms: f64,
+    /// Share of the whole picture's work: up to 1, unless that has become less.
+    pub work: f64,
+}
+
+/// What frames of a method took: the last one, and the last one of quite another share of the work, which tells what all frames
+/// take alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Costs {
+    last: Cost,
+    other: Option<Cost>,
+}
+
+impl Costs {
+    /// Of the first frame.
+    pub fn new(first: Cost) -> Self {
+        Self { last: first, other: None }
+    }
+
+    /// With another frame.
+    pub fn with(self, cost: Cost) -> Self {
+        let other = if apart(cost, self.last) { Some(self.last) } else { self.other };
+        Self { last: cost, other }
+    }
+
+    /// The same in shares of a picture that has `now` samples, ensembles or layers when it is whole, and not `before`.
+    pub fn rescaled(mut self, before: Option<u32>, now: Option<u32>) -> Self {
+        if let (Some(before), Some(now)) = (before, now) {
+            let factor = f64::from(before) / f64::from(now.max(1));
+            self.last.work *= factor;
+            self.other.iter_mut().for_each(|other| other.work *= factor);
+        }
+        self
+    }
+
+    /// The share of the work that `budget_ms` are expected to be enough for: a straight line through both, or, while there is
+    /// only one or they make no sense together, in proportion to the last one.
+    fn share(&self, budget_ms: f64) -> f64 {
+        let Cost { ms, work } = self.last;
+        let line = self.other.filter(|other| apart(*other, self.last)).map(|other| {
+            let slope = (other.ms - ms) / (other.work - work);
+            (slope, ms - slope * work)
+        });
+        match line {
+            Some((slope, alike)) if slope > 0.0 && alike > 0.0 => (budget_ms - alike) / slope,
+            _ => work * budget_ms / ms.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Whether two works are far enough from each other for a line through both.
+fn apart(a: Cost, b: Cost) -> bool {
+    a.work > 2.0 * b.work || b.work > 2.0 * a.work
+}
+
+/// How many samples, ensembles or layers a method takes, if its image only gets better with their number.
+fn steps(method: &Method) -> Option<u32> {
+    match method {
+        Method::Stochastic(Stochastic { samples, .. }) => Some(*samples),
+        Method::PeelLayers(PeelLayers { layers, .. }) => Some(*layers),
+        method => method.ensembles(),
+    }
+}
+
+impl Draft {
+    /// Nothing left out.
+    pub fn whole(method: &Method) -> Self {
+        Self { steps: steps(method), coarse: 1 }
+    }
+
+    /// The most accurate one that is to take at most `budget_ms`, by what frames of the method took; the coarsest one if none
+    /// is. Methods without steps are tried whole at first.
+    pub fn within(method: &Method, costs: Option<Costs>, budget_ms: f64) -> Self {
+        let Some(share) = costs.map(|costs| costs.share(budget_ms)) else {
+            return Self { steps: steps(method).map(|most| most.min(FEWEST)), coarse: 1 };
+        };
+        let Some(most) = steps(method) else { return Self { steps: None, coarse: coarse(share) } };
+        let fewest = most.min(FEWEST);
+        // The cast saturates.
+        let fitting = (share * f64::from(most)) as u32;
+        if fitting >= fewest {
+            return Self { steps: Some(fitting.min(most)), coarse: 1 };
+        }
+        Self { steps: Some(fewest), coarse: coarse(share * f64::from(most) / f64::from(fewest)) }
+    }
+
+    /// Its share of the whole picture's work.
+    pub fn work(&self, method: &Method) -> f64 {
+        let of_steps = match (self.steps, steps(method)) {
+            (Some(taken), Some(most)) => f64::from(taken) / f64::from(most.max(1)),
+            _ => 1.0,
+        };
+        of_steps / f64::from(self.coarse * self.coarse)
+    }
+
+    /// The method with so many samples or layers. Ensembles stay those that L makes of the points, of which fewer are drawn.
+    pub fn method(&self, whole: Method) -> Method {
+        match (whole, self.steps) {
+            (Method::Stochastic(settings), Some(samples)) => Method::Stochastic(Stochastic { samples, ..settings }),
+            (Method::PeelLayers(settings), Some(layers)) => Method::PeelLayers(PeelLayers { layers, ..settings }),
+            (other, _) => other,
+        }
+    }
+
+    /// Ensembles that are drawn, if not all.
+    pub fn ensembles(&self, method: &Method) -> Option<u32> {
+        method.ensembles().and(self.steps)
+    }
+
+    /// Columns and rows that are rendered of a picture of `size`.
+    pub fn size(&self, size: [u32; 2]) -> [u32; 2] {
+        size.map(|side| side.div_ceil(self.coarse))
+    }
+
+    /// What it is called beside others of the method: `16 samples`, `4 × 4 pixels as one`.
+    pub fn name(&self, method: &Method) -> String {
+        let steps = self.steps.map(|steps| match method {
+            Method::Stochastic(_) => format!("{steps} samples"),
+            Method::PeelLayers(_) => format!("{steps} layers"),
+            _ => format!("{steps} ensembles"),
+        });
+        let coarse = (self.coarse > 1).then(|| format!("{0} × {0} pixels as one", self.coarse));
+        let parts: Vec<_> = [steps, coarse].into_iter().flatten().collect();
+        if parts.is_empty() { "whole".to_owned() } else { parts.join(", ") }
+    }
+}
+
+/// The finest one whose work is at most this share.
+fn coarse(share: f64) -> u32 {
+    let fits = |coarse: &u32| 1.0 / f64::from(coarse * coarse) <= share;
+    COARSE.into_iter().find(fits).unwrap_or(COARSE[COARSE.len() - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pellucid_engine::scene::Spbr;
+
+    fn stochastic() -> Method {
+        Method::Stochastic(Stochastic { samples: 64, ..Default::default() })
+    }
+
+    #[test]
+    fn samples_go_first() {
+        let taken = |ms, work, budget| Draft::within(&stochastic(), Some(Costs::new(Cost { ms, work })), budget);
+        let draft = |steps, coarse| Draft { steps: Some(steps), coarse };
+        assert_eq!(Draft::within(&stochastic(), None, 33.0), draft(4, 1));
+        assert_eq!(taken(128.0, 1.0, 33.0), draft(16, 1));
+        assert_eq!(taken(8.0, 0.25, 33.0), draft(64, 1));
+        assert_eq!(taken(528.0, 1.0, 33.0), draft(4, 1));
+        // 4 of 64 samples in 132 ms: a quarter of the pixels in 33.
+        assert_eq!(taken(132.0, 1.0 / 16.0, 33.0), draft(4, 2));
+        assert_eq!(taken(133.0, 1.0 / 16.0, 33.0), draft(4, 3));
+        assert_eq!(taken(1e12, 1.0, 33.0), draft(4, 8));
+        assert_eq!(taken(128.0, 1.0, 0.0), draft(4, 8));
+    }
+
+    /// A slider that asks for 16 times the samples makes no frame that takes 16 times the budget.
+    #[test]
+    fn more_samples_are_more_work() {
+        let (few, many) = (Method::Stochastic(Stochastic { samples: 4, ..Default::default() }), stochastic());
+        let costs = Costs::new(Cost { ms: 33.0, work: Draft::whole(&few).work(&few) });
+        let rescaled = costs.rescaled(Draft::whole(&few).steps, Draft::whole(&many).steps);
+        assert_eq!(Draft::within(&many, Some(rescaled), 33.0), Draft { steps: Some(4), coarse: 1 });
+        assert_eq!(rescaled.rescaled(Some(64), Some(4)), costs);
+        assert_eq!(costs.rescaled(None, None), costs);
+    }
+
+    #[test]
+    fn exact_methods_get_coarser() {
+        let method = Method::ABuffer(Default::default());
+        let coarse = |cost: Option<Cost>| Draft::within(&method, cost.map(Costs::new), 33.0).coarse;
+        assert_eq!(coarse(None), 1);
+        for (ms, expected) in [(33.0, 1), (33.1, 2), (132.0, 2), (140.0, 3), (500.0, 4), (1e9, 8)] {
+            assert_eq!(coarse(Some(Cost { ms, work: 1.0 })), expected, "{ms} ms");
+        }
+        assert_eq!(coarse(Some(Cost { ms: 8.0, work: 1.0 / 9.0 })), 2, "and finer again");
+    }
+
+    /// What is chosen by the prediction keeps to it: work and milliseconds are in proportion.
+    #[test]
+    fn a_draft_keeps_to_the_time_that_it_was_chosen_for() {
+        for method in [stochastic(), Method::ABuffer(Default::default()), Method::Spbr(Spbr::default())] {
+            for budget in [1.0, 5.0, 33.0, 100.0, 1000.0] {
+                let whole_ms = 200.0;
+                let draft = Draft::within(&method, Some(Costs::new(Cost { ms: whole_ms * 0.25, work: 0.25 })), budget);
+                let takes = whole_ms * draft.work(&method);
+                let coarsest = draft.coarse == 8;
+                assert!(takes <= budget || coarsest, "{draft:?} takes {takes} of {budget}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_all_frames_take_alike_is_told_apart() {
+        // 20 ms for any frame, 1000 for the whole picture's work.
+        let cost = |coarse: f64| Cost { ms: 20.0 + 1000.0 / (coarse * coarse), work: 1.0 / (coarse * coarse) };
+        let mut costs = Costs::new(cost(1.0));
+        assert!((costs.share(33.0) - 33.0 / 1020.0).abs() < 1e-12);
+        for coarse in [6.0, 8.0, 3.0, 8.0, 8.0] {
+            costs = costs.with(cost(coarse));
+            assert!((costs.share(33.0) - 0.013).abs() < 1e-9, "{coarse}: {}", costs.share(33.0));
+        }
+        // By proportion alone the last one would keep it at 1/64.
+        assert!(33.0 / 1020.0 > 0.013 && 33.0 / 64.0 / cost(8.0).ms < 0.0155);
+        // Less than what all take: nothing fits, the coarsest it is.
+        let method = Method::ABuffer(Default::default());
+        assert_eq!(Draft::within(&method, Some(costs), 10.0).coarse, 8);
+        // A scene that suddenly takes less makes no line.
+        costs = costs.with(Cost { ms: 1.0, work: 1.0 });
+        assert_eq!(costs.share(33.0), 33.0);
+    }
+
+    #[test]
+    fn whole_pictures_have_everything() {
+        for method in [stochastic(), Method::Points, Method::Spbr(Spbr::default())] {
+            let whole = Draft::whole(&method);
+            assert_eq!((whole.work(&method), whole.method(method)), (1.0, method));
+            assert_eq!(Draft::within(&method, Some(Costs::new(Cost { ms: 1.0, work: 1.0 })), 1.0), whole);
+        }
+        let half = Draft { steps: Some(8), coarse: 2 };
+        assert_eq!(half.ensembles(&Method::Spbr(Spbr::default())), Some(8));
+        assert_eq!(half.method(Method::Spbr(Spbr::default())), Method::Spbr(Spbr::default()), "the same deal");
+        assert_eq!(half.size([641, 480]), [321, 240]);
+        assert_eq!(half.name(&stochastic()), "8 samples, 2 × 2 pixels as one");
+        assert_eq!(Draft::whole(&Method::Points).name(&Method::Points), "whole");
+    }
+}

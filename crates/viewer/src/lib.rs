@@ -1,0 +1,136 @@
+//! The window of `pellucid view`: what `render` makes, live.
+//!
+//! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
+//! - `model`: the scene as it is edited ([`Document`](pellucid_engine::scene::Document)), the last picture and when the next one is due.
+//! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
+//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
+//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was, `times` what it took; `save` writes scene and
+//!   picture; `display` makes bytes of pixels.
+//! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
+//! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
+//! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
+//!   [`Screen`](pellucid_engine::gpu::window::Screen).
+
+mod accuracy;
+mod app;
+mod census;
+mod controls;
+mod dialog;
+mod display;
+mod draft;
+mod error;
+mod graphics;
+mod hints;
+mod loss;
+mod model;
+mod navigate;
+mod overlay;
+mod panel;
+mod placed;
+mod pointer;
+mod route;
+mod said;
+mod save;
+mod stage;
+mod thin;
+mod times;
+mod ui;
+mod visibility;
+mod worker;
+
+pub use error::{Error, Result};
+pub use loss::Lost;
+use std::path::PathBuf;
+
+use winit::event_loop::EventLoop;
+
+use pellucid_engine::camera::import::Source;
+use pellucid_engine::gpu::DeviceOptions;
+use pellucid_engine::scene::{Opened, View};
+
+/// What to show, and how.
+pub struct Options {
+    /// The scene and its clouds.
+    pub opened: Opened,
+    /// The view asked for, if any.
+    pub view: View,
+    /// Seed of stochastic methods and of the built-in scene.
+    pub seed: u64,
+    /// The device to open.
+    pub device: DeviceOptions,
+    /// Device bytes for a frame's fragments.
+    pub memory_budget: Option<u64>,
+    /// Columns and rows of the window, in pixels of a display of ordinary density.
+    pub size: [u32; 2],
+    /// Milliseconds that a frame should take while things move.
+    pub budget_ms: f64,
+    /// Cameras whose keys the window begins with, and the file that they are from.
+    pub path: Option<(PathBuf, Source)>,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[error("no window can be opened: {reason}; `pellucid render` needs none and writes a picture")]
+pub struct NoDisplay {
+    reason: String,
+}
+
+fn no_display(reason: impl std::fmt::Display) -> Error {
+    NoDisplay { reason: plain(&reason.to_string()) }.into()
+}
+
+/// A reason without the place in the window library's source that it begins with, and without a full stop.
+fn plain(reason: &str) -> String {
+    let told = reason.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(reason, |(_, told)| told);
+    told.trim().trim_end_matches('.').to_owned()
+}
+
+/// A connection to the display.
+pub struct Display(EventLoop<app::Wake>);
+
+impl Display {
+    /// Connects, which is only possible on the main thread.
+    ///
+    /// # Errors
+    /// [`NoDisplay`] if there is none, or if a library that it needs is missing.
+    pub fn connect() -> Result<Self> {
+        // The window library panics where a library of the system is missing.
+        let hook = std::panic::take_hook();
+        std::panic::set_hook(Box::new(|_| {}));
+        let made = std::panic::catch_unwind(|| EventLoop::with_user_event().build());
+        std::panic::set_hook(hook);
+        match made {
+            Ok(Ok(event_loop)) => Ok(Self(event_loop)),
+            Ok(Err(error)) => Err(no_display(error)),
+            Err(panic) => {
+                let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+                Err(no_display(text.unwrap_or("the window library gave up")))
+            }
+        }
+    }
+
+    /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
+    ///
+    /// # Errors
+    /// No device that can show pictures in the window, one that is [`Lost`] again and again, a display that ends, validation messages.
+    /// What is wrong with a scene or a
+    /// setting later on is shown in the window.
+    pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
+        let mut app = app::App::new(options, self.0.create_proxy(), say);
+        let ran = self.0.run_app(&mut app);
+        app.finish()?;
+        ran.map_err(|error| Lost::Display(plain(&error.to_string())).into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn reasons_are_for_people() {
+        let long = "os error at /home/x/winit-0.30.13/src/platform_impl/linux/mod.rs:765: neither A nor B is set.";
+        assert_eq!(plain(long), "neither A nor B is set");
+        assert_eq!(plain("Library libX.so could not be loaded."), "Library libX.so could not be loaded");
+    }
+}

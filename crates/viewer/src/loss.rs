@@ -1,0 +1,104 @@
+//! A device that is lost: whether it is worth opening again.
+
+use std::time::{Duration, Instant};
+
+use pellucid_engine::Error;
+use pellucid_engine::gpu;
+
+/// A device that lasts for no longer than this is not opened another time.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Why the window was closed.
+#[derive(Debug, thiserror::Error)]
+pub enum Lost {
+    /// Opening it again was no help.
+    #[error(
+        "{device} was lost again, during {during}: its driver stops or starts anew, often because a dispatch takes too long; a \
+         smaller --size or --memory-budget makes dispatches shorter, another --device may last; `pellucid render` writes a picture \
+         without a window"
+    )]
+    Again {
+        /// The device's name.
+        device: String,
+        /// What was being done.
+        during: String,
+    },
+    /// It could not be opened again.
+    #[error(
+        "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists what is there, --device takes \
+         another one, `pellucid render` writes a picture without a window"
+    )]
+    Gone {
+        /// The device's name.
+        device: String,
+        /// What was being done.
+        during: String,
+        /// What became of opening it.
+        why: String,
+    },
+    /// The renderer has a defect.
+    #[error(
+        "the renderer has panicked, which is a defect of this program (what it said stands above); what was saved before is there"
+    )]
+    Panicked,
+    /// The server of the window has ended the connection.
+    #[error("the display has closed the window ({0}); what was saved before is there")]
+    Display(String),
+}
+
+/// What was being done when the device was lost, if that is what an error says.
+pub fn during(error: &Error) -> Option<&str> {
+    match error {
+        Error::Gpu(gpu::Error::Lost { during }) => Some(during),
+        Error::Render(pellucid_engine::methods::Error::Gpu(gpu::Error::Lost { during })) => Some(during),
+        _ => None,
+    }
+}
+
+/// When the device was last lost.
+#[derive(Debug, Default)]
+pub struct Losses {
+    /// When it was there again, and the picture that was on the screen before.
+    last: Option<(Instant, Option<u64>)>,
+}
+
+impl Losses {
+    /// Whether to open a device again that is lost now, while the picture of this serial is on the screen: not if it lasted only a
+    /// moment or showed no new picture.
+    pub fn allow(&self, now: Instant, shown: Option<u64>) -> bool {
+        self.last.is_none_or(|(at, before)| now >= at + PATIENCE && shown != before)
+    }
+
+    /// It was opened again.
+    pub fn opened(&mut self, now: Instant, shown: Option<u64>) {
+        self.last = Some((now, shown));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_does_not_last_is_not_opened_for_ever() {
+        let start = Instant::now();
+        let after = |seconds| start + Duration::from_secs(seconds);
+        let mut losses = Losses::default();
+        assert!(losses.allow(start, None), "the first time");
+        losses.opened(after(1), None);
+        assert!(!losses.allow(after(3), Some(1)), "within ten seconds");
+        assert!(!losses.allow(after(100), None), "without a picture");
+        assert!(losses.allow(after(12), Some(1)));
+        losses.opened(after(13), Some(1));
+        assert!(!losses.allow(after(100), Some(1)), "the picture from before");
+        assert!(losses.allow(after(100), Some(2)));
+    }
+
+    #[test]
+    fn a_loss_is_known_wherever_it_comes_from() {
+        let lost = || gpu::Error::Lost { during: "a sort".into() };
+        assert_eq!(during(&lost().into()), Some("a sort"));
+        assert_eq!(during(&pellucid_engine::methods::Error::from(lost()).into()), Some("a sort"));
+        assert_eq!(during(&gpu::Error::NoDevice.into()), None);
+    }
+}

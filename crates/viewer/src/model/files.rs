@@ -1,0 +1,148 @@
+//! Files that are opened and saved.
+
+use std::path::{Path, PathBuf};
+
+use super::{Model, Pose, Setting, Task};
+use crate::save::Saving;
+use pellucid_engine::Result;
+use pellucid_engine::camera::import;
+use pellucid_engine::scene::Document;
+
+impl Model {
+    /// Opens other files: a scene or clouds instead of what is shown, and cameras as the keys of the path.
+    pub fn open(&mut self, files: Vec<PathBuf>) {
+        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        let (cameras, files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| import::is_cameras(file));
+        if cameras.len() > 1 {
+            self.message = Some(("there is one camera path at a time: give one file of cameras".to_owned(), true));
+            return;
+        }
+        self.message = Some((format!("reading {}", names.join(", ")), false));
+        if !files.is_empty() {
+            self.ask_for(Task::Open(files));
+        }
+        cameras.into_iter().for_each(|file| self.ask_for(Task::Cameras(file)));
+    }
+
+    /// Asks for files to be read or written.
+    pub(super) fn ask_for(&mut self, task: Task) {
+        self.pending.push_back(matches!(task, Task::Open(_)));
+        self.busy = true;
+        self.tasks.push_back(task);
+    }
+
+    /// The first files that were asked for are read or written, or can't be.
+    pub(super) fn take_answer(&mut self) {
+        self.pending.pop_front();
+        self.busy = !self.pending.is_empty();
+    }
+
+    /// Whether another scene is on its way, whose clouds are no longer those of this one; if so, it is said.
+    pub(super) fn is_leaving(&mut self) -> bool {
+        let leaving = self.pending.contains(&true);
+        if leaving {
+            self.message = Some(("not saved: another scene is being read".to_owned(), true));
+        }
+        leaving
+    }
+
+    /// What the names of saved files begin with.
+    pub(super) fn stem(&self) -> String {
+        // One file, in whose name there may be spaces, or the first of several.
+        let whole = PathBuf::from(&self.name);
+        let first = if whole.exists() { whole } else { PathBuf::from(self.name.split(' ').next().unwrap_or_default()) };
+        first.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Writes the scene as it is shown, with or without its picture, once there is a camera.
+    pub fn save(&mut self, picture: bool) {
+        self.save_to(picture, None);
+    }
+
+    /// As [`Model::save`], to a file of this name.
+    pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
+        if self.navigator.is_none() || self.viewport.size.contains(&0) {
+            self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
+            return;
+        }
+        if self.is_leaving() {
+            return;
+        }
+        match self.document_as_shown() {
+            Ok(document) => {
+                let saving = Saving { document, stem: self.stem(), picture, path: None, to };
+                self.ask_for(Task::Save(Box::new(saving)));
+            }
+            Err(error) => self.message = Some((error.to_string(), true)),
+        }
+    }
+
+    /// The scene with the camera and the size of the picture.
+    pub(super) fn document_as_shown(&self) -> Result<Document> {
+        let mut document = self.document.clone();
+        document.put("image.size", Setting::Integers(self.viewport.size.to_vec()))?;
+        let shown = match (self.pose, &self.navigator) {
+            (Pose::Scene, _) | (Pose::View(_), None) => None,
+            (Pose::View(_), Some(navigator)) => Some(navigator.settings(self.scene.camera.near, self.scene.camera.far)),
+            (Pose::At(camera), _) => Some(camera),
+        };
+        if let Some(camera) = shown {
+            document.remove("camera", "fov_y");
+            document.remove("camera", "height");
+            let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
+            for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
+                document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;
+            }
+            // A key may have depths of its own.
+            let numbers =
+                [("fov_y", camera.fov_y), ("height", camera.height), ("near", camera.near), ("far", camera.far)];
+            for (key, number) in numbers.into_iter().filter_map(|(key, number)| Some((key, number?))) {
+                document.put(&format!("camera.{key}"), Setting::Number(number))?;
+            }
+        }
+        Ok(document)
+    }
+
+    /// Asks for a file for the scene.
+    pub fn ask_where_to_save(&mut self) {
+        self.dialog.save(&format!("{}.toml", self.stem()));
+    }
+
+    /// Writes the scene to a file that was chosen; a name without an end gets that of scenes, and then nothing is written over.
+    pub fn save_as(&mut self, file: PathBuf) {
+        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            return self.save_to(false, Some(file));
+        }
+        let mut named = file.into_os_string();
+        named.push(".toml");
+        let named = PathBuf::from(named);
+        if named.exists() {
+            let problem =
+                format!("{} is there already; its whole name says that it is to be replaced", named.display());
+            self.message = Some((problem, true));
+        } else {
+            self.save_to(false, Some(named));
+        }
+    }
+
+    /// What was written, and the command that makes a film of a path.
+    pub(super) fn saved(&self, files: &[PathBuf]) -> String {
+        let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+        let text = format!("saved {}", names.join(" and "));
+        let path = files.iter().find(|file| file.extension().is_some_and(|e| e == "json"));
+        let command = path.zip(files.first()).map(|(path, scene)| {
+            let frames = path.with_extension("");
+            let (scene, path) = (word(scene), word(path));
+            let frames = word(Path::new(&format!("{}_%04d.png", frames.display())));
+            format!("; pellucid render {scene} --path {path} --frames {} -o {frames}", self.route.frames())
+        });
+        text + &command.unwrap_or_default()
+    }
+}
+
+/// A path as a shell takes it.
+fn word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+%".contains(c);
+    if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}

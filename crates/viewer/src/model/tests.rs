@@ -1,0 +1,277 @@
+//! What is asked for and when, and what is saved.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::due::STILL;
+use super::*;
+use crate::accuracy::{Accuracy, History, Reference, Standing};
+use crate::draft::Effort;
+use crate::navigate::Subject;
+use crate::worker::Request;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::{Bounds, UpAxis};
+use pellucid_engine::methods::{Facts, FrameProfile};
+use pellucid_engine::scene::{Overrides, ViewName};
+
+mod edited;
+mod keys;
+mod opened;
+mod path;
+mod reopened;
+
+const SIZE: [u32; 2] = [64, 48];
+
+fn model() -> Model {
+    let text =
+        "[camera]\neye = [0, -10, 0]\ntarget = [0, 0, 0]\nup = [0, 0, 1]\nnear = 0.5\n[[cloud]]\npath = 'a.ply'\n";
+    let document = Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap();
+    let mut model = Model::new("s.toml".into(), document, View::default(), 33.0).unwrap();
+    model.set_viewport(Viewport { at: [0, 0], size: SIZE });
+    model
+}
+
+fn asked(model: &mut Model, now: Instant) -> Option<Request> {
+    match model.next_task(now)? {
+        Task::Show(request) => Some(*request),
+        _ => None,
+    }
+}
+
+/// A picture for a request: a wall at depth 10.
+fn picture(request: &Request, whole: bool) -> News {
+    let perspective = Projection::Perspective { fov_y: 45f64.to_radians() };
+    let camera = Camera::look_at(-10.0 * DVec3::Y, DVec3::ZERO, DVec3::Z, perspective, 0.5, 100.0).unwrap();
+    let half = DVec3::splat(3.0);
+    let wall = Duration::from_millis(5);
+    News::Picture(Box::new(Picture {
+        serial: request.serial,
+        pose: request.pose,
+        camera,
+        subject: Subject { bounds: Bounds { min: -half, max: half }, radius: 0.1, up: UpAxis::Z },
+        size: SIZE,
+        rgba: vec![0; 4 * 64 * 48],
+        depths: vec![10.0; 64 * 48],
+        whole,
+        draft: String::new(),
+        accuracy: History::default().accuracy(None),
+        method: "sorted",
+        profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
+        facts: Facts::default(),
+        plan: Vec::new(),
+        field: None,
+    }))
+}
+
+/// A model that shows its first picture, and a moment later.
+fn settled() -> (Model, Instant) {
+    let mut model = model();
+    let now = Instant::now();
+    let request = asked(&mut model, now).expect("the first picture");
+    model.take_in(picture(&request, true)).unwrap();
+    (model, now + REST)
+}
+
+#[test]
+fn only_the_latest_request_counts() {
+    let (mut model, now) = settled();
+    assert!(model.is_at_rest(now) && asked(&mut model, now).is_none());
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let first = asked(&mut model, now).unwrap();
+    assert_eq!((first.serial, first.effort, first.scene.image.size), (2, Effort::Moving(33.0), SIZE));
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    // What changed meanwhile is asked for at once, and the picture that comes is of the past.
+    let second = asked(&mut model, now).unwrap();
+    assert_ne!(first.pose, second.pose);
+    assert!(asked(&mut model, now).is_none());
+    let now = Instant::now();
+    model.take_in(picture(&first, true)).unwrap();
+    assert!(!model.is_at_rest(now + REST));
+    model.take_in(picture(&second, true)).unwrap();
+    assert!(model.is_at_rest(now + REST) && !model.is_at_rest(now));
+}
+
+#[test]
+fn at_rest_nothing_is_left_out() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let draft = asked(&mut model, now).unwrap();
+    model.take_in(picture(&draft, false)).unwrap();
+    assert!(asked(&mut model, now).is_none(), "still moving");
+    assert!(model.due_at(now).is_some());
+    // Each may take four times as long as the one before it, until one is the whole picture.
+    for budget in [250.0, 1000.0, 4000.0] {
+        let finer = asked(&mut model, now + REST).unwrap();
+        assert_eq!((finer.effort, finer.pose), (Effort::Refining(budget), draft.pose));
+        assert!(!model.is_at_rest(now + REST));
+        model.take_in(picture(&finer, budget == 4000.0)).unwrap();
+    }
+    assert!(model.is_at_rest(now + REST) && model.due_at(now + REST).is_none());
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn whatever_a_draft_costs_the_whole_picture_comes() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let mut efforts = Vec::new();
+    for _ in 0..20 {
+        let Some(request) = asked(&mut model, now + efforts.len().min(1) as u32 * REST) else { break };
+        efforts.push(request.effort);
+        model.take_in(picture(&request, request.effort == Effort::Whole)).unwrap();
+    }
+    assert_eq!((efforts.len(), efforts.last()), (8, Some(&Effort::Whole)));
+    assert!(model.is_at_rest(now + REST));
+}
+
+#[test]
+fn what_was_stopped_is_asked_for_again() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let first = asked(&mut model, now).unwrap();
+    model.take_in(News::Stopped(first.serial)).unwrap();
+    let second = asked(&mut model, now + REST).unwrap();
+    assert_eq!((second.pose, second.effort), (first.pose, Effort::Moving(33.0)));
+    // What nobody waits for any more is nothing new.
+    model.take_in(News::Stopped(first.serial)).unwrap();
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn approximations_at_rest_are_held_against_the_exact_picture_once() {
+    let (mut model, _) = settled();
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    let now = Instant::now();
+    let request = asked(&mut model, now).unwrap();
+    let News::Picture(mut shown) = picture(&request, true) else { unreachable!() };
+    shown.accuracy.standing =
+        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    model.take_in(News::Picture(shown)).unwrap();
+    assert!(model.next_task(now + REST).is_none());
+    let due = model.due_at(now + REST).unwrap();
+    assert!(model.is_at_rest(now + REST), "a measurement changes nothing in the picture");
+    let Some(Task::Measure(serial)) = model.next_task(due) else { panic!("no measurement") };
+    assert_eq!(serial, request.serial);
+    assert!(model.next_task(due).is_none());
+    let measured = Accuracy { rungs: Vec::new(), against: Some(Reference::Exact("abuffer")), standing: None };
+    model.take_in(News::Measured(serial, measured.clone())).unwrap();
+    assert_eq!(model.picture().unwrap().accuracy, measured);
+    // One that was stopped is tried again.
+    let (mut model, now) = settled();
+    model.picture.as_mut().unwrap().accuracy.standing =
+        Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));
+    let Some(Task::Measure(serial)) = model.next_task(now + STILL) else { panic!("no measurement") };
+    model.take_in(News::Stopped(serial)).unwrap();
+    assert!(matches!(model.next_task(now + STILL), Some(Task::Measure(_))));
+}
+
+#[test]
+fn what_fails_is_said_and_not_tried_again() {
+    let (mut model, _) = settled();
+    model.set("cloud.0.opacity", Setting::Number(2.0));
+    let (text, wrong) = model.message.clone().unwrap();
+    assert!(wrong && text.contains("cloud.0.opacity"), "{text}");
+    assert_eq!(model.scene().clouds[0].opacity, 1.0);
+    let now = Instant::now();
+    assert!(asked(&mut model, now).is_none(), "nothing changed");
+    model.set("method.name", Setting::Word("peel".into()));
+    assert_eq!(model.message, None);
+    let request = asked(&mut model, Instant::now()).unwrap();
+    model.take_in(News::Failed(request.serial, "too many layers".into())).unwrap();
+    assert_eq!(model.message, Some(("too many layers".into(), true)));
+    assert!(asked(&mut model, now + REST).is_none());
+}
+
+#[test]
+fn the_camera_is_saved_when_it_has_moved() {
+    let (mut model, _) = settled();
+    let saved = |model: &mut Model| {
+        model.save(false);
+        let Some(Task::Save(saving)) = model.next_task(Instant::now()) else { panic!("nothing to save") };
+        assert_eq!((saving.stem.as_str(), saving.picture, model.busy), ("s", false, true));
+        let text = saving.document.to_toml(Path::new("/scans")).unwrap();
+        Document::from_toml(&text, Path::new("/scans/t.toml"), &Overrides::default()).unwrap().scene().unwrap()
+    };
+    let before = model.scene().camera;
+    let scene = saved(&mut model);
+    assert_eq!((scene.camera, scene.image.size), (before, SIZE));
+    model.navigate(|navigator| navigator.orbit(DVec2::new(5.0, 3.0), 48.0));
+    let Pose::At(shown) = model.pose else { panic!("moved") };
+    assert_eq!(saved(&mut model).camera, shown, "to the last bit");
+    model.navigate(Navigator::toggle_projection);
+    let Pose::At(shown) = model.pose else { panic!("moved") };
+    assert_eq!(saved(&mut model).camera, shown);
+    assert!(shown.height.is_some() && shown.fov_y.is_none() && shown.near == Some(0.5));
+}
+
+#[test]
+fn the_pointer_finds_what_is_there() {
+    let (mut model, _) = settled();
+    // The middle of the wall, 10 before the eye.
+    assert!(model.point_at(DVec2::new(32.0, 24.0)).unwrap().length() < 1e-9);
+    model.pivot_at(DVec2::new(40.0, 24.0));
+    let pivot = model.navigator.unwrap().pivot();
+    // 8 pixels of 2·10·tan(22.5°)/48 units.
+    assert!((pivot - DVec3::X * (160.0 / 48.0) * 22.5f64.to_radians().tan()).length() < 1e-9, "{pivot}");
+    let request = asked(&mut model, Instant::now()).unwrap();
+    let Pose::At(camera) = request.pose else { panic!("a pivot is a place") };
+    assert!((camera.eye.unwrap() - DVec3::Y * -10.0).length() < 1e-9, "the picture stays");
+}
+
+#[test]
+fn another_side_keeps_the_projection() {
+    let (mut model, _) = settled();
+    model.navigate(Navigator::toggle_projection);
+    assert!(model.is_orthographic());
+    let view = View { name: Some(ViewName::Top), ..View::default() };
+    model.look_from(view);
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert_eq!(request.pose, Pose::View(view));
+    // On its way there nothing moves, and nothing is saved that would be somewhere else.
+    model.navigate(|navigator| navigator.orbit(DVec2::new(5.0, 3.0), 48.0));
+    model.save(true);
+    assert!(model.is_orthographic() && model.next_task(Instant::now()).is_none());
+    model.take_in(picture(&request, true)).unwrap();
+    assert!(model.is_orthographic());
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert!(matches!(request.pose, Pose::At(camera) if camera.height.is_some()));
+}
+
+#[test]
+fn other_files_take_the_place_of_the_scene() {
+    let (mut model, now) = settled();
+    model.open(vec!["b.ply".into()]);
+    assert!(matches!(model.next_task(now), Some(Task::Open(files)) if files == [Path::new("b.ply")]));
+    model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
+    assert!(asked(&mut model, now).is_none(), "not while files are read");
+    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
+    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    let request = asked(&mut model, Instant::now()).unwrap();
+    assert_eq!((model.name.as_str(), request.pose, request.serial), ("b.ply", Pose::Scene, 2));
+    model.open(vec!["c.ply".into()]);
+    model.next_task(now);
+    model.take_in(News::Failed(0, "c.ply: there is no such file".into())).unwrap();
+    assert!(!model.busy && model.message.as_ref().is_some_and(|(_, wrong)| *wrong));
+}
+
+#[test]
+fn what_keeps_a_picture_waiting_is_told_while_it_does() {
+    let (mut model, now) = settled();
+    model.progress.set_message("finding neighbors");
+    assert_eq!(model.progress_line(), None, "nothing is asked for");
+    model.set("cloud.0.opacity", Setting::Number(0.5));
+    let request = asked(&mut model, now).expect("a picture is due");
+    assert_eq!(model.progress_line().as_deref(), Some("finding neighbors"));
+    model.progress.set_length(200);
+    model.progress.set_position(50);
+    assert_eq!(model.progress_line().as_deref(), Some("finding neighbors, 25 %"));
+    model.progress.set_message("");
+    assert_eq!(model.progress_line(), None, "points are there");
+    model.take_in(picture(&request, true)).unwrap();
+    assert!(!model.is_waiting());
+}

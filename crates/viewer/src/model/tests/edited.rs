@@ -1,0 +1,114 @@
+//! What the panel does to the scene.
+
+use super::*;
+use crate::census::{Census, FieldFacts};
+use crate::controls::{self, Extent};
+use pellucid_engine::passes::project::Parts;
+use pellucid_engine::scene::{METHODS, Method, Shells, method_keys};
+
+fn word(word: &str) -> Setting {
+    Setting::Word(word.to_owned())
+}
+
+/// Every change asks for a picture at once, also while another one is on its way; what is no scene asks for none.
+#[test]
+fn every_change_asks_for_a_picture() {
+    let (mut model, _) = settled();
+    let asks = |model: &mut Model| asked(model, Instant::now()).map(|request| request.scene.method);
+    model.set("method.name", word("soft-express"));
+    assert!(asks(&mut model).is_some_and(|method| method.soft().is_some()));
+    let give = |model: &mut Model, key: &str, value| {
+        let method = model.scene().method;
+        model.change(&controls::method_changes(&method, key, value));
+    };
+    for (key, value) in [("lambda", 0.25), ("softness", 0.5), ("modulation", 0.75), ("threshold", 0.25)] {
+        give(&mut model, key, Some(Setting::Number(value)));
+        assert_eq!((asks(&mut model), &model.message), (Some(model.scene().method), &None), "{key}");
+    }
+    give(&mut model, "shells", Some(Setting::Integer(9)));
+    assert!(asks(&mut model).is_some_and(|method| method.soft().unwrap().shells == Shells::Fixed(9)));
+    assert!(model.is_given("method.shells"));
+    give(&mut model, "shells", None);
+    assert!(asks(&mut model).is_some_and(|method| method.soft().unwrap().shells == Shells::Adaptive));
+    assert!(!model.is_given("method.shells"));
+    // All or nothing.
+    let before = model.scene().clone();
+    let half = Some(Setting::Number(0.5));
+    model.change(&[("cloud.*.opacity".into(), half), ("method.softness".into(), Some(Setting::Number(7.0)))]);
+    assert_eq!(asks(&mut model), None);
+    assert_eq!(model.scene(), &before);
+    assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("softness")));
+}
+
+/// From every method to every other one, with the least and the largest value of all of the first one's keys.
+#[test]
+fn every_method_can_be_chosen_from_every_other() {
+    let mut model = model();
+    let end = |control, last: bool| match control {
+        controls::Control::Slider(from, to) | controls::Control::Powers(from, to) => {
+            Setting::Number(if last { to } else { from })
+        }
+        controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
+        controls::Control::Flag => Setting::Flag(last),
+        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }]),
+        controls::Control::Color => Setting::Numbers(vec![0.0; 3]),
+    };
+    for first in METHODS {
+        for last in [false, true] {
+            model.set_method(first);
+            for key in method_keys(first) {
+                let method = model.scene().method;
+                let control = controls::control(&method, key, model.extent()).unwrap().control;
+                model.change(&controls::method_changes(&method, key, Some(end(control, last))));
+            }
+            let edited = model.document.clone();
+            for second in METHODS {
+                model.set_method(second);
+                assert_eq!((model.scene().method.name(), &model.message), (*second, &None), "from {first}");
+                model.document = edited.clone();
+                model.scene = Arc::new(edited.scene().unwrap());
+            }
+        }
+    }
+}
+
+#[test]
+fn values_of_another_method_make_room() {
+    let mut model = model();
+    model.set_method("peel");
+    model.set("method.layers", Setting::Integer(0));
+    model.set("method.shape", word("oriented"));
+    // Peeling points has no "all layers"; what both have stays.
+    model.set_method("peel-layers");
+    assert!(matches!(model.scene().method, Method::PeelLayers(layers) if layers.layers == 4));
+    model.set_method("sorted");
+    assert!(
+        model.scene().method.discs().is_some_and(|discs| discs.shape == pellucid_engine::scene::DiscShape::Oriented)
+    );
+    model.set_method("nonsense");
+    assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("nonsense")));
+    assert_eq!(model.scene().method.name(), "sorted");
+}
+
+#[test]
+fn what_is_known_of_clouds_and_points_comes_with_the_news() {
+    let (mut model, _) = settled();
+    // The wall's box is a cube of 6.
+    let diagonal = 6.0 * 3f64.sqrt();
+    assert!((model.extent().diagonal - diagonal).abs() < 1e-9 && model.extent().median_radius == 0.0);
+    assert_eq!(self::model().extent(), Extent::default());
+    assert!(model.census().is_empty());
+    model.take_in(News::Clouds([Census { points: 7, ..Census::default() }].into())).unwrap();
+    assert_eq!(model.census()[0].points, 7);
+    model.set("method.name", word("soft-base"));
+    let request = asked(&mut model, Instant::now()).unwrap();
+    let News::Picture(mut shown) = picture(&request, true) else { panic!("a picture") };
+    let parts = Parts { solid: 1, soft: 2, median_radius: 0.5 };
+    shown.field = Some(FieldFacts { histogram: Arc::new([1, 2]), parts });
+    model.take_in(News::Picture(shown)).unwrap();
+    assert_eq!(model.extent().median_radius, 0.5);
+    // Other clouds are not those.
+    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
+    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    assert!(model.census().is_empty());
+}

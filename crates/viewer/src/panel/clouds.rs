@@ -1,0 +1,144 @@
+//! The clouds: how much each hides, and, unfolded, its color, radii, field and classes.
+
+use egui::collapsing_header::CollapsingState;
+use egui::{Grid, ScrollArea, Ui};
+
+use super::field;
+use super::row::{name as row_name, note, row};
+use crate::census::{Census, class_name};
+use crate::controls;
+use crate::model::Model;
+use pellucid_engine::prepare::field::Field;
+use pellucid_engine::scene::{CloudSettings, Method, Setting};
+
+/// Clouds that are listed among the other controls; more of them scroll by themselves, in so many points.
+const MANY: usize = 15;
+const ROOM: f32 = 330.0;
+
+/// Draws the section.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    let method = model.scene().method;
+    let blended =
+        method.discs().is_some() || method.is_dealt() || matches!(method, Method::Auto(_) | Method::PeelLayers(_));
+    let clouds = model.scene().clouds.clone();
+    if blended && clouds.len() > 1 {
+        all(ui, model, &clouds);
+    }
+    if method.needs_radii()
+        && let Some(first) = clouds.first()
+        && let Some(entry) = controls::cloud(first, "radius_factor", false, None, model.extent())
+    {
+        row(ui, model, "cloud.*.radius_factor", "radius ×", entry);
+    }
+    if clouds.len() <= MANY {
+        list(ui, model, blended);
+    } else {
+        let some = ScrollArea::vertical().id_salt("clouds").max_height(ROOM).auto_shrink([false, true]);
+        some.show(ui, |ui| list(ui, model, blended));
+    }
+}
+
+/// Every cloud: its opacity if clouds are blended, and its name, which unfolds it.
+fn list(ui: &mut Ui, model: &mut Model, blended: bool) {
+    let (clouds, census) = (model.scene().clouds.clone(), model.census());
+    for (i, settings) in clouds.iter().enumerate() {
+        let id = ui.make_persistent_id(("cloud", i));
+        let state = CollapsingState::load_with_default_open(ui.ctx(), id, false);
+        let mut clicked = false;
+        let mut header = state.show_header(ui, |ui| {
+            let (name, key) = (name(settings, i), format!("cloud.{i}.opacity"));
+            ui.spacing_mut().slider_width = super::SLIDER - 20.0;
+            clicked = match controls::cloud(settings, "opacity", false, None, model.extent()).filter(|_| blended) {
+                Some(entry) => row(ui, model, &key, &name, entry),
+                None => {
+                    let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
+                    note(ui, model, &format!("cloud.{i}"), &response);
+                    response.clicked()
+                }
+            };
+        });
+        if clicked {
+            header.toggle();
+        }
+        header.body(|ui| details(ui, model, i, settings, census.get(i)));
+    }
+}
+
+/// What a cloud is called.
+pub fn name(settings: &CloudSettings, i: usize) -> String {
+    let stem = settings.path.file_stem();
+    stem.map_or_else(|| format!("cloud {i}"), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// One opacity for all clouds.
+fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
+    let (mut least, mut most, mut sum) = (1.0f32, 0.0f32, 0.0);
+    for cloud in clouds {
+        (least, most, sum) = (least.min(cloud.opacity), most.max(cloud.opacity), sum + f64::from(cloud.opacity));
+    }
+    let (value, label) = if least == most {
+        (controls::rounded(most), "all opacities")
+    } else {
+        (controls::thousandths(sum / clouds.len() as f64), "all (mean)")
+    };
+    if let Some(first) = clouds.first()
+        && let Some(mut entry) = controls::cloud(first, "opacity", false, None, model.extent())
+    {
+        entry.value = Setting::Number(value);
+        row(ui, model, "cloud.*.opacity", label, entry);
+    }
+}
+
+/// What a cloud has beside its opacity.
+fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, census: Option<&Census>) {
+    let method = model.scene().method;
+    let unknown = Census::default();
+    let census = census.unwrap_or(&unknown);
+    ui.weak(facts(census));
+    let field = census.field(settings);
+    let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
+    let uncertain = method.needs_field() && field == Field::Uncertainty;
+    let keys = [("color", true), ("radius", method.needs_radii()), ("neighbors", estimated || uncertain)];
+    let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
+    for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
+        if let Some(mut entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
+            if let (controls::Presence::Optional { without, .. }, "color", false) =
+                (&mut entry.presence, key, census.colors)
+            {
+                "white".clone_into(without);
+            }
+            row(ui, model, &format!("cloud.{i}.{key}"), key, entry);
+        }
+    }
+    // Of a single cloud it has a section.
+    if method.needs_field() && model.scene().clouds.len() > 1 {
+        field::chooser(ui, model, &i.to_string(), &[i]);
+    }
+    if !census.classes.is_empty() {
+        ui.collapsing(format!("{} classes", census.classes.len()), |ui| classes(ui, i, census));
+    }
+}
+
+fn facts(census: &Census) -> String {
+    let has = [("colors", census.colors), ("normals", census.normals), ("radii", census.own_radii)];
+    let has = has.into_iter().filter(|(_, has)| *has).map(|(name, _)| name);
+    let scalars =
+        census.scalars.iter().map(|(name, _)| name.as_str()).filter(|name| !["x", "y", "z", "radius"].contains(name));
+    let has: Vec<_> = has.chain(scalars).collect();
+    let points = super::grouped(census.points as u64);
+    if has.is_empty() { format!("{points} points") } else { format!("{points} points; {}", has.join(", ")) }
+}
+
+/// Points of each class.
+fn classes(ui: &mut Ui, i: usize, census: &Census) {
+    ScrollArea::vertical().id_salt(("classes", i)).max_height(180.0).show(ui, |ui| {
+        Grid::new(("classes", i)).num_columns(3).show(ui, |ui| {
+            for (code, count) in &census.classes {
+                ui.label(code.to_string());
+                ui.label(class_name(*code).unwrap_or("—"));
+                ui.label(super::grouped(*count as u64));
+                ui.end_row();
+            }
+        });
+    });
+}

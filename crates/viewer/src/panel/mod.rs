@@ -1,0 +1,95 @@
+//! The panel beside the picture: the method and its settings, the field, clouds, shading, shadows, camera, files.
+
+mod camera;
+mod clouds;
+mod field;
+mod files;
+mod method;
+mod path;
+mod picture;
+mod row;
+mod shading;
+
+use egui::{Color32, Label, RichText, ScrollArea, Ui};
+
+use super::model::Model;
+use pellucid_engine::scene::{ShadingModel, ViewName};
+
+/// Width of the panel in points.
+pub const WIDTH: f32 = 330.0;
+
+/// Width of its sliders in points.
+const SLIDER: f32 = 120.0;
+
+/// The named views, in the order of the keys 1 to 7.
+pub const VIEWS: [(ViewName, &str); 7] = [
+    (ViewName::Front, "front"),
+    (ViewName::Back, "back"),
+    (ViewName::Left, "left"),
+    (ViewName::Right, "right"),
+    (ViewName::Top, "top"),
+    (ViewName::Bottom, "bottom"),
+    (ViewName::Iso, "iso"),
+];
+
+/// Draws the panel; what is changed goes to the model at once.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    model.controls.clear();
+    ui.spacing_mut().slider_width = SLIDER;
+    ui.add_space(4.0);
+    ui.add(Label::new(RichText::new(&model.name).heading()).truncate()).on_hover_text(&model.name);
+    message(ui, model);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        section(ui, "Method", true, |ui| method::show(ui, model));
+        if model.scene().method.needs_field() {
+            section(ui, "Solid and soft", true, |ui| field::show(ui, model));
+        }
+        section(ui, "Clouds", true, |ui| clouds::show(ui, model));
+        let (shaded, lit) = (model.scene().shading.model != ShadingModel::None, model.is_given("shadows"));
+        section(ui, "Shading", shaded, |ui| shading::show(ui, model));
+        if shading::has_shadows(model.scene()) {
+            section(ui, "Shadows", lit, |ui| shading::shadows(ui, model));
+        }
+        section(ui, "Picture", true, |ui| picture::show(ui, model));
+        section(ui, "Camera", true, |ui| camera::show(ui, model));
+        section(ui, "Path", true, |ui| path::show(ui, model));
+        section(ui, "Files", true, |ui| files::show(ui, model));
+    });
+}
+
+/// A part of the panel that can be folded.
+fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, content);
+}
+
+/// A count in groups of three digits.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn message(ui: &mut Ui, model: &Model) {
+    match &model.message {
+        Some((text, true)) => ui.colored_label(Color32::from_rgb(255, 120, 110), text),
+        Some((text, false)) => ui.weak(text),
+        None => ui.weak("F1 shows the keys"),
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grouped;
+
+    #[test]
+    fn digits_go_in_threes() {
+        let of = |count| grouped(count).replace('\u{2009}', " ");
+        assert_eq!([0, 999, 1000, 1_234_567].map(of), ["0", "999", "1 000", "1 234 567"]);
+    }
+}

@@ -1,0 +1,158 @@
+//! The path of key frames: keys of the present camera, and running along them.
+
+use egui::{DragValue, Response, ScrollArea, Slider, SliderClamping, Ui};
+
+use crate::model::Model;
+
+/// Height of the list of keys in points.
+const LIST: f32 = 132.0;
+
+/// Draws the section.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    edit(ui, model);
+    if model.route.keys().is_empty() {
+        ui.weak("K makes the present camera a key; between keys the camera moves by itself");
+    } else {
+        list(ui, model);
+        timing(ui, model);
+        run(ui, model);
+    }
+    files(ui, model);
+}
+
+/// A button that is there for tests to find, too.
+fn button(ui: &mut Ui, model: &mut Model, name: &str, text: &str, enabled: bool, hint: &str) -> bool {
+    let response = ui.add_enabled(enabled, egui::Button::new(text)).on_hover_text(hint);
+    note(ui, model, name, &response);
+    response.clicked()
+}
+
+fn note(ui: &Ui, model: &mut Model, name: &str, response: &Response) {
+    let (rect, scale) = (response.rect, ui.ctx().pixels_per_point());
+    let place = [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| (x * scale).round() as i32);
+    model.controls.insert(format!("path.{name}"), place);
+}
+
+fn edit(ui: &mut Ui, model: &mut Model) {
+    let selected = model.route.selected();
+    let count = model.route.keys().len();
+    let last = selected.is_some_and(|at| at + 1 == count);
+    ui.horizontal(|ui| {
+        if button(ui, model, "add", "add key", true, "of the present camera, behind the selected key (K)") {
+            model.add_key();
+        }
+        if button(ui, model, "replace", "replace", selected.is_some(), "the selected key by the present camera") {
+            model.replace_key();
+        }
+        if button(ui, model, "delete", "delete", selected.is_some(), "the selected key") {
+            model.delete_key();
+        }
+        if button(ui, model, "up", "⏶", selected.is_some_and(|at| at > 0), "the selected key comes earlier") {
+            model.shift_key(true);
+        }
+        if button(ui, model, "down", "⏷", selected.is_some() && !last, "the selected key comes later") {
+            model.shift_key(false);
+        }
+    });
+}
+
+/// The keys; one that is clicked is selected and shown.
+fn list(ui: &mut Ui, model: &mut Model) {
+    let (count, height) = (model.route.keys().len(), ui.spacing().interact_size.y);
+    let area = ScrollArea::vertical().id_salt("keys of the path").max_height(LIST).auto_shrink([false, true]);
+    area.show_rows(ui, height, count, |ui, rows| {
+        for at in rows {
+            ui.horizontal(|ui| row(ui, model, at));
+        }
+    });
+}
+
+fn row(ui: &mut Ui, model: &mut Model, at: usize) {
+    let Some(key) = model.route.keys().get(at) else { return };
+    let [x, y, z] = key.eye;
+    let time = key.time;
+    let is_selected = model.route.selected() == Some(at);
+    let response = ui.selectable_label(is_selected, format!("{:>3}", at + 1));
+    let response = response.on_hover_text(format!("the eye at {x:.3}, {y:.3}, {z:.3}"));
+    note(ui, model, &format!("key.{}", at + 1), &response);
+    if response.clicked() {
+        model.go_to_key(at);
+    }
+    match time {
+        Some(mut seconds) => {
+            let of = |at: usize| model.route.keys().get(at).and_then(|key| key.time);
+            let least = at.checked_sub(1).and_then(of).map_or(f64::NEG_INFINITY, |time| time + 1e-3);
+            let most = of(at + 1).map_or(f64::INFINITY, |time| time - 1e-3);
+            let range = least.min(seconds)..=most.max(seconds);
+            if ui.add(DragValue::new(&mut seconds).range(range).speed(0.05).suffix(" s").max_decimals(3)).changed() {
+                model.time_key(at, seconds);
+            }
+        }
+        None => {
+            ui.weak(format!("eye {x:.2}, {y:.2}, {z:.2}"));
+        }
+    }
+}
+
+fn timing(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal(|ui| {
+        let mut closed = model.route.is_closed();
+        if ui.checkbox(&mut closed, "loop").on_hover_text("from the last key back to the first").changed() {
+            model.close_route(closed);
+        }
+        let mut timed = model.route.is_timed();
+        if ui.checkbox(&mut timed, "times").on_hover_text("a time in seconds for each key").changed() {
+            model.time_route(timed);
+        }
+        if !timed {
+            let mut pace = model.route.pace();
+            let drag = DragValue::new(&mut pace).range(0.05..=600.0).speed(0.05).suffix(" s").max_decimals(2);
+            if ui.add(drag).on_hover_text("from key to key").changed() {
+                model.route.set_pace(pace);
+            }
+        }
+        let mut rate = model.route.rate();
+        let drag = DragValue::new(&mut rate).range(1..=240).speed(0.2).suffix(" fps");
+        if ui.add(drag).on_hover_text("frames of a second, of the film that `render` makes").changed() {
+            model.route.set_rate(rate);
+        }
+        ui.weak(format!("{} frames", model.route.frames()));
+    });
+}
+
+fn run(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal(|ui| {
+        let text = if model.route.is_playing() { "⏸ stop" } else { "▶ play" };
+        if button(ui, model, "play", text, true, "along the path (Space); whatever moves the camera stops it") {
+            model.play();
+        }
+        let (mut position, duration) = (model.route.position(), model.route.duration());
+        // Only what a hand does is rounded: a slider that rounds what it shows would stop the camera.
+        let slider = Slider::new(&mut position, 0.0..=duration.max(f64::MIN_POSITIVE)).clamping(SliderClamping::Edits);
+        let slider = slider.max_decimals(2).suffix(" s");
+        let response = ui.add_enabled(duration > 0.0, slider);
+        note(ui, model, "position", &response);
+        if response.changed() {
+            model.seek(position);
+        }
+    });
+}
+
+fn files(ui: &mut Ui, model: &mut Model) {
+    let any = !model.route.keys().is_empty();
+    ui.horizontal(|ui| {
+        let hint = "Fills the path with a full turn of the present camera around the vertical through the point that it turns \
+                    about, as far away as it is now: a key every 22.5°.\n`render --turntable` turns around the middle of the \
+                    scene, from so far away that all of it is in every frame.";
+        if button(ui, model, "turntable", "turntable", true, hint) {
+            model.fill_turntable();
+        }
+        let hint = "with the scene, into the current folder (Ctrl+K); the message says how to render it";
+        if button(ui, model, "save", "save path", any && !model.busy, hint) {
+            model.save_path();
+        }
+        if button(ui, model, "clear", "clear", any, "takes all keys out") {
+            model.route.clear();
+        }
+    });
+}

@@ -1,0 +1,213 @@
+//! A control with its name, for a key of the scene file.
+
+use egui::{Button, ComboBox, DragValue, Label, Response, RichText, Sense, Slider, SliderClamping, Ui};
+
+use crate::controls::{self, Control, Entry, Presence, significant};
+use crate::hints::hint;
+use crate::model::Model;
+use pellucid_engine::scene::Setting;
+
+/// Room at the end of a row for its button, in points.
+const BUTTON: f32 = 20.0;
+
+/// Room that a switch takes before a control, in points.
+const SWITCH: f32 = 26.0;
+
+/// What was done to a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Edit {
+    /// It got a value.
+    To(Setting),
+    /// It was taken out.
+    Out,
+}
+
+impl Edit {
+    /// The value, if there is one.
+    pub fn value(self) -> Option<Setting> {
+        match self {
+            Self::To(value) => Some(value),
+            Self::Out => None,
+        }
+    }
+}
+
+/// A row whose key changes by itself; whether its name was clicked.
+pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> bool {
+    let (edit, clicked) = edit_row(ui, model, key, label, entry);
+    match edit {
+        Some(Edit::To(value)) => model.set(key, value),
+        Some(Edit::Out) => model.change(&controls::changes(key, None)),
+        None => {}
+    }
+    clicked
+}
+
+/// A control with its name and, if its key is given, a button that takes it out; notes where the control is. What was done, and
+/// whether the name was clicked.
+pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
+    let given = model.is_given(key);
+    let Entry { control, value, presence } = entry;
+    ui.horizontal(|ui| {
+        if presence != Presence::Always {
+            // What the switch takes, so that numbers stand below each other.
+            ui.spacing_mut().slider_width -= SWITCH;
+        }
+        let (on, mut edit) = switch(ui, model, key, &presence, &value);
+        if on {
+            let (response, changed) = change(ui, key, label, control, value);
+            note(ui, model, key, &response.on_hover_text(hint(key)));
+            edit = edit.or(changed.map(Edit::To));
+        }
+        if let (Presence::Optional { without, .. }, false) = (&presence, on) {
+            ui.weak(without);
+        }
+        let has_button = given && presence == Presence::Always;
+        let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
+        let named = (control != Control::Flag).then(|| name_within(ui, key, label, room));
+        if has_button && takes_out(ui, model, key) {
+            edit = Some(Edit::Out);
+        }
+        (edit, named.is_some_and(|name| name.clicked()))
+    })
+    .inner
+}
+
+/// The switch before a control, if it has one; whether it is on.
+fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start: &Setting) -> (bool, Option<Edit>) {
+    let (mut on, radio) = match presence {
+        Presence::Always => return (true, None),
+        Presence::Optional { on, .. } => (*on, false),
+        Presence::Rival { on } => (*on, true),
+    };
+    let was = on;
+    let response = if radio { ui.radio(on, "") } else { ui.checkbox(&mut on, "") };
+    note(ui, model, &format!("{key}?"), &response);
+    let clicked = if radio { response.clicked() && !was } else { response.changed() };
+    response.on_hover_text(hint(key));
+    let edit = clicked.then(|| if was { Edit::Out } else { Edit::To(start.clone()) });
+    (was, edit)
+}
+
+/// What a row is called, as long as there is room.
+pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
+    let room = ui.available_width() - BUTTON;
+    name_within(ui, key, label, room)
+}
+
+fn name_within(ui: &mut Ui, key: &str, label: &str, room: f32) -> Response {
+    let label = Label::new(label).truncate().selectable(false).sense(Sense::click());
+    let shown = ui.scope(|ui| {
+        ui.set_max_width(room.max(0.0));
+        ui.add(label)
+    });
+    let said = hint(key);
+    if said.is_empty() { shown.inner } else { shown.inner.on_hover_text(said) }
+}
+
+/// The button that takes a given key out; those with a switch have none.
+pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
+    let response = ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default");
+    note(ui, model, &format!("{key} default"), &response);
+    response.clicked()
+}
+
+/// Notes where a control is.
+pub fn note(ui: &Ui, model: &mut Model, key: &str, response: &Response) {
+    let scale = ui.ctx().pixels_per_point();
+    let rect = response.rect;
+    let place = [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| (x * scale).round() as i32);
+    model.controls.insert(key.to_owned(), place);
+}
+
+fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting) -> (Response, Option<Setting>) {
+    match (control, value) {
+        (Control::Slider(from, to), Setting::Number(mut x)) => {
+            let response = ui.add(slider(&mut x, from, to).max_decimals(3).step_by(0.001));
+            let changed = response.changed().then_some(Setting::Number(x));
+            (response, changed)
+        }
+        (Control::Powers(from, to), Setting::Number(mut x)) => {
+            let least = if from > 0.0 { from } else { 1e-5 * to };
+            let slider = slider(&mut x, from, to).logarithmic(true).smallest_positive(least);
+            let response = ui.add(slider.custom_formatter(|x, _| short(x)));
+            let changed = response.changed().then(|| Setting::Number(significant(x)));
+            (response, changed)
+        }
+        (Control::Count(from, to), Setting::Integer(mut n)) => {
+            let slider = Slider::new(&mut n, from..=to).logarithmic(to > 32).clamping(SliderClamping::Edits);
+            let response = ui.add(slider.update_while_editing(false));
+            let changed = response.changed().then_some(Setting::Integer(n));
+            (response, changed)
+        }
+        (Control::Flag, Setting::Flag(mut flag)) => {
+            let response = ui.checkbox(&mut flag, label);
+            let changed = response.changed().then_some(Setting::Flag(flag));
+            (response, changed)
+        }
+        (Control::Choice(words), Setting::Word(word)) => {
+            let (response, chosen) = choice(ui, key, &word, words);
+            (response, chosen.map(|word| Setting::Word(word.to_owned())))
+        }
+        (Control::Color, Setting::Numbers(color)) => {
+            let mut rgb: [f32; 3] = std::array::from_fn(|i| color.get(i).copied().unwrap_or_default() as f32);
+            let response = ui.color_edit_button_rgb(&mut rgb);
+            let rounded = || rgb.map(|x| (f64::from(x.clamp(0.0, 1.0)) * 1e4).round() / 1e4).to_vec();
+            let changed = response.changed().then(|| Setting::Numbers(rounded()));
+            (response, changed)
+        }
+        // A control has the value that belongs to it.
+        (_, other) => (ui.weak(format!("{other:?}")), None),
+    }
+}
+
+fn slider(x: &mut f64, from: f64, to: f64) -> Slider<'_> {
+    Slider::new(x, from..=to).clamping(SliderClamping::Edits).update_while_editing(false)
+}
+
+/// One of some words, and the one that was chosen instead.
+pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (Response, Option<&'a str>) {
+    let mut chosen = word;
+    let combo = ComboBox::from_id_salt(key).selected_text(word).width(110.0).truncate();
+    let shown = combo.show_ui(ui, |ui| {
+        for other in words {
+            ui.selectable_value(&mut chosen, other, *other);
+        }
+    });
+    (shown.response, (chosen != word).then_some(chosen))
+}
+
+/// Three numbers, by their name; what they were changed to.
+pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed: f64) -> Option<[f64; 3]> {
+    let mut changed = vector;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let responses = changed.each_mut().map(|x| {
+            let number = DragValue::new(x).speed(speed).max_decimals(4).update_while_editing(false);
+            ui.add_sized([70.0, 18.0], number).on_hover_text(hint(key))
+        });
+        let [first, ..] = &responses;
+        note(ui, model, key, first);
+    });
+    (changed != vector).then_some(changed)
+}
+
+/// A number to four significant digits, as short as possible.
+fn short(x: f64) -> String {
+    let x = significant(x);
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, wanted) in [(0.0, "0"), (0.012_345_6, "0.01235"), (1234.56, "1235"), (1.5e-7, "1.5e-7"), (2e9, "2e9")] {
+            assert_eq!(short(x), wanted);
+            // What is written there can be typed again.
+            assert_eq!(wanted.parse(), Ok(significant(x)));
+        }
+    }
+}

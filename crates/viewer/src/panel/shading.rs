@@ -1,0 +1,254 @@
+//! Shading and its light, and shadows.
+
+use egui::Ui;
+use glam::DVec3;
+
+use super::row::{choice, name, note, row, takes_out, vector};
+use crate::controls;
+use crate::model::Model;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::scene::{Change, Light, Method, Scene, Setting, ShadingModel, Shadows, View};
+
+/// From where a light comes that had no direction: left of the front, half-way up.
+const FROM: [f64; 2] = [-50.0, 45.0];
+
+/// Straight from above a direction has no azimuth, so that the slider stops just before.
+const STEEPEST: f64 = 89.9;
+
+/// Draws the section on shading.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    let shading = model.scene().shading;
+    let census = model.census();
+    if !census.is_empty() && census.iter().all(|cloud| !cloud.normals) {
+        ui.weak("no cloud has normals: nothing is shaded");
+    }
+    let keys: &[&str] = match shading.model {
+        ShadingModel::None => &["model"],
+        ShadingModel::Lambert => &["model", "ambient", "diffuse"],
+        ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
+    };
+    for key in keys {
+        if let Some(entry) = controls::shading(&shading, key) {
+            row(ui, model, &format!("shading.{key}"), key, entry);
+        }
+    }
+    if shading.model != ShadingModel::None {
+        light(ui, model, shading.light);
+    }
+}
+
+fn light(ui: &mut Ui, model: &mut Model, light: Light) {
+    let words = ["headlight", "direction", "position"];
+    let word = match light {
+        Light::Headlight => "headlight",
+        Light::Direction(_) => "direction",
+        Light::Position(_) => "position",
+    };
+    let given = model.is_given("shading.light");
+    let (chosen, out) = ui
+        .horizontal(|ui| {
+            let (response, chosen) = choice(ui, "shading.light", word, &words);
+            note(ui, model, "shading.light", &response);
+            name(ui, "shading.light", "light");
+            (chosen, given && takes_out(ui, model, "shading.light"))
+        })
+        .inner;
+    if let Some(word) = chosen.or(out.then_some("headlight")) {
+        set_light(model, light, other_kind(model, light, word));
+        return;
+    }
+    match light {
+        Light::Headlight => {}
+        Light::Direction(direction) => along(ui, model, direction),
+        Light::Position(position) => {
+            let speed = 0.002 * model.extent().diagonal;
+            if let Some(position) = vector(ui, model, "shading.light.position", position.to_array(), speed) {
+                set_light(model, light, Light::Position(position.into()));
+            }
+        }
+    }
+}
+
+fn set_light(model: &mut Model, before: Light, light: Light) {
+    model.change(&controls::light_changes(before, light));
+}
+
+/// A light of another kind that shines from the same side.
+fn other_kind(model: &Model, light: Light, word: &str) -> Light {
+    let center = model.picture().map_or(DVec3::ZERO, |picture| picture.subject.bounds.center());
+    let up = vertical(model);
+    let along = match light {
+        Light::Direction(direction) => direction.normalize_or(-DVec3::Z),
+        Light::Position(position) => (center - position).normalize_or(-DVec3::Z),
+        Light::Headlight => direction(FROM, up),
+    };
+    let short = |v: DVec3, digits: f64| (v * digits).round() / digits;
+    match word {
+        "direction" => Light::Direction(short(along, 1e6)),
+        "position" => Light::Position(short(center - model.extent().diagonal * along, 1e3)),
+        _ => Light::Headlight,
+    }
+}
+
+/// The axis that elevations are counted from: what the scene's camera has at its top, else the clouds' vertical.
+fn vertical(model: &Model) -> UpAxis {
+    match model.scene().camera.up {
+        Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
+        Some(up) if up.y != 0.0 => UpAxis::Y,
+        _ => model.picture().map_or(UpAxis::Z, |picture| picture.subject.up),
+    }
+}
+
+/// A direction by its angles, and by its numbers.
+fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
+    let up = vertical(model);
+    let angles = angles(travels, up);
+    let mut turned = angles;
+    let rows = [("azimuth", 180.0, 0), ("elevation", STEEPEST, 1)];
+    for (label, most, i) in rows {
+        let key = format!("shading.light.{label}");
+        let slider = egui::Slider::new(&mut turned[i], -most..=most).fixed_decimals(1).suffix("°");
+        ui.horizontal(|ui| {
+            let response = ui.add(slider.clamping(egui::SliderClamping::Edits).update_while_editing(false));
+            note(ui, model, &key, &response);
+            name(ui, &key, label);
+        });
+    }
+    let numbers = vector(ui, model, "shading.light.direction", travels.to_array(), 0.005);
+    let light = if turned != angles {
+        Some(direction(turned, up))
+    } else {
+        // What has no direction is not taken, as while all three are typed anew.
+        numbers.map(DVec3::from).filter(|v| v.try_normalize().is_some())
+    };
+    if let Some(light) = light {
+        set_light(model, Light::Direction(travels), Light::Direction(light));
+    }
+}
+
+/// The direction, to 6 decimals, of light from an azimuth and an elevation in degrees, as [`View`] counts them.
+fn direction([azimuth, elevation]: [f64; 2], up: UpAxis) -> DVec3 {
+    let view = View { azimuth: Some(azimuth), elevation: Some(elevation), name: None };
+    (view.axes(up).0 * 1e6).round() / 1e6
+}
+
+/// Azimuth, from −180 to 180, and elevation in degrees from where light along a direction comes.
+fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
+    let from = -travels.normalize_or_zero();
+    let (front, vertical) = match up {
+        UpAxis::Z => (-DVec3::Y, DVec3::Z),
+        UpAxis::Y => (DVec3::Z, DVec3::Y),
+    };
+    let [x, y] = [from.x, from.dot(front)];
+    // A vertical has none, and 0 would be 180 by the sign of a zero.
+    let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
+    [azimuth, from.dot(vertical).clamp(-1.0, 1.0).asin().to_degrees()]
+}
+
+/// Whether the section on shadows is there.
+pub fn has_shadows(scene: &Scene) -> bool {
+    scene.method.takes_shadows() || matches!(scene.method, Method::Auto(_))
+}
+
+/// Draws the section on shadows.
+pub fn shadows(ui: &mut Ui, model: &mut Model) {
+    let mut on = model.is_given("shadows");
+    let response = ui.checkbox(&mut on, "cast shadows");
+    note(ui, model, "shadows.method", &response);
+    // What was switched off comes back as it was.
+    let id = egui::Id::new("shadows, switched off");
+    if response.changed() && on {
+        let kept: Option<(Shadows, Light)> = ui.data(|data| data.get_temp(id));
+        model.change(&cast(kept, model.scene().shading.light));
+    } else if response.changed() {
+        if let Some(shadows) = model.scene().shadows {
+            ui.data_mut(|data| data.insert_temp(id, (shadows, model.scene().shading.light)));
+        }
+        model.change(&controls::changes("shadows", None));
+    }
+    if !on {
+        return;
+    }
+    let shading = model.scene().shading;
+    if shading.model == ShadingModel::None {
+        ui.weak("none yet: shading has no model");
+    } else if shading.light == Light::Headlight {
+        ui.weak("none yet: a headlight casts none, the light needs a direction or a position");
+    }
+    let shadows = model.scene().shadows.unwrap_or_default();
+    let Shadows { light_radius, .. } = shadows;
+    let keys: &[&str] = match model.scene().shadows {
+        // Until they are cast, the scene doesn't say what they are like.
+        None => &[],
+        Some(_) if light_radius > 0.0 => &["light_radius", "samples", "resolution", "min_layer_distance"],
+        Some(_) => &["light_radius", "resolution", "min_layer_distance"],
+    };
+    for key in keys {
+        if let Some(entry) = controls::shadows(&shadows, shading.light, key, model.extent()) {
+            row(ui, model, &format!("shadows.{key}"), &controls::label(key), entry);
+        }
+    }
+}
+
+/// The changes that cast shadows, as they were under a light. Its radius is no use under a light of another kind.
+fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
+    let default = Shadows::default();
+    let (shadows, before) = kept.unwrap_or((default, light));
+    let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
+    let number = |x: f32| Setting::Number(controls::rounded(x));
+    let given = [
+        ("method", Some(Setting::Word("texture".to_owned()))),
+        ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),
+        ("light_radius", (same && shadows.light_radius > 0.0).then(|| number(shadows.light_radius))),
+        ("resolution", (shadows.resolution != default.resolution).then_some(Setting::Integer(shadows.resolution))),
+        ("min_layer_distance", shadows.min_layer_distance.map(number)),
+    ];
+    given
+        .into_iter()
+        .filter(|(_, value)| value.is_some())
+        .map(|(key, value)| (format!("shadows.{key}"), value))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pellucid_engine::scene::{Document, Overrides};
+
+    #[test]
+    fn angles_and_directions_are_the_same_light() {
+        for up in [UpAxis::Y, UpAxis::Z] {
+            for azimuth in [-180.0f64, -90.0, -33.3, 0.0, 45.0, 179.9] {
+                for elevation in [-STEEPEST, -30.0, 0.0, 60.1, STEEPEST] {
+                    let [a, e] = angles(direction([azimuth, elevation], up), up);
+                    // 6 decimals over the cosine of 89.9 degrees are 3·10⁻⁴, or 0.02 degrees.
+                    let turn = (a - azimuth).rem_euclid(360.0);
+                    assert!(
+                        turn.min(360.0 - turn) < 0.04 && (e - elevation).abs() < 0.04,
+                        "{a} {e}, {azimuth} {elevation}"
+                    );
+                }
+            }
+        }
+        // From above and behind the front's left: it travels down, to the front's right.
+        let light = direction(FROM, UpAxis::Z);
+        assert!(light.x > 0.0 && light.y > 0.0 && light.z < 0.0, "{light}");
+        assert_eq!(angles(-DVec3::Z, UpAxis::Z), [0.0, 90.0]);
+    }
+
+    #[test]
+    fn shadows_come_back_as_they_were() {
+        let text =
+            "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shading]\nmodel = 'lambert'\nlight = [0, 0, -1]\n";
+        let light = Light::Direction(-DVec3::Z);
+        let soft = Shadows { samples: 16, light_radius: 12.5, resolution: 300, min_layer_distance: Some(0.25) };
+        for (kept, light, wanted) in [
+            (None, light, Shadows::default()),
+            (Some((soft, light)), light, soft),
+            (Some((soft, Light::Position(DVec3::Z))), light, Shadows { light_radius: 0.0, ..soft }),
+        ] {
+            let mut document = Document::from_toml(text, "s.toml".as_ref(), &Overrides::default()).unwrap();
+            assert_eq!(document.change(&cast(kept, light)).unwrap().shadows, Some(wanted));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The scene as a file, and the picture that `render` makes of it.
+
+use std::path::{Path, PathBuf};
+
+use super::draft::Effort;
+use super::stage::{Pose, Stage, Taken};
+use pellucid_engine::camera::path::CameraPath;
+use pellucid_engine::output::{self, WriteOptions};
+use pellucid_engine::scene::{Document, Overrides, Setting};
+use pellucid_engine::{Result, io};
+
+/// What is to be written.
+pub struct Saving {
+    /// The scene, with camera and size.
+    pub document: Document,
+    /// What the files' names begin with.
+    pub stem: String,
+    /// Whether a picture is wanted, too.
+    pub picture: bool,
+    /// Key frames that lead through the scene, if they are to be written.
+    pub path: Option<CameraPath>,
+    /// The file of the scene, if it has a name already.
+    pub to: Option<PathBuf>,
+}
+
+/// Writes the scene to the current folder under the next free number, or where it is to be, and, if asked for, the picture that
+/// `render` makes of that file, to the last byte, and the path. Clouds that no file holds are written first. What was written,
+/// the scene first.
+///
+/// # Errors
+/// Whatever keeps files from being written or the scene from being rendered.
+pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> Result<Vec<PathBuf>> {
+    let mut document = saving.document.clone();
+    if generated {
+        write_clouds(stage, &mut document, &saving.stem)?;
+    }
+    let stem = if saving.path.is_some() { format!("{}-path", saving.stem) } else { saving.stem.clone() };
+    let scene_path = saving.to.clone().unwrap_or_else(|| free(&stem, |path| path.exists()));
+    write_text(&scene_path, &document.to_toml(scene_path.parent().unwrap_or(Path::new("")))?)?;
+    let mut written = vec![scene_path.clone()];
+    if let Some(path) = &saving.path {
+        let file = scene_path.with_extension("json");
+        write_text(&file, &path.to_json())?;
+        written.push(file);
+    }
+    if saving.picture {
+        let picture = scene_path.with_extension("png");
+        if let Err(error) = render(stage, &scene_path, &picture, seed) {
+            // Files that belong together are there together.
+            let _ = std::fs::remove_file(&scene_path);
+            return Err(error);
+        }
+        written.push(picture);
+    }
+    Ok(written)
+}
+
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    Ok(output::write_atomically(path, |out| std::io::Write::write_all(out, text.as_bytes()))?)
+}
+
+/// The first name `STEM-N.toml` of which neither the scene nor its picture or path is taken.
+fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
+    let name = |n: u32| PathBuf::from(format!("{stem}-{n}.toml"));
+    let is_free =
+        |path: &PathBuf| !["toml", "png", "json"].iter().any(|extension| taken(&path.with_extension(extension)));
+    (1..u32::MAX).map(name).find(is_free).unwrap_or_else(|| name(u32::MAX))
+}
+
+/// What `pellucid render SCENE -o PICTURE` does.
+fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
+    let scene = Document::read(scene_path, &Overrides::default())?.scene()?;
+    let Taken { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
+    let device = stage.renderer().device();
+    device.check_validation()?;
+    let name = scene_path.display().to_string();
+    let mut metadata = output::tags(&name, frame.method.name(), &scene.settings, &device.info().name, seed);
+    if let Some(applied) = brightness {
+        metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
+    }
+    let (background, color) = (scene.image.background, scene.image.color);
+    let options = WriteOptions { background, color, transparent: false, metadata };
+    output::write_image(picture, &rendered.image, &options)?;
+    stage.recycle(rendered.image);
+    Ok(())
+}
+
+/// Writes clouds that were made into a folder of their own, and names them there.
+fn write_clouds(stage: &Stage, document: &mut Document, stem: &str) -> Result<()> {
+    let folder = PathBuf::from(format!("{stem}-clouds"));
+    let failed = |source| output::Error::Write { path: folder.clone(), source };
+    std::fs::create_dir_all(&folder).map_err(failed)?;
+    let settings = document.scene()?.clouds;
+    for (i, (settings, cloud)) in settings.iter().zip(stage.clouds()).enumerate() {
+        let name = settings.path.file_name().map_or_else(|| PathBuf::from(format!("{i}")), PathBuf::from);
+        let path = folder.join(name).with_extension("ply");
+        io::ply::write(&path, cloud)?;
+        let path = std::path::absolute(&path).map_err(|source| output::Error::Write { path, source })?;
+        document.put(&format!("cloud.{i}.path"), Setting::Word(path.display().to_string()))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_written_over() {
+        let taken = |path: &Path| ["a-1.toml", "a-2.png"].iter().any(|name| Path::new(name) == path);
+        assert_eq!(free("a", taken), Path::new("a-3.toml"));
+        assert_eq!(free("b", taken), Path::new("b-1.toml"));
+        assert_eq!(free("c", |path| path == Path::new("c-1.json")), Path::new("c-2.toml"));
+    }
+}

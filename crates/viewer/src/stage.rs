@@ -1,0 +1,281 @@
+//! A scene on the device, and pictures of it: what `render` does, again and again.
+
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+
+use super::accuracy::Standing;
+use super::census::{FieldFacts, Histograms};
+use super::draft::{Cost, Costs, Draft, Effort};
+use super::navigate::Subject;
+use super::placed::{Placed, Sources};
+use super::thin::{self, Thin};
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
+use pellucid_engine::passes::project::DeviceCloud;
+use pellucid_engine::points::Changes;
+use pellucid_engine::scene::{self, CameraSettings, Method, Scene, View};
+use pellucid_engine::{Result, plan};
+
+/// Share of the whole picture's work from which a picture at rest is the whole one.
+const NEARLY_WHOLE: f64 = 0.5;
+
+/// From where a picture is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pose {
+    /// As the scene says.
+    Scene,
+    /// Such that everything fits, from a side, with perspective.
+    View(View),
+    /// From here: eye, target and up are given.
+    At(CameraSettings),
+}
+
+/// A picture and how it came about.
+pub struct Taken {
+    /// The picture, its times and what it met.
+    pub rendered: Rendered,
+    /// The frame that it is of.
+    pub frame: Frame,
+    /// Why this method.
+    pub why: String,
+    /// By how much it was brightened.
+    pub brightness: Option<Applied>,
+    /// The points' box, radius and vertical.
+    pub subject: Subject,
+    /// What it has of the whole picture.
+    pub draft: Draft,
+    /// Lights that stand for an area light, of how many.
+    pub lights: Option<[u32; 2]>,
+    /// What the picture is, if it is a whole one.
+    pub standing: Option<Standing>,
+    /// How F of the points is spread, if the method asks for it.
+    pub field: Option<FieldFacts>,
+}
+
+impl Taken {
+    /// What it has of the whole picture, beside others of its method.
+    pub fn name(&self) -> String {
+        let draft = self.draft.name(&self.frame.method);
+        match self.lights {
+            Some([taken, of]) if of > 1 => format!("{draft}, {taken} lights"),
+            _ => draft,
+        }
+    }
+
+    /// Whether nothing was left out.
+    pub fn is_whole(&self) -> bool {
+        self.draft == Draft::whole(&self.frame.method) && self.lights.is_none_or(|[taken, of]| taken == of)
+    }
+}
+
+/// A renderer with the clouds of one scene.
+pub struct Stage {
+    renderer: Renderer,
+    sources: Sources,
+    /// Says what is done to points before they can be rendered, and nothing once they can.
+    pub progress: ProgressBar,
+    memory_budget: Option<u64>,
+    placed: Option<Placed>,
+    /// The last method, how many samples, ensembles or layers it has, and what its frames took.
+    costs: Option<(&'static str, Option<u32>, Costs)>,
+    histograms: Histograms,
+    /// What `auto` stood for when it was last asked, and why.
+    chosen: Option<(Method, Method, String)>,
+}
+
+impl Stage {
+    pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
+        let renderer = Renderer::new(device)?;
+        let (sources, progress, histograms) =
+            (Sources::new(clouds, seed), ProgressBar::hidden(), Histograms::default());
+        let (placed, costs, chosen) = (None, None, None);
+        Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
+    }
+
+    /// The renderer.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// The clouds as they were read.
+    pub fn clouds(&self) -> &[Cloud] {
+        self.sources.clouds()
+    }
+
+    /// The clouds, when everything else goes.
+    pub fn into_clouds(self) -> Vec<Cloud> {
+        self.sources.into_clouds()
+    }
+
+    /// Takes an image back whose memory the next one may have.
+    pub fn recycle(&mut self, image: pellucid_engine::image::Image) {
+        self.renderer.recycle(image);
+    }
+
+    /// A picture of a scene, of the size that it says or, with less than all effort, of fewer pixels, samples or points. What
+    /// `auto` stands for is not asked again for drafts.
+    ///
+    /// # Errors
+    /// Whatever keeps the scene from being rendered; the next one may do.
+    pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<Taken> {
+        if self.place(scene)?.any() {
+            self.reconsider(scene);
+        }
+        let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
+        let known = self
+            .chosen
+            .clone()
+            .filter(|(of, method, _)| *of == scene.method && self.draft(method, effort) != Draft::whole(method));
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let camera = camera(scene, pose, placed)?;
+        let stop = Stop::EightBit { transparent: false };
+        let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of(scene, camera, seed) };
+        let (method, why) = match known {
+            Some((_, method, why)) => (method, why),
+            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), &frame)?,
+        };
+        self.chosen = Some((scene.method, method, why.clone()));
+        frame.method = method;
+        let lights = lights(&mut frame, &placed.cloud, effort);
+        let draft = self.draft(&method, effort);
+        let started = Instant::now();
+        let (rendered, brightness) = self.draw(&frame, draft)?;
+        // Shadows that were cast are there for the next one.
+        if rendered.facts.light_views == 0 {
+            let cost = Cost { ms: started.elapsed().as_secs_f64() * 1e3, work: draft.work(&method) };
+            let costs = self.costs_of(&method).map_or_else(|| Costs::new(cost), |costs| costs.with(cost));
+            self.costs = Some((method.name(), Draft::whole(&method).steps, costs));
+        }
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        // Medians of radii may be asked for, which drafts have no time for.
+        let whole = effort == Effort::Whole || draft == Draft::whole(&method);
+        let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
+        let field = method.threshold().map(|threshold| FieldFacts {
+            histogram: self.histograms.of(scene, &placed.arranged.points().fields),
+            parts: placed.cloud.parts(threshold),
+        });
+        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
+    }
+
+    /// The picture of the method that shows exactly what this one approximates, of the scene that it was taken of.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being rendered.
+    pub fn exact(&mut self, scene: &Scene, taken: &Frame, method: Method) -> Result<Rendered> {
+        // A picture that came to nothing may have left other points.
+        self.place(scene)?;
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*taken };
+        Ok(self.renderer.render(&mut placed.cloud, &frame)?)
+    }
+
+    fn costs_of(&self, method: &Method) -> Option<Costs> {
+        let (_, steps, costs) = self.costs.filter(|(name, ..)| *name == method.name())?;
+        Some(costs.rescaled(steps, Draft::whole(method).steps))
+    }
+
+    /// What a picture of a method has that is worth this much.
+    fn draft(&self, method: &Method, effort: Effort) -> Draft {
+        let Some(budget) = effort.budget_ms() else { return Draft::whole(method) };
+        let draft = Draft::within(method, self.costs_of(method), budget);
+        // At rest the whole picture is worth twice the wait for most of it.
+        let nearly = matches!(effort, Effort::Refining(_)) && draft.work(method) >= NEARLY_WHOLE;
+        if nearly { Draft::whole(method) } else { draft }
+    }
+
+    /// Renders what a draft has of a whole frame.
+    fn draw(&mut self, whole: &Frame, draft: Draft) -> Result<(Rendered, Option<Applied>)> {
+        let Some(placed) = &mut self.placed else { return Err(no_points()) };
+        let (renderer, method) = (&mut self.renderer, draft.method(whole.method));
+        let mut frame = Frame { method, ensembles: draft.ensembles(&method), size: draft.size(whole.size), ..*whole };
+        // Points of ensembles are fewer on fewer pixels by themselves; shadows are those of all points.
+        let thinned = draft.coarse > 1 && !method.is_dealt() && shadows::casting(whole, &placed.cloud).is_none();
+        if !thinned {
+            let mut rendered = renderer.render(&mut placed.cloud, &frame)?;
+            let brightness = brightness::apply(renderer, &mut placed.cloud, &frame, &mut rendered.image)?;
+            return Ok((rendered, brightness));
+        }
+        let one_of = (draft.coarse * draft.coarse) as usize;
+        if let Some(soft) = method.soft() {
+            frame.method = thin::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
+        }
+        frame.factors.radius *= draft.coarse as f32;
+        let cloud = Thin::of(&mut placed.thin, renderer, placed.arranged.points(), one_of)?;
+        Ok((renderer.render(cloud, &frame)?, None))
+    }
+
+    /// Brings the scene's points to the device: what of them isn't there, or is another than before.
+    fn place(&mut self, scene: &Scene) -> Result<Changes> {
+        let placed = self.place_quietly(scene);
+        self.progress.set_message("");
+        placed
+    }
+
+    fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
+        let Self { renderer, sources, progress, placed, .. } = self;
+        if let Some(before) = placed {
+            if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
+                return Ok(changes);
+            }
+            // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
+            *placed = None;
+        }
+        *placed = Some(Placed::new(renderer, sources, scene, progress)?);
+        Ok(Changes::ALL)
+    }
+
+    /// Forgets what `auto` stood for if other points ask for something else: opaque ones for no order at all.
+    fn reconsider(&mut self, scene: &Scene) {
+        let Some(placed) = &self.placed else { return };
+        let needs_order = |method: &Method| !matches!(method, Method::Circles(_));
+        let (resolved, _why) = plan::resolve(scene.method, placed.arranged.points());
+        self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
+    }
+
+    /// What a frame would do: its passes and why.
+    pub fn plan(&self, taken: &Taken) -> Vec<plan::Step> {
+        let Taken { rendered, frame, why, .. } = taken;
+        plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.wide_atomics, why)
+    }
+}
+
+/// Lights that stand for the area light of a frame, and of how many: all if they were cast already or nothing is to be left out;
+/// else those that are there, one, or, at rest, four times as many as there are. `None` where there are no shadows.
+fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32; 2]> {
+    let wanted = shadows::casting(frame, cloud)?;
+    let there = cloud.casting().filter(|there| there.differences(&wanted).iter().all(|name| *name == "samples"));
+    let taken = match (there, effort) {
+        (Some(there), Effort::Moving(_)) => there.samples,
+        (Some(there), Effort::Refining(_)) if *there != wanted => there.samples.saturating_mul(4).min(wanted.samples),
+        (None, Effort::Moving(_) | Effort::Refining(_)) => 1,
+        _ => wanted.samples,
+    };
+    frame.shadows = frame.shadows.map(|shadows| scene::Shadows { samples: taken, ..shadows });
+    Some([taken, wanted.samples])
+}
+
+pub(super) fn no_points() -> pellucid_engine::Error {
+    scene::Error::NoPoints { clouds: "the scene".into() }.into()
+}
+
+fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {
+    let Placed { subject: Subject { bounds, radius, up }, arranged, .. } = placed;
+    let settings = match pose {
+        Pose::At(settings) => {
+            let found = scene::camera_at(&settings, bounds, *radius);
+            return found.ok_or_else(|| scene::Error::Extent { min: bounds.min, max: bounds.max }.into());
+        }
+        Pose::Scene => scene.camera,
+        Pose::View(view) => CameraSettings { view, eye: None, target: None, up: None, height: None, ..scene.camera },
+    };
+    let framed = Scene { camera: settings, clouds: Vec::new(), ..scene.clone() };
+    let (camera, _warnings) = scene::camera(&framed, arranged.points(), *up)?;
+    Ok(camera)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,299 @@
+//! After any sequence of settings a picture is, to the bit, the one that a fresh start makes of the scene; and what is said to
+//! stay on the device isn't uploaded again.
+
+mod common;
+mod drafts;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::*;
+use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
+use pellucid_engine::prepare::shadows::{Casting, ShadowTexture};
+use pellucid_engine::prepare::{self, Request};
+use pellucid_engine::scene::{Document, METHODS, Overrides, Setting};
+
+const SEED: u64 = 5;
+
+fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
+    Stage::new(device, clouds, SEED, None).unwrap()
+}
+
+/// The picture of a stage that knows nothing yet, with the renderer of one that is there.
+fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> Taken {
+    (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
+    stage.take(scene, Pose::Scene, Effort::Whole).unwrap()
+}
+
+/// A setting of each kind; each picture but the first few has all earlier ones in force.
+fn changes(threshold: f64) -> Vec<(String, Setting)> {
+    vec![
+        number("cloud.0.opacity", 0.35),
+        number("cloud.*.opacity", 1.0),
+        numbers("cloud.1.color", [0.9, 0.2, 0.1]),
+        number("cloud.0.radius_factor", 1.7),
+        words("cloud.*.field", "height"),
+        number("cloud.1.radius", 0.11),
+        number("method.threshold", threshold),
+        ("cloud.0.soft_classes".into(), Setting::Integers(vec![0, 2])),
+        words("cloud.0.field", "classification"),
+        ("cloud.0.soft_classes".into(), Setting::Integers(vec![1])),
+        ("cloud.0.neighbors".into(), Setting::Integer(3)),
+        numbers("cloud.0.color", [0.1, 0.2, 0.8]),
+        numbers("shading.light", [-0.4, -1.0, -0.2]),
+        number("cloud.1.opacity", 0.45),
+        numbers("cloud.1.translate", [0.2, 0.0, 0.1]),
+        number("cloud.0.scale", 1.25),
+        number("cloud.0.opacity", 0.7),
+    ]
+}
+
+/// Few samples, ensembles and layers: there are many pictures.
+fn quick(document: &mut Document) {
+    for (key, value) in [("samples", 4), ("ensembles", 6)] {
+        document.put(&format!("method.{key}"), Setting::Integer(value)).unwrap();
+    }
+}
+
+fn each_setting_of(methods: &[&str]) {
+    with_device(|device| {
+        let clouds = clouds();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let mut following = 0;
+        for (i, method) in methods.iter().enumerate() {
+            let mut document = document();
+            quick(&mut document);
+            let there = ["soft-express", "spbr", "points", "abuffer"][i % 4];
+            let mut all = vec![words("method.name", method)];
+            all.extend(changes(0.3 + 0.1 * (i % 4) as f64));
+            all.extend([words("method.name", there), words("method.name", method), number("cloud.0.opacity", 0.2)]);
+            for (key, value) in all {
+                let scene = document.set(&key, value.clone()).unwrap();
+                let before = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+                let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
+                following += usize::from(before == after);
+                let what = format!("{method} (by way of {there}), {key} = {value:?}");
+                assert_same(&taken, &fresh(&mut other, &clouds, &scene), &what);
+                assert_same_clouds(&mut live, &mut other, &what);
+                live.recycle(taken.rendered.image);
+            }
+        }
+        // Most of it in place, or nothing was tested.
+        assert!(following >= 14 * methods.len(), "{following} of {} methods", methods.len());
+    });
+}
+
+/// In halves, for two to run at a time.
+#[test]
+fn each_setting_of_each_method_gives_the_bytes_of_a_fresh_start() {
+    each_setting_of(&METHODS[..METHODS.len() / 2]);
+}
+
+#[test]
+fn each_setting_of_each_other_method_gives_the_bytes_of_a_fresh_start() {
+    each_setting_of(&METHODS[METHODS.len() / 2..]);
+}
+
+#[test]
+fn only_columns_that_changed_are_uploaded() {
+    with_device(|device| {
+        let text = "[image]\nsize = [28, 18]\n[[cloud]]\npath = 'a.ply'\nopacity = 0.8\n[method]\nname = 'soft-base'\n";
+        let mut document = Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap();
+        let mut stage = stage(device, vec![cloud(1, 60)]);
+        let n = 60;
+        let vector = 16 * n;
+        // All points but for normals' shares of light: four vectors and F.
+        let first = 4 * vector + 4 * n;
+        let height = words("cloud.0.field", "height");
+        let steps = [
+            (number("cloud.0.opacity", 0.5), first, Changes::ALL),
+            (number("cloud.0.opacity", 0.25), vector, Changes { opacities: true, ..Changes::default() }),
+            (number("cloud.0.radius_factor", 3.0), vector, Changes { radii: true, ..Changes::default() }),
+            (number("method.threshold", 0.75), 0, Changes::default()),
+            (number("method.softness", 0.75), 0, Changes::default()),
+            (words("shading.model", "lambert"), 0, Changes::default()),
+            (height.clone(), 4 * n, Changes { fields: true, ..Changes::default() }),
+            (height, 0, Changes::default()),
+            // Without colors of their own F decides which of two points in the same place comes first.
+            (
+                numbers("cloud.0.color", [1.0, 0.5, 0.0]),
+                first,
+                Changes { colors: true, order: true, ..Changes::default() },
+            ),
+            (number("cloud.0.opacity", 1.0), vector, Changes { opacities: true, ..Changes::default() }),
+        ];
+        for ((key, value), bytes, changes) in steps {
+            let scene = document.set(&key, value).unwrap();
+            let before = device.uploaded_bytes();
+            assert_eq!(stage.place(&scene).unwrap(), changes, "{key}");
+            assert_eq!(device.uploaded_bytes() - before, bytes, "{key}");
+        }
+    });
+}
+
+#[test]
+fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
+    with_device(|device| {
+        let clouds = vec![cloud(1, 60), cloud(2, 50)];
+        let mut document = document();
+        quick(&mut document);
+        document.put("method.name", Setting::Word("spbr".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let n = 110;
+        let settings = [number("cloud.0.opacity", 0.3), number("cloud.1.opacity", 0.9), number("cloud.0.opacity", 0.0)];
+        for (i, (key, value)) in settings.into_iter().enumerate() {
+            let scene = document.set(&key, value).unwrap();
+            let before = device.uploaded_bytes();
+            let changes = live.place(&scene).unwrap();
+            if i > 0 {
+                assert_eq!(changes, Changes { opacities: true, ..Changes::default() }, "{key}");
+                assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");
+            }
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+        }
+    });
+}
+
+/// A cloud with shadows that no light casts: they must be those of the file for the light that they are stored for, and cast for
+/// others.
+#[test]
+fn stored_shadows_are_there_for_their_light_only() {
+    with_device(|device| {
+        let mut document = Document::from_toml(
+            "[image]\nsize = [28, 18]\n[shading]\nmodel = 'lambert'\nlight = [0, -1, 0]\n[shadows]\n\
+             resolution = 32\n[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n",
+            Path::new("/scans/s.toml"),
+            &Overrides::default(),
+        )
+        .unwrap();
+        let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &ProgressBar::hidden()).unwrap();
+        let scene = document.scene().unwrap();
+        let diagonal = cloud.bounds().unwrap().diagonal();
+        let casting = Casting::new(scene.shading.light, &scene.shadows.unwrap(), SEED, diagonal).unwrap();
+        let lit = (0..60).map(|i| (i % 3) as f32 / 2.0).collect();
+        cloud.prepared.as_mut().unwrap().shadows = Some(ShadowTexture { casting, lit });
+        let clouds = vec![cloud];
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        let (stored, elsewhere) = ([0.0, -1.0, 0.0], [0.0, -1.0, -0.5]);
+        let settings = [
+            numbers("shading.light", stored),
+            // Points without colors of their own trade places, and their shadows with them.
+            numbers("cloud.0.color", [0.5, 0.5, 1.0]),
+            number("cloud.0.opacity", 0.5),
+            numbers("shading.light", elsewhere),
+            number("cloud.0.opacity", 0.75),
+            numbers("shading.light", stored),
+            ("shadows.resolution".into(), Setting::Integer(16)),
+            ("shadows.resolution".into(), Setting::Integer(32)),
+            words("method.name", "circles"),
+            words("method.name", "soft-base"),
+            words("cloud.0.field", "height"),
+            words("method.name", "points"),
+        ];
+        let mut views = Vec::new();
+        for (key, value) in settings {
+            let scene = document.set(&key, value.clone()).unwrap();
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
+            views.push(taken.rendered.facts.light_views);
+        }
+        // Cast only for a light that the file has none for, and once.
+        assert_eq!(views, [0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0]);
+    });
+}
+
+#[test]
+fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
+    with_device(|device| {
+        let clouds = clouds();
+        let mut document = document();
+        document.put("method.name", Setting::Word("soft-base".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        live.take(&document.scene().unwrap(), Pose::Scene, Effort::Whole).unwrap();
+        let scene = document.set("cloud.1.field", Setting::Word("weight".into())).unwrap();
+        assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.placed.is_some());
+        let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
+        let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+        assert_same(&taken, &fresh(&mut other, &clouds, &scene), "after an error");
+    });
+}
+
+#[test]
+fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
+    with_device(|device| {
+        let (clouds, mut document) = (clouds(), document());
+        document.put("method.name", Setting::Word("soft-base".into())).unwrap();
+        document.put("cloud.*.field", Setting::Word("height".into())).unwrap();
+        let (mut live, mut other) = (stage(device, clouds.clone()), stage(device, clouds.clone()));
+        live.take(&document.scene().unwrap(), Pose::Scene, Effort::Whole).unwrap();
+        let settings = [
+            (0, number("cloud.0.opacity", 0.5)),
+            (2, numbers("cloud.0.color", [1.0, 0.5, 0.0])),
+            (1, numbers("cloud.1.color", [0.0, 0.5, 0.0])),
+            (0, words("cloud.0.field", "uncertainty")),
+            (0, words("method.name", "abuffer")),
+            (0, words("method.name", "soft-express")),
+        ];
+        for (allowed, (key, value)) in settings {
+            let scene = document.set(&key, value).unwrap();
+            device.allow_submissions(Some(allowed));
+            let stopped = live.take(&scene, Pose::Scene, Effort::Whole);
+            device.allow_submissions(None);
+            assert!(stopped.is_err(), "{key}");
+            // Another one in between.
+            if allowed == 1 {
+                document.set("cloud.0.radius_factor", Setting::Number(1.5)).unwrap();
+            }
+            let scene = document.scene().unwrap();
+            let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
+            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same_clouds(&mut live, &mut other, &key);
+        }
+    });
+}
+
+#[test]
+fn auto_is_asked_again_when_points_become_transparent() {
+    with_device(|device| {
+        let (mut document, opaque) = (document(), vec![cloud(1, 60), cloud(2, 50)]);
+        document.put("cloud.*.opacity", Setting::Number(1.0)).unwrap();
+        let mut stage = stage(device, opaque);
+        let mut method = |document: &Document| {
+            stage.take(&document.scene().unwrap(), Pose::Scene, Effort::Moving(1e9)).unwrap().frame.method.name()
+        };
+        assert_eq!(method(&document), "circles");
+        document.put("cloud.1.opacity", Setting::Number(0.5)).unwrap();
+        assert!(["sorted", "abuffer"].contains(&method(&document)));
+        document.put("cloud.1.opacity", Setting::Number(1.0)).unwrap();
+        assert_eq!(method(&document), "circles");
+    });
+}
+
+/// What is cheapest depends on how large splats are, so that a whole picture asks for its own view, however it came about.
+#[test]
+fn auto_is_asked_for_the_view_of_each_whole_picture() {
+    with_device(|device| {
+        let (document, mut stage) = (document(), stage(device, vec![cloud(1, 60), cloud(2, 50)]));
+        let at = |distance: f64| {
+            let (eye, target, up) = (Some(DVec3::Z * distance), Some(DVec3::ZERO), Some(DVec3::Y));
+            Pose::At(CameraSettings { eye, target, up, ..CameraSettings::default() })
+        };
+        let scene = document.scene().unwrap();
+        // "for 110 splats of 12.3 pixels": what the choice is made by.
+        let mut load = |pose, effort| {
+            let why = stage.take(&scene, pose, effort).unwrap().why;
+            why.split_once("; for ").unwrap().1.split(" pixels").next().unwrap().to_owned()
+        };
+        let [far, near] = [50.0, 3.0].map(|distance| load(at(distance), Effort::Whole));
+        assert_ne!(far, near);
+        for effort in [Effort::Moving(1e9), Effort::Refining(1e9)] {
+            assert_eq!(load(at(50.0), effort), far, "{effort:?}");
+            assert_eq!(load(at(3.0), effort), near, "{effort:?}");
+        }
+        // Drafts have no time for it.
+        assert_eq!(load(at(50.0), Effort::Moving(1e-9)), near);
+    });
+}

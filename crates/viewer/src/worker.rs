@@ -1,0 +1,372 @@
+//! The thread that renders, so that the window answers however long a frame takes.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::thread::JoinHandle;
+
+use indicatif::ProgressBar;
+
+use super::accuracy::{History, Rung, Standing};
+use super::census::Census;
+use super::display::{self, Display};
+use super::loss;
+use super::save::{self, Saving};
+use super::stage::{Pose, Stage, Taken};
+use pellucid_engine::camera::import::Source;
+use pellucid_engine::camera::path;
+use pellucid_engine::cloud::Cloud;
+use pellucid_engine::gpu::{self, Device};
+use pellucid_engine::methods::Frame;
+use pellucid_engine::scene::{self, Overrides, Scene};
+use pellucid_engine::{Error, Result};
+
+mod messages;
+
+pub use messages::{News, Picture, Request, Task};
+
+/// Who may stop what.
+#[derive(Default)]
+struct Stops {
+    /// Whether what runs may be stopped.
+    may: AtomicBool,
+    /// Whether the window is closed: nothing is done any more but what is to be saved.
+    closing: AtomicBool,
+    /// Whether the thread is to end with nothing done any more.
+    ending: AtomicBool,
+}
+
+impl Stops {
+    fn allow(&self, task: &Task) -> bool {
+        let is_save = matches!(task, Task::Save(_));
+        !self.is_ending() && (is_save || !self.closing.load(Ordering::SeqCst))
+    }
+
+    fn is_ending(&self) -> bool {
+        self.ending.load(Ordering::SeqCst)
+    }
+}
+
+/// Wakes whoever waits, when the thread ends, too.
+struct Bell<F: Fn()>(F);
+
+impl<F: Fn()> Drop for Bell<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+/// The thread's end of the news. The fields go in this order: whoever is woken by the end finds that there is no more news.
+struct Teller<F: Fn()> {
+    news: Sender<News>,
+    bell: Bell<F>,
+}
+
+impl<F: Fn()> Teller<F> {
+    fn tell(&self, news: News) {
+        // Nobody listens any more if the window is closed.
+        let _ = self.news.send(news);
+        (self.bell.0)();
+    }
+}
+
+/// What a thread works on, at its beginning and at its end.
+pub struct Held {
+    /// The clouds as they were read.
+    pub clouds: Vec<Cloud>,
+    /// Whether no file holds them.
+    pub generated: bool,
+    /// What was asked for and not done, but for pictures.
+    pub tasks: Vec<Task>,
+}
+
+/// The thread and its two ends.
+pub struct Worker {
+    /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
+    pub progress: ProgressBar,
+    tasks: Option<Sender<Task>>,
+    news: Receiver<News>,
+    /// Gives back what it held, and the tasks that it has not looked at.
+    thread: Option<JoinHandle<(Held, Receiver<Task>)>>,
+    device: Device,
+    stops: Arc<Stops>,
+}
+
+impl Worker {
+    /// Starts the thread, with tasks that it has already. `wake` is called after each piece of news.
+    pub fn start(device: &Device, held: Held, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
+        let (tasks, waiting) = mpsc::channel();
+        let (teller, news) = mpsc::channel();
+        let stage = Stage::new(device, held.clouds, setup.seed, setup.memory_budget)?;
+        let progress = stage.progress.clone();
+        let (display, history) = (Display::new(), History::default());
+        let work = Work { stage, setup, generated: held.generated, display, history, whole: None };
+        let teller = Teller { news: teller, bell: Bell(wake) };
+        let stops = Arc::new(Stops::default());
+        let stoppable = stops.clone();
+        let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, &teller));
+        let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
+        held.tasks.into_iter().for_each(|task| worker.ask(task));
+        Ok(worker)
+    }
+
+    /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
+    pub fn ask(&self, task: Task) {
+        // Before it is sent: it could be begun in this moment, and be stopped by itself.
+        if matches!(task, Task::Show(_) | Task::Open(_)) {
+            self.stop();
+        }
+        if let Some(tasks) = &self.tasks {
+            // A thread that is gone has said why.
+            let _ = tasks.send(task);
+        }
+    }
+
+    /// Stops what may be stopped at its next submission. If the thread goes on to the next task in this moment that one may be
+    /// stopped instead: then it says so, or begins anew if it was not to be stopped.
+    fn stop(&self) {
+        if self.stops.may.load(Ordering::SeqCst) {
+            self.device.allow_submissions(Some(0));
+        }
+    }
+
+    /// Ends the thread as soon as it can be; what it held, and the news that nobody has seen. `None` after a panic, which the
+    /// thread itself has printed.
+    pub fn end(mut self) -> Option<(Held, Vec<News>)> {
+        self.stops.ending.store(true, Ordering::SeqCst);
+        self.device.allow_submissions(Some(0));
+        self.tasks = None;
+        let (mut held, waiting) = self.thread.take()?.join().ok()?;
+        held.tasks.extend(waiting.try_iter());
+        held.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Cameras(_) | Task::Save(_)));
+        Some((held, self.news.try_iter().collect()))
+    }
+
+    /// The next piece of news, if there is one; [`News::Gone`] of a thread that can have none any more.
+    pub fn news(&self) -> Option<News> {
+        match self.news.try_recv() {
+            Ok(news) => Some(news),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(News::Gone),
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.stops.closing.store(true, Ordering::SeqCst);
+        self.stop();
+        self.tasks = None;
+        if let Some(thread) = self.thread.take() {
+            // A panic there was printed by the thread itself.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What stays the same whatever is opened.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// Seed of stochastic methods and of the built-in scene.
+    pub seed: u64,
+    /// Device bytes for a frame's fragments.
+    pub memory_budget: Option<u64>,
+}
+
+struct Work {
+    stage: Stage,
+    setup: Setup,
+    /// Whether no file holds the clouds.
+    generated: bool,
+    display: Display,
+    /// Pictures of the view.
+    history: History,
+    /// The last whole picture.
+    whole: Option<Whole>,
+}
+
+/// A whole picture that could be held against an exact one.
+struct Whole {
+    serial: u64,
+    scene: Arc<Scene>,
+    pose: Pose,
+    frame: Frame,
+    standing: Standing,
+}
+
+/// All that waits, without pictures that a later one replaces.
+fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
+    let mut tasks = vec![first];
+    for task in waiting.try_iter() {
+        if let (Task::Show(_), Some(Task::Show(_))) = (&task, tasks.last()) {
+            tasks.pop();
+        }
+        tasks.push(task);
+    }
+    tasks
+}
+
+impl Work {
+    /// Does what is asked for until nobody can ask any more, the device is lost or the thread is to end.
+    fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, teller: &Teller<impl Fn()>) -> (Held, Receiver<Task>) {
+        let device = self.stage.renderer().device().clone();
+        let (mut left, mut lost) = (Vec::new(), false);
+        teller.tell(self.census());
+        while let Some(task) = (!lost).then(|| waiting.recv().ok()).flatten() {
+            for task in latest(task, &waiting) {
+                let news = if lost { None } else { self.run_allowed(&task, &device, stops) };
+                let Some(news) = news else {
+                    left.push(task);
+                    continue;
+                };
+                lost = matches!(news, News::Lost(_));
+                if lost || stops.is_ending() && matches!(news, News::Stopped(_)) {
+                    left.push(task);
+                }
+                let others = matches!(news, News::Opened(..));
+                teller.tell(news);
+                if others {
+                    teller.tell(self.census());
+                }
+            }
+        }
+        (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+    }
+
+    /// Does a task, anew if it was stopped in place of the one before it; `None` if it is not to be begun.
+    fn run_allowed(&mut self, task: &Task, device: &Device, stops: &Stops) -> Option<News> {
+        loop {
+            device.allow_submissions(None);
+            stops.may.store(task.may_stop(), Ordering::SeqCst);
+            // What was to be written is written, however soon the window is closed.
+            if !stops.allow(task) {
+                return None;
+            }
+            let news = self.run(task);
+            stops.may.store(false, Ordering::SeqCst);
+            if task.may_stop() || stops.is_ending() || !matches!(news, News::Stopped(_)) {
+                return Some(news);
+            }
+        }
+    }
+
+    fn run(&mut self, task: &Task) -> News {
+        let (serial, done) = match task {
+            Task::Show(request) => (request.serial, self.show(request)),
+            Task::Measure(serial) => (*serial, self.measure(*serial)),
+            Task::Open(files) => (0, self.open(files)),
+            Task::Cameras(file) => return cameras(file),
+            Task::Save(saving) => (0, self.save(saving)),
+        };
+        done.unwrap_or_else(|error| match error {
+            error if loss::during(&error).is_some() => News::Lost(error),
+            Error::Gpu(gpu::Error::Stopped { .. }) => News::Stopped(serial),
+            Error::Render(pellucid_engine::methods::Error::Gpu(gpu::Error::Stopped { .. })) => News::Stopped(serial),
+            error if matches!(task, Task::Measure(_)) => {
+                News::Failed(serial, format!("how accurate the picture is can't be found: {error}"))
+            }
+            error => News::Failed(serial, error.to_string()),
+        })
+    }
+
+    fn census(&self) -> News {
+        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
+    }
+
+    fn show(&mut self, request: &Request) -> Result<News> {
+        let Request { scene, pose, effort, serial } = request;
+        let mut taken = self.stage.take(scene, *pose, *effort)?;
+        let plan = self.stage.plan(&taken);
+        let (whole, draft) = (taken.is_whole(), taken.name());
+        let image = &taken.rendered.image;
+        let (small, size) = ([image.width, image.height], scene.image.size);
+        let rung = Rung {
+            name: draft.clone(),
+            ms: taken.rendered.profile.wall.as_secs_f64() * 1e3,
+            // A single stratum of samples has no spread.
+            standard_error: image.standard_error().filter(|error| error.is_finite()),
+            rmse: None,
+        };
+        let mut pixels = display::compose(image, scene.image.background, scene.image.color);
+        let mut depths = std::mem::take(&mut taken.rendered.image.depth);
+        if small != size {
+            pixels = display::enlarge(&pixels, small, size);
+            depths = display::enlarge_depths(&depths, small, size);
+        }
+        let rgba = self.display.bytes(&pixels, scene.image.color);
+        self.history.add(scene, *pose, rung, pixels, whole);
+        let Taken { rendered, frame, subject, standing, field, .. } = taken;
+        if let (true, Some(standing)) = (whole, standing) {
+            self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
+        }
+        let picture = Picture {
+            serial: *serial,
+            pose: *pose,
+            camera: frame.camera,
+            subject,
+            size,
+            rgba,
+            depths,
+            whole,
+            draft,
+            accuracy: self.history.accuracy(standing),
+            method: frame.method.name(),
+            profile: rendered.profile,
+            facts: rendered.facts,
+            plan,
+            field,
+        };
+        Ok(News::Picture(Box::new(picture)))
+    }
+
+    /// Holds the pictures of the last view against the exact one.
+    fn measure(&mut self, serial: u64) -> Result<News> {
+        let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
+        let standing = whole.map(|whole| whole.standing);
+        if let (Some(whole), Some(Standing::Approximation(method))) = (whole, standing) {
+            let rendered = self.stage.exact(&whole.scene, &whole.frame, method)?;
+            let image = &whole.scene.image;
+            let exact = display::compose(&rendered.image, image.background, image.color);
+            self.stage.recycle(rendered.image);
+            self.history.measure(&whole.scene, whole.pose, method.name(), &exact);
+        }
+        Ok(News::Measured(serial, self.history.accuracy(standing)))
+    }
+
+    fn open(&mut self, files: &[PathBuf]) -> Result<News> {
+        let progress = self.stage.progress.clone();
+        let opened = scene::open(files, &Overrides::default(), self.setup.seed, &progress);
+        progress.set_message("");
+        let opened = opened?;
+        let device = self.stage.renderer().device().clone();
+        self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
+        self.stage.progress = progress;
+        // A file of the same name may hold others by now.
+        (self.history, self.whole) = (History::default(), None);
+        self.generated = opened.generated;
+        Ok(News::Opened(opened.name, Box::new(opened.document)))
+    }
+
+    fn save(&mut self, saving: &Saving) -> Result<News> {
+        save::write(&mut self.stage, saving, self.generated, self.setup.seed).map(News::Saved)
+    }
+}
+
+/// Reads cameras; where a file holds something else, what it could hold.
+fn cameras(file: &Path) -> News {
+    match Source::read(file) {
+        Ok(source) => News::Cameras(file.to_owned(), Box::new(source)),
+        Err(error @ path::Error::Read { .. }) => News::Failed(0, error.to_string()),
+        Err(error) => News::Failed(
+            0,
+            format!(
+                "{error}. Cameras are key frames of this program (docs/camera-paths.md), a transforms.json of nerfstudio or a \
+                 model of COLMAP"
+            ),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! What is rendered, what is stopped, what cameras are.
+
+use super::*;
+use crate::draft::Effort;
+use pellucid_engine::scene::{CameraSettings, Document, Setting};
+
+#[test]
+fn what_holds_no_cameras_is_told_what_could() {
+    let folder = tempfile::tempdir().unwrap();
+    let failed = |name: &str, text: &str| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        match cameras(&file) {
+            News::Failed(0, message) => message,
+            _ => panic!("{name} holds no cameras"),
+        }
+    };
+    for (text, says) in [
+        ("{\"points\": 3}", "has neither keys (a camera path) nor frames"),
+        ("solid", ":1:1: "),
+        ("{\"version\": 1, \"keys\": []}", "a path has from 1 to"),
+    ] {
+        let message = failed("a.json", text);
+        assert!(message.contains(says) && message.contains("key frames of this program"), "{message}");
+        assert!(message.contains("nerfstudio") && message.contains("COLMAP"), "{message}");
+    }
+    assert!(matches!(cameras(&folder.path().join("none.json")), News::Failed(0, text) if !text.contains("COLMAP")));
+}
+
+#[test]
+fn a_picture_that_a_later_one_replaces_is_not_rendered() {
+    let scene = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap().scene().unwrap();
+    let scene = Arc::new(scene);
+    let show = |serial| {
+        let effort = Effort::Whole;
+        Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, effort, serial }))
+    };
+    let (sender, waiting) = mpsc::channel();
+    for task in [show(2), show(3), Task::Open(Vec::new()), show(4), show(5)] {
+        sender.send(task).unwrap();
+    }
+    let kept: Vec<u64> = latest(show(1), &waiting)
+        .iter()
+        .map(|task| if let Task::Show(request) = task { request.serial } else { 0 })
+        .collect();
+    assert_eq!(kept, [3, 0, 5]);
+}
+
+const SIZE: [u32; 2] = [48, 32];
+
+/// A worker on a device, with a plane of transparent points, and the document of its scene.
+fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
+    let device = match Device::open(&gpu::DeviceOptions::validated()) {
+        Ok(device) => device,
+        Err(error) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device: {error}"),
+        Err(error) => return eprintln!("skipped, no device: {error}"),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let text: String = (0..300).map(|i| format!("{} {} {} {} 90 20\n", i % 20, i / 20, i % 7, i % 256)).collect();
+    let file = folder.path().join("plane.xyz");
+    std::fs::write(&file, format!("x y z r g b\n{text}")).unwrap();
+    let opened = scene::open(&[file], &Overrides::default(), 0, &ProgressBar::hidden()).unwrap();
+    let mut document = opened.document;
+    let keys = [
+        ("image.size", Setting::Integers(SIZE.to_vec())),
+        ("method.name", Setting::Word("weighted".into())),
+        ("cloud.0.opacity", Setting::Number(0.6)),
+        ("cloud.0.radius", Setting::Number(1.5)),
+    ];
+    keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
+    let held = Held { clouds: opened.clouds, generated: false, tasks: Vec::new() };
+    let worker = Worker::start(&device, held, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
+    test(&device, &worker, document, folder.path());
+    drop(worker);
+    assert_eq!(device.validation_messages(), Vec::<String>::new());
+}
+
+/// The next piece of news but for what is known of clouds; `meanwhile` is done until it is there.
+fn news(worker: &Worker, mut meanwhile: impl FnMut()) -> News {
+    let until = std::time::Instant::now() + std::time::Duration::from_secs(120);
+    loop {
+        match worker.news() {
+            Some(News::Clouds(_)) => {}
+            Some(news) => return news,
+            None => assert!(std::time::Instant::now() < until, "no news"),
+        }
+        meanwhile();
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+}
+
+fn whole(document: &Document, pose: Pose, serial: u64) -> Task {
+    let scene = Arc::new(document.scene().unwrap());
+    Task::Show(Box::new(Request { scene, pose, effort: Effort::Whole, serial }))
+}
+
+/// Whoever stops a picture may be late, and meet the task behind it.
+#[test]
+fn what_is_to_be_written_is_written_whenever_something_is_stopped() {
+    working(|device, worker, document, folder| {
+        let to = Some(folder.join("kept.toml"));
+        worker.ask(Task::Save(Box::new(Saving { document, stem: String::new(), picture: true, path: None, to })));
+        let mut stops = 0;
+        let saved = news(worker, || {
+            stops += 1;
+            if stops < 50 {
+                device.allow_submissions(Some(0));
+            }
+        });
+        assert!(matches!(saved, News::Saved(files) if files.len() == 2 && files.iter().all(|file| file.exists())));
+    });
+}
+
+/// A picture that came to nothing may have left other points on the device.
+#[test]
+fn accuracy_is_that_of_the_picture_that_is_shown() {
+    working(|_, worker, mut document, _| {
+        let measured = |serial| {
+            worker.ask(Task::Measure(serial));
+            match news(worker, || {}) {
+                News::Measured(of, accuracy) if of == serial => accuracy,
+                _ => panic!("not measured"),
+            }
+        };
+        worker.ask(whole(&document, Pose::Scene, 1));
+        assert!(matches!(news(worker, || {}), News::Picture(_)));
+        let before = measured(1);
+        assert!(before.rungs[0].rmse.is_some_and(|rmse| rmse > 1e-4), "{before:?}");
+        document.put("cloud.0.opacity", Setting::Number(0.1)).unwrap();
+        worker.ask(whole(
+            &document,
+            Pose::At(CameraSettings { near: Some(2.0), far: Some(1.0), ..CameraSettings::default() }),
+            2,
+        ));
+        assert!(matches!(news(worker, || {}), News::Failed(2, _)));
+        assert_eq!(measured(1), before);
+    });
+}
+
+/// The same names and the same view, but other points.
+#[test]
+fn files_that_are_opened_again_have_no_accuracy_yet() {
+    working(|_, worker, document, folder| {
+        worker.ask(whole(&document, Pose::Scene, 1));
+        assert!(matches!(news(worker, || {}), News::Picture(_)));
+        worker.ask(Task::Open(vec![folder.join("plane.xyz")]));
+        assert!(matches!(news(worker, || {}), News::Opened(..)));
+        worker.ask(Task::Measure(1));
+        let News::Measured(1, accuracy) = news(worker, || {}) else { panic!("not measured") };
+        assert!(accuracy.rungs.is_empty(), "{accuracy:?}");
+    });
+}
+
+/// The thread may have begun with a picture before whoever asked for it goes on.
+#[test]
+fn a_picture_is_not_stopped_by_being_asked_for() {
+    working(|_, worker, document, _| {
+        for serial in 1..=40 {
+            worker.ask(whole(&document, Pose::Scene, serial));
+            assert!(matches!(news(worker, || {}), News::Picture(picture) if picture.serial == serial));
+        }
+    });
+}
+
+#[test]
+fn a_panic_is_news() {
+    let (sender, news) = mpsc::channel();
+    let (rings, heard) = mpsc::channel();
+    let teller = Teller { news: sender, bell: Bell(move || rings.send(()).unwrap()) };
+    let thread = std::thread::spawn(move || {
+        teller.tell(News::Stopped(1));
+        // Quietly: the hook that prints is everyone's.
+        std::panic::resume_unwind(Box::new("a defect"));
+    });
+    for _ in 0..2 {
+        heard.recv_timeout(std::time::Duration::from_secs(60)).expect("a ring");
+    }
+    assert!(matches!(news.try_recv(), Ok(News::Stopped(1))));
+    assert!(matches!(news.try_recv(), Err(TryRecvError::Disconnected)), "known before the bell rings");
+    assert!(thread.join().is_err());
+}
