@@ -4,13 +4,13 @@ mod common;
 
 use common::{frame, orthographic, random, render, with_device};
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{Applied, End, apply, factor};
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles::{Dealt, deal};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Brightness, ColorSpace, Discs, Method, Spbr, SpbrSimplified};
 use rand::RngExt;
 
@@ -28,7 +28,7 @@ fn cloud() -> Dealt {
         radii: vec![0.0; count],
         ..Points::default()
     };
-    deal(vec![points], 1, &ProgressBar::hidden())
+    deal(vec![points], 1, &Progress::hidden())
 }
 
 fn simplified(ensembles: u32, brightness: Brightness) -> Method {

@@ -7,9 +7,9 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use common::{data, with_device};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::output::read_image;
+use pellucid_engine::progress::Progress;
 use tempfile::TempDir;
 
 /// Runs the binary; quiet, since what real files deserve a warning for is not this test's business.
@@ -62,7 +62,7 @@ fn info_counts_the_points() {
 fn prepared(folder: &TempDir, file: &Path, args: &[&str]) -> (Cloud, Cloud) {
     let output = pellucid(folder, &[&["prepare", "-o", "out.ply"], args].concat(), file);
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    let load = |path: &Path| pellucid_engine::io::load(path, &ProgressBar::hidden()).unwrap();
+    let load = |path: &Path| pellucid_engine::io::load(path, &Progress::hidden()).unwrap();
     let (source, cloud) = (load(file), load(&folder.path().join("out.ply")));
     let plain = Cloud { prepared: None, radii: source.radii.clone(), ..cloud.clone() };
     assert_eq!(plain, source, "every column, to the bit");

@@ -11,7 +11,7 @@ use common::{with_device, with_device_that_binds};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{Discs, Method};
 use pellucid_lab::check::{self, Follows, Subject};
 

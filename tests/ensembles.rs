@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec3};
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -27,7 +27,7 @@ fn cloud(positions: Vec<DVec3>) -> Points {
 }
 
 fn dealt(clouds: Vec<Points>, seed: u64) -> Dealt {
-    deal(clouds, seed, &ProgressBar::hidden())
+    deal(clouds, seed, &Progress::hidden())
 }
 
 fn density(positions: &[DVec3]) -> f64 {

@@ -4,13 +4,13 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::reference::{self, Picture};
 use pellucid_engine::scene::{self, ColorSpace, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel};
 use rand::RngExt;
@@ -404,7 +404,7 @@ fn a_scanned_surface_equals_the_reference_and_is_closed() {
     with_device(|device| {
         let path = data.join("models/stanford_dragon_437k.ply");
         let scene = Scene::from_clouds(&[path], &Overrides::default()).expect("a scene");
-        let progress = ProgressBar::hidden();
+        let progress = Progress::hidden();
         let clouds = scene::load_clouds(&scene, &progress).expect("it can be read");
         let up = scene::up_axis(&clouds);
         let all = scene::assemble(&scene, clouds, false, &progress).expect("points");

@@ -14,8 +14,8 @@ mod io {
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
+use pellucid_engine::progress::Progress;
 use tempfile::TempDir;
 
 /// A folder with one file in it, gone after the test.
@@ -34,7 +34,7 @@ impl Folder {
 }
 
 fn load(path: &Path) -> Result<Cloud, pellucid_engine::io::Error> {
-    pellucid_engine::io::load(path, &ProgressBar::hidden())
+    pellucid_engine::io::load(path, &Progress::hidden())
 }
 
 /// Loads some bytes as a file of that name.

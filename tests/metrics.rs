@@ -1,7 +1,7 @@
 //! Image metrics: values worked by hand, and for each a pair of images that must differ.
 
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::metrics::*;
-use pellucid_engine::output::LinearImage;
 
 fn image(width: u32, pixels: &[[f32; 3]]) -> LinearImage {
     LinearImage { width, height: pixels.len() as u32 / width, pixels: pixels.to_vec() }

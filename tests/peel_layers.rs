@@ -6,11 +6,11 @@ use std::path::Path;
 
 use common::*;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::reference::{self, Picture};
 use pellucid_engine::scene::{
     self, ColorSpace, ImageSpace, Method, Overrides, PeelLayers, Scene, Shading, ShadingModel, procedural,
@@ -243,7 +243,7 @@ fn tori(points: u32, size: [u32; 2]) -> (Points, Camera) {
     let generated = procedural::build("tori", &[("points".into(), f64::from(points))], 0).expect("it is built in");
     let scene = Scene::from_toml_with(&generated.scene_toml, Path::new("tori"), &Overrides::default()).expect("valid");
     let clouds = scene::take_generated(&scene, &generated).expect("its own");
-    let points = scene::assemble(&scene, clouds, false, &ProgressBar::hidden()).expect("points");
+    let points = scene::assemble(&scene, clouds, false, &Progress::hidden()).expect("points");
     let fov_y = 38f64.to_radians();
     let camera = Camera::look_at(
         DVec3::new(0.0, -3.3, 3.3),

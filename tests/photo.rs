@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::photo::{Heights, Photo};
 use pellucid_engine::io::{Error, Hints, load, load_with};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene};
 use tempfile::TempDir;
 
@@ -20,7 +20,7 @@ fn write(folder: &TempDir, name: &str, picture: &DynamicImage) -> PathBuf {
 }
 
 fn read(path: &Path, photo: Option<&Photo>) -> Result<Cloud, Error> {
-    load_with(path, Hints { photo, ..Hints::default() }, &ProgressBar::hidden())
+    load_with(path, Hints { photo, ..Hints::default() }, &Progress::hidden())
 }
 
 #[track_caller]
@@ -236,7 +236,7 @@ fn keys_of_the_scene() {
         heights: Some(Heights { path: folder.path().join("ramp.png"), scale: 0.1 }),
     };
     assert_eq!((&scene.clouds[0].photo, scene.warnings.len()), (&Some(wanted), 0));
-    let progress = ProgressBar::hidden();
+    let progress = Progress::hidden();
     let clouds = scene::load_clouds(&scene, &progress).unwrap();
     let points = scene::assemble(&scene, clouds, false, &progress).unwrap();
     let bounds = points.bounds().unwrap();

@@ -1,17 +1,17 @@
 //! Radii, normals and the uncertainty field against brute force, and the canonical order against shuffled input.
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::uncertainty::{self, Surface};
 use pellucid_engine::prepare::{order, radius};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 fn estimate(positions: &[DVec3], neighbors: usize) -> Vec<f32> {
-    radius::estimate(positions, neighbors, &ProgressBar::hidden())
+    radius::estimate(positions, neighbors, &Progress::hidden())
 }
 
 /// Eq. 20 as its definition says: all distances, sorted.
@@ -217,7 +217,7 @@ fn no_points_one_point_and_equal_points() {
 }
 
 fn surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize) -> Surface {
-    uncertainty::estimate(positions, normals, neighbors, &ProgressBar::hidden())
+    uncertainty::estimate(positions, normals, neighbors, &Progress::hidden())
 }
 
 /// Unit normals from a few directions, and none for every fifth point, so that neighbors tie in them too.

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::*;
 
 const CLOUD: &str = "[[cloud]]\npath = \"a.ply\"\n";
@@ -404,7 +404,7 @@ fn scene_of(text: &str) -> Scene {
 }
 
 fn assembled(text: &str, clouds: Vec<Cloud>, needs_radii: bool) -> Points {
-    assemble(&scene_of(text), clouds, needs_radii, &ProgressBar::hidden()).unwrap()
+    assemble(&scene_of(text), clouds, needs_radii, &Progress::hidden()).unwrap()
 }
 
 /// The point at a position, as (color, opacity, radius, normal): the order of points is not this test's business.
@@ -546,7 +546,7 @@ fn fields_are_scaled_cloud_by_cloud_and_dropped_with_their_points() {
 fn clouds_that_lack_what_a_field_needs_are_refused_by_name() {
     let refused = |cloud: Cloud, keys: &str| {
         let scene = scene_of(&format!("{SOFT}{keys}"));
-        let error = assemble(&scene, vec![cloud], true, &ProgressBar::hidden()).unwrap_err();
+        let error = assemble(&scene, vec![cloud], true, &Progress::hidden()).unwrap_err();
         assert_eq!(error.exit_status(), 1, "the scene is fine, the file lacks something: {error}");
         error.to_string()
     };
@@ -577,7 +577,7 @@ fn points_that_leave_float64_are_dropped_with_their_attributes() {
     assert_eq!(points.len(), 2);
     assert_eq!(at(&points, DVec3::Y * 1e10).0, Vec3::Z);
     let far = Cloud { positions: vec![DVec3::X * 1e300], ..Cloud::default() };
-    let error = assemble(&scene_of(text), vec![far], false, &ProgressBar::hidden()).unwrap_err();
+    let error = assemble(&scene_of(text), vec![far], false, &Progress::hidden()).unwrap_err();
     assert_eq!(error.exit_status(), 1);
 }
 

@@ -5,12 +5,12 @@ mod common;
 
 use common::*;
 use glam::{DVec3, Vec3};
+use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::shadows::Casting;
 use pellucid_engine::reference::shadows::clearances;
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 

@@ -8,7 +8,7 @@ use pellucid_engine::gpu::{self, Device};
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::plan;
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
 use pellucid_lab::check::{self, Subject};
 
 /// Renders on what is there already.

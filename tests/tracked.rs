@@ -1,10 +1,11 @@
 //! Points that follow the settings of a scene are, step by step, those that the scene gives from scratch.
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
-use pellucid_engine::points::{Arranged, Changes, Points};
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::points::{Changes, Points};
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::tracked::{Known, Tracked};
 use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
@@ -107,7 +108,7 @@ fn run(seed: u64, steps: usize, met: &mut Met) {
     let clouds: Vec<Cloud> = counts.map(|count| cloud(&mut r, count)).into();
     let all: usize = clouds.iter().map(Cloud::len).sum();
     let mut known = vec![Known::default(); clouds.len()];
-    let (mut scene, hidden) = (scene(clouds.len()), ProgressBar::hidden());
+    let (mut scene, hidden) = (scene(clouds.len()), Progress::hidden());
     let mut tracked: Option<Tracked> = None;
     for step in 0..steps {
         change(&mut r, &mut scene);
@@ -160,7 +161,7 @@ fn settings_one_after_the_other_are_as_good_as_from_scratch() {
 fn points_in_one_place_stand_by_what_they_are() {
     let mut clouds = vec![Cloud { positions: vec![DVec3::ZERO; 3], ..Cloud::default() }];
     clouds[0].alphas = Some(vec![0.25, 1.0, 0.5]);
-    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], ProgressBar::hidden());
+    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], Progress::hidden());
     scene.clouds[0].radius = Some(1.0);
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, 0, &hidden).unwrap();
     assert_eq!((&*tracked.points().opacities, &*tracked.points().file_order), (&[0.25, 0.5, 1.0][..], &[0, 2, 1][..]));
@@ -179,7 +180,7 @@ fn zeros_of_two_signs_are_two_settings() {
     let clouds =
         [0.25, 1.0].map(|x| Cloud { positions: vec![DVec3::splat(-0.0), DVec3::splat(x)], ..Cloud::default() });
     let clouds = Vec::from(clouds);
-    let hidden = ProgressBar::hidden();
+    let hidden = Progress::hidden();
     let plain = || {
         let mut scene = scene(2);
         scene.clouds.iter_mut().for_each(|cloud| (cloud.radius, cloud.opacity) = (Some(0.0), 0.0));
@@ -215,7 +216,7 @@ fn zeros_of_two_signs_are_two_settings() {
 fn what_a_cloud_lacks_changes_nothing() {
     let mut r = Pcg64::seed_from_u64(1);
     let clouds = vec![cloud(&mut r, 20), cloud(&mut r, 20)];
-    let (mut scene, mut known, hidden) = (scene(2), vec![Known::default(); 2], ProgressBar::hidden());
+    let (mut scene, mut known, hidden) = (scene(2), vec![Known::default(); 2], Progress::hidden());
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
     let good = scene.clone();
@@ -234,7 +235,7 @@ fn what_a_cloud_lacks_changes_nothing() {
 #[test]
 fn who_is_dealt_and_who_is_not_is_another_arrangement() {
     let clouds = vec![cloud(&mut Pcg64::seed_from_u64(2), 20)];
-    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], ProgressBar::hidden());
+    let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], Progress::hidden());
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
     scene.method = Method::Spbr(Spbr::default());

@@ -22,7 +22,7 @@ cargo fmt --check
 step cargo clippy
 cargo clippy --locked --all-targets -- -D warnings
 step cargo clippy without the window
-cargo clippy --locked --no-default-features -- -D warnings
+cargo clippy --locked -p pellucid-cli --no-default-features -- -D warnings
 step cargo doc
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
 optional typos "cargo install --locked typos-cli" typos

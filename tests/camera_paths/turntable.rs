@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::camera::path::Turntable;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Course, Scene, View, procedural};
 
 #[test]
@@ -150,7 +150,7 @@ fn builtin(name: &str, size: [u32; 2]) -> (Points, String) {
     let generated = procedural::build(name, if name == "spheres" { &[] } else { &set }, 0).unwrap();
     let scene = Scene::from_toml(&generated.scene_toml, Path::new("s.toml")).unwrap();
     let clouds = scene::take_generated(&scene, &generated).unwrap();
-    let arranged = scene::arrange(&scene, clouds, 0, &ProgressBar::hidden()).unwrap();
+    let arranged = scene::arrange(&scene, clouds, 0, &Progress::hidden()).unwrap();
     let text = generated.scene_toml.split("[[cloud]]").next().unwrap();
     let lines = text.lines().map(|line| match line.starts_with("size = ") {
         true => format!("size = {size:?}"),

@@ -43,7 +43,8 @@ fn a_plane_has_its_opacity_and_the_same_bytes_again() {
     assert!(render("c.exr", &["--seed", "1"]) != render("b.exr", &[]));
     // A file in another order does not.
     let cloud =
-        pellucid_engine::io::load(&inside(&folder, "plane/plane.ply"), &indicatif::ProgressBar::hidden()).unwrap();
+        pellucid_engine::io::load(&inside(&folder, "plane/plane.ply"), &pellucid_engine::progress::Progress::hidden())
+            .unwrap();
     let mut backward = cloud.clone();
     backward.positions.reverse();
     pellucid_engine::io::ply::write(&inside(&folder, "plane/plane.ply"), &backward).unwrap();

@@ -28,7 +28,8 @@ fn columns_are_named_wherever_files_are_read() {
     assert_eq!((code, stderr.as_str()), (0, ""));
     let prepared = info(&folder, &["a.ply"]);
     assert_eq!(prepared["attributes"], json!(["color", "radius", "field", "height"]));
-    let cloud = pellucid_engine::io::load(&inside(&folder, "a.ply"), &indicatif::ProgressBar::hidden()).unwrap();
+    let cloud =
+        pellucid_engine::io::load(&inside(&folder, "a.ply"), &pellucid_engine::progress::Progress::hidden()).unwrap();
     assert_eq!((cloud.up, cloud.prepared.unwrap().values), (UpAxis::Z, vec![1.0, 0.0]));
     // For files that name their columns it is said that there is nothing to name.
     let (code, _, stderr) = run(&folder, &["info", "a.ply", "--columns", "x,y,z"]);

@@ -22,7 +22,7 @@ fn a_volume_becomes_a_scene_that_can_be_planned() {
         let [a, b] = ["a", "b"].map(|of| fs::read(inside(&folder, &format!("{of}/{name}"))).unwrap());
         assert!(a == b, "{name}");
     }
-    let load = |name: &str| io::load(&inside(&folder, name), &indicatif::ProgressBar::hidden()).unwrap();
+    let load = |name: &str| io::load(&inside(&folder, name), &pellucid_engine::progress::Progress::hidden()).unwrap();
     let [outer, inner] = ["a/surface-1.ply", "a/surface-2.ply"].map(load);
     assert!(outer.len() + inner.len() == 500 && outer.len() > inner.len());
     // From −1 to 1 over eight cells. Between the numbers the interpolant of each square is too large by up to ¼: the surface lies

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::Scene;
 use pellucid_engine::{io, scene};
 use rand::{RngExt, SeedableRng};
@@ -16,7 +16,7 @@ use tempfile::TempDir;
 use crate::{assert_refused, done, folder, has_device, inside, run};
 
 fn load(path: &Path) -> Cloud {
-    io::load(path, &ProgressBar::hidden()).unwrap()
+    io::load(path, &Progress::hidden()).unwrap()
 }
 
 /// A text PLY with colors, alpha, a few normals, classes and a property; some points coincide.
@@ -118,9 +118,9 @@ fn the_hash_is_the_documented_one() {
 fn points(folder: &TempDir, cloud: &str, keys: &str) -> pellucid_engine::points::Points {
     let text = format!("[method]\nname = \"soft-base\"\n[[cloud]]\npath = \"{cloud}\"\n{keys}");
     let scene = Scene::from_toml(&text, &inside(folder, "s.toml")).unwrap();
-    let clouds = scene::load_clouds(&scene, &ProgressBar::hidden()).unwrap();
+    let clouds = scene::load_clouds(&scene, &Progress::hidden()).unwrap();
     assert_eq!(scene::notes(&scene, &clouds, true), [""; 0], "{keys}");
-    scene::assemble(&scene, clouds, true, &ProgressBar::hidden()).unwrap()
+    scene::assemble(&scene, clouds, true, &Progress::hidden()).unwrap()
 }
 
 #[test]
@@ -166,9 +166,9 @@ fn other_neighbors_or_fields_are_computed_anew_with_a_note() {
         let text = format!("[method]\nname = \"one-layer\"\n[[cloud]]\npath = \"b.ply\"\n{keys}");
         let of = |text: &str| Scene::from_toml(text, &inside(&folder, "s.toml")).unwrap();
         let assembled = |scene: &Scene| {
-            let clouds = scene::load_clouds(scene, &ProgressBar::hidden()).unwrap();
+            let clouds = scene::load_clouds(scene, &Progress::hidden()).unwrap();
             let notes = scene::notes(scene, &clouds, true);
-            (scene::assemble(scene, clouds, true, &ProgressBar::hidden()).unwrap(), notes)
+            (scene::assemble(scene, clouds, true, &Progress::hidden()).unwrap(), notes)
         };
         let (points, notes) = assembled(&of(&text));
         assert!(notes[0].ends_with(note), "{notes:?}");
@@ -217,7 +217,7 @@ fn the_vertical_of_surveys_is_kept() {
         ..Cloud::default()
     };
     let request = pellucid_engine::prepare::Request::default();
-    let prepared = pellucid_engine::prepare::prepared(source.clone(), &request, &ProgressBar::hidden()).unwrap();
+    let prepared = pellucid_engine::prepare::prepared(source.clone(), &request, &Progress::hidden()).unwrap();
     let path = inside(&folder, "a.ply");
     io::ply::write_prepared(&path, &prepared).unwrap();
     let back = load(&path);

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::io;
+use pellucid_engine::progress::Progress;
 use tempfile::TempDir;
 
 use crate::{assert_refused, device, done, folder, has_device, inside, run};
@@ -52,7 +52,7 @@ fn write_scene(folder: &TempDir, cloud: &str, method: &str, keys: &str) {
 }
 
 fn load(path: &Path) -> Cloud {
-    io::load(path, &ProgressBar::hidden()).unwrap()
+    io::load(path, &Progress::hidden()).unwrap()
 }
 
 /// Standard error and the picture of `s.toml`, and whether it cast shadows.

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use crate::{CASES, Files, cases, done, files, place, put_old};
 
@@ -63,7 +63,7 @@ pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
         }
         Some("exr") => pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
         Some("ply") => {
-            pellucid_engine::io::load(&copy, &ProgressBar::hidden()).map(drop).map_err(|error| error.to_string())
+            pellucid_engine::io::load(&copy, &Progress::hidden()).map(drop).map_err(|error| error.to_string())
         }
         Some("json") => serde_json::from_slice::<serde_json::Value>(bytes).map(drop).map_err(|error| error.to_string()),
         Some("toml") if !text()?.ends_with('\n') => Err("no end of its last line".to_owned()),

@@ -1,10 +1,10 @@
 //! Tables, PTS and PTX by hand: every delimiter, every kind of header, every oddity.
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::color::decode_srgb;
 use pellucid_engine::io::{ColumnNames, Error, Hints, load_with};
+use pellucid_engine::progress::Progress;
 
 use crate::{Folder, assert_refused, load_bytes};
 
@@ -13,7 +13,7 @@ fn named(name: &str, text: &str, columns: &str) -> Result<Cloud, Error> {
     let path = Folder::new();
     let path = (path.file(name, text), path);
     let columns = ColumnNames::parse(columns).unwrap();
-    load_with(&path.0, Hints { columns: Some(&columns), ..Hints::default() }, &ProgressBar::hidden())
+    load_with(&path.0, Hints { columns: Some(&columns), ..Hints::default() }, &Progress::hidden())
 }
 
 fn points(cloud: &Cloud) -> Vec<[f64; 3]> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{Density, Scene, Shadows, Shells, Soft};
 
 use super::display::Display;

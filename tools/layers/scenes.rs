@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::procedural::{self, Generated, iso};
 use pellucid_engine::scene::{self, Light, Overrides, Scene, Shading, ShadingModel};
 use pellucid_engine::{Result, io};
@@ -53,7 +53,7 @@ pub fn load(name: &'static str, scale: f64, seed: u64) -> Result<Option<Subject>
                 return Ok(None);
             }
             let scene = Scene::from_clouds(&[path], &Overrides::default())?;
-            let clouds = scene::load_clouds(&scene, &ProgressBar::hidden())?;
+            let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
             Some(subject(name, &scene, clouds, DRAGON)?)
         }
         TORI => {
@@ -93,7 +93,7 @@ fn generated(name: &'static str, made: &Generated, paper: [[f64; COLUMNS]; 2]) -
 /// With Phong shading and a light from above that casts shadows, if it is asked for some.
 fn subject(name: &'static str, scene: &Scene, clouds: Vec<Cloud>, paper: [[f64; COLUMNS]; 2]) -> Result<Subject> {
     let up = scene::up_axis(&clouds);
-    let points = scene::assemble(scene, clouds, false, &ProgressBar::hidden())?;
+    let points = scene::assemble(scene, clouds, false, &Progress::hidden())?;
     let (camera, _) = scene::camera(scene, &points, up)?;
     let light = Light::Direction(camera.forward - 0.6 * camera.up + 0.4 * camera.right);
     let shading = Shading { model: ShadingModel::Phong, specular: 0.2, light, ..Shading::default() };

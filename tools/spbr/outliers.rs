@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
-use indicatif::ProgressBar;
 use pellucid_engine::Result;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Brightness, Method, Scene, SpbrSimplified, procedural};
 use rand::RngExt;
 
@@ -60,7 +60,7 @@ fn garden(count: f64, seed: u64) -> Result<(Points, Vec<bool>)> {
     let generated = procedural::build("garden", &[("points".to_owned(), count)], seed).map_err(scene::Error::from)?;
     let scene = Scene::from_toml(&generated.scene_toml, "garden".as_ref())?;
     let clouds = scene::take_generated(&scene, &generated)?;
-    let mut points = scene::assemble(&scene, clouds, false, &ProgressBar::hidden())?;
+    let mut points = scene::assemble(&scene, clouds, false, &Progress::hidden())?;
     let mut random = random(seed);
     let Some(bounds) = points.bounds() else { return Ok((points, Vec::new())) };
     let is_stray: Vec<_> = (0..points.len()).map(|_| random.random::<f64>() < MOVED).collect();

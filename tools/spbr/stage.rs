@@ -1,7 +1,6 @@
 //! A device, clouds on it, and images of a square seen from the front.
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::Result;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Device, DeviceOptions};
@@ -10,6 +9,7 @@ use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{ColorSpace, Method, Shading};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -35,7 +35,7 @@ impl Stage {
 
     /// Deals a cloud and puts it on the device.
     pub fn upload(&self, points: Points) -> Result<DeviceCloud> {
-        let dealt = ensembles::deal(vec![points], self.seed, &ProgressBar::hidden());
+        let dealt = ensembles::deal(vec![points], self.seed, &Progress::hidden());
         Ok(self.renderer.upload_dealt(&dealt)?)
     }
 

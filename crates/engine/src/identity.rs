@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use crate::gpu::DeviceInfo;
 use crate::methods::Frame;
-use crate::points::{Arranged, Points};
+use crate::points::Points;
+use crate::prepare::Arranged;
 
 /// A hash of what decides the image and the time of a frame whatever its method: points, what is known of their clouds, camera, size, shading, color
 /// space, background, memory budget, factors and seed; device and driver; the program's version. In hexadecimal digits.

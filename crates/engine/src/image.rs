@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use crate::metrics;
+/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
+pub const MAX_SIDE: u32 = 16_384;
 
 /// What a method yields: premultiplied linear color without background, coverage and depth, row 0 at the top.
 ///
@@ -29,7 +30,7 @@ pub struct Image {
 impl Image {
     /// Standard error of the whole image, if that of its pixels was found: root mean square over pixels and R, G, B.
     pub fn standard_error(&self) -> Option<f64> {
-        self.stderr.as_deref().map(|errors| metrics::mean_square(errors).sqrt())
+        self.stderr.as_deref().map(|errors| mean_square(errors).sqrt())
     }
 
     /// The image over a background: C + (1 − A)·background.
@@ -41,4 +42,21 @@ impl Image {
     pub fn over([r, g, b, a]: [f32; 4], background: Vec3) -> [f32; 3] {
         (Vec3::new(r, g, b) + (1.0 - a) * background).to_array()
     }
+}
+
+/// Linear RGB, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearImage {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// As many as width × height.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Mean of the squares of all values; 0 of none.
+pub fn mean_square(values: &[[f32; 3]]) -> f64 {
+    let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
+    squares / (values.len().max(1) * 3) as f64
 }

@@ -17,10 +17,10 @@
 //! # Example
 //!
 //! ```
-//! use indicatif::ProgressBar;
 //! use pellucid_engine::gpu::{Device, DeviceOptions};
 //! use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
 //! use pellucid_engine::plan;
+//! use pellucid_engine::progress::Progress;
 //! use pellucid_engine::scene::{self, Scene, procedural};
 //!
 //! # fn main() -> pellucid_engine::Result<()> {
@@ -31,7 +31,7 @@
 //! let clouds = scene::take_generated(&scene, &built_in)?;
 //!
 //! let up = scene::up_axis(&clouds);
-//! let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &ProgressBar::hidden())?;
+//! let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &Progress::hidden())?;
 //! let (camera, _warnings) = scene::camera(&scene, &points, up)?;
 //! let (method, _why) = plan::resolve(scene.method, &points);
 //!
@@ -85,9 +85,11 @@ pub mod plan;
 pub mod points;
 pub mod prepare;
 pub mod profile;
+pub mod progress;
 pub mod random;
 pub mod reference;
 pub mod scene;
+mod words;
 
 pub use error::{Error, Result};
 pub use pellucid_gpu as gpu;

@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::cloud::Bounds;
-use crate::prepare::ensembles::{Dealt, Surface};
 
 /// All points of a scene in one list. The columns are equally long.
 ///
@@ -140,32 +139,5 @@ impl Changes {
     /// Whether anything is another.
     pub fn any(self) -> bool {
         self != Self::default()
-    }
-}
-
-/// The points of a scene in the order that its method wants.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Arranged {
-    /// In canonical order.
-    Canonical(Points),
-    /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
-    Dealt(Dealt),
-}
-
-impl Arranged {
-    /// All points, in either order.
-    pub fn points(&self) -> &Points {
-        match self {
-            Self::Canonical(points) => points,
-            Self::Dealt(dealt) => &dealt.points,
-        }
-    }
-
-    /// The clouds, if they are told apart.
-    pub fn surfaces(&self) -> &[Surface] {
-        match self {
-            Self::Canonical(_) => &[],
-            Self::Dealt(dealt) => &dealt.surfaces,
-        }
     }
 }

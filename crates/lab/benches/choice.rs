@@ -14,11 +14,11 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use indicatif::ProgressBar;
 use pellucid_engine::Result;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene, procedural};
 use pellucid_lab::choice::{self, Choice, Wish};
 use pellucid_lab::report::tradeoff::settings::Ladders;
@@ -62,7 +62,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
     let scene = Scene::from_toml_with(&generated.scene_toml, name.as_ref(), &overrides)?;
     let clouds = scene::take_generated(&scene, &generated)?;
     let up = scene::up_axis(&clouds);
-    let arranged = scene::arrange(&scene, clouds, 0, &ProgressBar::hidden())?;
+    let arranged = scene::arrange(&scene, clouds, 0, &Progress::hidden())?;
     let (camera, _) = scene::camera(&scene, arranged.points(), up)?;
     let frame = Frame {
         camera,
@@ -94,7 +94,7 @@ fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
         Options { ladders: Ladders::FINE, only: Vec::new(), seconds, rounds: 7, seeds: 2, command: String::new() };
     let folder = tempfile::tempdir()
         .map_err(|source| pellucid_engine::output::Error::Write { path: std::env::temp_dir(), source })?;
-    tradeoff::run(device, subject, &options, folder.path(), &ProgressBar::hidden())
+    tradeoff::run(device, subject, &options, folder.path(), &Progress::hidden())
 }
 
 fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, table: &Tradeoff) -> Result<()> {
@@ -106,7 +106,7 @@ fn choices(device: &Device, arranged: &Arranged, scene: &Scene, frame: Frame, ta
     let by_time = BUDGETS.map(|part| Wish { max_error: None, budget_ms: Some(part * exact) });
     println!("{:<16} {:<38} {:<38} {:>6} {:>9} {:>7}", "wish", "chosen", "best", "ratio", "error / E", "frames");
     for (number, wish) in by_error.into_iter().chain(by_time).enumerate() {
-        let hidden = ProgressBar::hidden();
+        let hidden = Progress::hidden();
         let choice = choice::choose(device, &mut cloud, &subject, wish, number == 0, &hidden)?;
         println!("{}", line(&choice, table));
     }

@@ -19,7 +19,6 @@ use std::process::{Command, ExitCode};
 
 use comfy_table::{CellAlignment, Table, presets};
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
@@ -32,6 +31,7 @@ use pellucid_engine::passes::tiles::Tiles;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::profile::{self, Profile};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{
     self, ColorSpace, Discs, Method, Overrides, Raster, Scene, ScreenSplats, Shading, procedural,
 };
@@ -88,7 +88,7 @@ fn run() -> Result<()> {
             overrides.set("PELLUCID_BENCH", "cloud.*.opacity", "0.2")?;
             Scene::from_clouds(std::slice::from_ref(&path), &overrides)?
         };
-        let clouds = scene::load_clouds(&scene, &ProgressBar::hidden())?;
+        let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
         println!("\n== {}", path.display());
         print_passes(&device, scene, clouds, frames, copy_rate)?;
     }
@@ -122,7 +122,7 @@ fn commit() -> String {
 /// Prints the passes of a scene.
 fn print_passes(device: &Device, scene: Scene, clouds: Vec<Cloud>, frames: usize, copy_rate: f64) -> Result<()> {
     let up = scene::up_axis(&clouds);
-    let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &ProgressBar::hidden())?;
+    let points = scene::assemble(&scene, clouds, scene.method.needs_radii(), &Progress::hidden())?;
     let (camera, _) = scene::camera(&scene, &points, up)?;
     let frame = Frame {
         camera,

@@ -7,15 +7,15 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::io;
+use pellucid_engine::progress::Progress;
 
 fn bench_file(criterion: &mut Criterion, name: &str, path: &Path) {
-    let points = io::load(path, &ProgressBar::hidden()).expect("the file loads").len() as u64;
+    let points = io::load(path, &Progress::hidden()).expect("the file loads").len() as u64;
     let mut group = criterion.benchmark_group("load");
     group.sample_size(10).throughput(Throughput::Elements(points));
-    group.bench_function(name, |b| b.iter(|| io::load(black_box(path), &ProgressBar::hidden())));
+    group.bench_function(name, |b| b.iter(|| io::load(black_box(path), &Progress::hidden())));
     group.finish();
 }
 

@@ -7,9 +7,9 @@ use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::{order, radius, uncertainty};
+use pellucid_engine::progress::Progress;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -25,10 +25,10 @@ fn prepare(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("{count} points"));
     group.sample_size(10).throughput(Throughput::Elements(count as u64));
     group.bench_function("radius, K = 24", |b| {
-        b.iter(|| radius::estimate(black_box(&positions), 24, &ProgressBar::hidden()));
+        b.iter(|| radius::estimate(black_box(&positions), 24, &Progress::hidden()));
     });
     group.bench_function("uncertainty, K = 24", |b| {
-        b.iter(|| uncertainty::estimate(black_box(&positions), None, 24, &ProgressBar::hidden()));
+        b.iter(|| uncertainty::estimate(black_box(&positions), None, 24, &Progress::hidden()));
     });
     let points = Points {
         colors: vec![Vec3::ONE; count],

@@ -7,8 +7,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use pellucid_engine::cloud::Cloud;
+use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::prepare::field::{self, Field};
 use pellucid_engine::scene::{CloudSettings, Scene};
 
 /// Bins of a histogram of F, equally wide.

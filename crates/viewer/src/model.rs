@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::census::Census;
 use super::dialog::Dialog;
@@ -98,7 +98,7 @@ pub struct Model {
     /// What they were asked for, in that order, in which the answers come: whether it is another scene.
     pending: VecDeque<bool>,
     /// What keeps the next picture waiting.
-    pub progress: ProgressBar,
+    pub progress: Progress,
     /// The last frames.
     pub times: Times,
     /// What is shown.
@@ -139,7 +139,7 @@ impl Model {
             dialog: Dialog::default(),
             busy: false,
             pending: VecDeque::new(),
-            progress: ProgressBar::hidden(),
+            progress: Progress::hidden(),
             times: Times::default(),
             shows: Shows { panel: true, passes: true, help: false },
             grabbed: None,

@@ -1,6 +1,6 @@
 //! The points of a scene on the device, and what of them has to go there again when the scene is another.
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::navigate::Subject;
 use super::stage::no_points;
@@ -70,7 +70,7 @@ impl Placed {
     ///
     /// # Errors
     /// No point is left, a cloud lacks what its field is made of, or the device has no room.
-    pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &ProgressBar) -> Result<Self> {
+    pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &Progress) -> Result<Self> {
         let Sources { clouds, known, seed } = sources;
         let arranged = Tracked::new(scene, clouds, known, *seed, progress)?;
         let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
@@ -92,7 +92,7 @@ impl Placed {
         renderer: &Renderer,
         sources: &mut Sources,
         scene: &Scene,
-        progress: &ProgressBar,
+        progress: &Progress,
     ) -> Result<Option<Changes>> {
         let Sources { clouds, known, seed } = sources;
         self.cloud.let_go();

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::accuracy::Standing;
 use super::census::{FieldFacts, Histograms};
@@ -77,7 +77,7 @@ pub struct Stage {
     renderer: Renderer,
     sources: Sources,
     /// Says what is done to points before they can be rendered, and nothing once they can.
-    pub progress: ProgressBar,
+    pub progress: Progress,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
     /// The last method, how many samples, ensembles or layers it has, and what its frames took.
@@ -90,8 +90,7 @@ pub struct Stage {
 impl Stage {
     pub fn new(device: &Device, clouds: Vec<Cloud>, seed: u64, memory_budget: Option<u64>) -> Result<Self> {
         let renderer = Renderer::new(device)?;
-        let (sources, progress, histograms) =
-            (Sources::new(clouds, seed), ProgressBar::hidden(), Histograms::default());
+        let (sources, progress, histograms) = (Sources::new(clouds, seed), Progress::hidden(), Histograms::default());
         let (placed, costs, chosen) = (None, None, None);
         Ok(Self { renderer, sources, progress, memory_budget, placed, costs, chosen, histograms })
     }

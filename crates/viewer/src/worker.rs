@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::accuracy::{History, Rung, Standing};
 use super::census::Census;
@@ -84,7 +84,7 @@ pub struct Held {
 /// The thread and its two ends.
 pub struct Worker {
     /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
-    pub progress: ProgressBar,
+    pub progress: Progress,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
     /// Gives back what it held, and the tasks that it has not looked at.

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::io::{self, ColumnNames, Hints};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Overrides, Scene};
 
 use super::{pages, scene::arrange, with_file};
@@ -62,7 +62,7 @@ pub fn text(input: &[u8]) {
 /// Reads a file and does with its cloud what `info` and `render` do before they need a device.
 fn read(path: &Path, columns: Option<&ColumnNames>) {
     let hints = Hints { columns, ..Hints::default() };
-    let cloud = match io::load_with(path, hints, &ProgressBar::hidden()) {
+    let cloud = match io::load_with(path, hints, &Progress::hidden()) {
         Ok(cloud) => cloud,
         Err(error) => return assert!(error.to_string().starts_with(&*path.to_string_lossy()), "{error}"),
     };

@@ -1,10 +1,10 @@
 //! Pictures that stand for clouds, and those that `compare` reads.
 
-use indicatif::ProgressBar;
 use pellucid_engine::io::photo::{Heights, Photo};
 use pellucid_engine::io::{self, Hints};
 use pellucid_engine::metrics;
 use pellucid_engine::output::read_image;
+use pellucid_engine::progress::Progress;
 
 use super::{cloud::check, with_file};
 
@@ -14,7 +14,7 @@ const MOST_PIXELS: usize = 1 << 12;
 /// A picture as a cloud, then bent by itself as height map.
 pub fn photo(input: &[u8]) {
     with_file("input.png", input, |path| {
-        let progress = ProgressBar::hidden();
+        let progress = Progress::hidden();
         let Ok(cloud) = io::load(path, &progress) else { return };
         check(&cloud);
         if cloud.len() <= MOST_PIXELS {

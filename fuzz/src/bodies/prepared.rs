@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::io::{self, ply};
 use pellucid_engine::prepare::{self, Request};
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{Overrides, Scene};
 
 use super::{cloud::check, scene::arrange, with_file};
@@ -22,7 +22,7 @@ pub fn prepared(input: &[u8]) {
             return;
         }
         let request = Request { neighbors: Some(1 + usize::from(value % 30)), ..Request::default() };
-        let Ok(cloud) = prepare::prepared(cloud, &request, &ProgressBar::hidden()) else { return };
+        let Ok(cloud) = prepare::prepared(cloud, &request, &Progress::hidden()) else { return };
         let written = path.with_file_name("prepared.ply");
         ply::write_prepared(&written, &cloud).expect("a folder that can be written to");
         let again = load(&written).expect("what was just written");
@@ -39,7 +39,7 @@ pub fn prepared(input: &[u8]) {
 }
 
 fn load(path: &Path) -> Result<Cloud, io::Error> {
-    io::load(path, &ProgressBar::hidden())
+    io::load(path, &Progress::hidden())
 }
 
 fn use_it(path: &Path, cloud: Cloud) {

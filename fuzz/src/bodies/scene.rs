@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::plan;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene};
 
 /// Clouds of a scene that are taken further than the checks.
@@ -33,7 +33,7 @@ pub(super) fn arrange(scene: &Scene, clouds: Vec<Cloud>) {
     scene::notes(scene, &clouds, scene.method.needs_radii());
     scene::shadow_texture(scene, &clouds, 1);
     let up = scene::up_axis(&clouds);
-    let Ok(arranged) = scene::arrange(scene, clouds, 1, &ProgressBar::hidden()) else { return };
+    let Ok(arranged) = scene::arrange(scene, clouds, 1, &Progress::hidden()) else { return };
     let points = arranged.points();
     assert!(points.positions.iter().all(|position| position.is_finite()));
     assert!(points.radii.iter().all(|radius| radius.is_finite() && *radius >= 0.0), "a radius out of range");

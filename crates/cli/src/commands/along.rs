@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::bar::Bar;
 use clap::Args;
-use indicatif::ProgressBar;
 use pellucid_engine::Result;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
@@ -70,7 +70,7 @@ impl PathArgs {
 
 impl Along {
     /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first.
-    pub fn resolve(&self, input: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<(Resolved, Vec<Camera>)> {
+    pub fn resolve(&self, input: &InputArgs, talk: Talk, progress: &Bar) -> Result<(Resolved, Vec<Camera>)> {
         let size = match self {
             Self::Keys { source, .. } => source.size(),
             Self::Turn { .. } => None,

@@ -5,8 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid_engine::Result;
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::metrics::{self, Comparison};
-use pellucid_engine::output::{self, LinearImage, read_image};
+use pellucid_engine::output::{self, read_image};
 use serde_json::json;
 
 use super::compare_profiles;

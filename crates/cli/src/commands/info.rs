@@ -7,9 +7,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use pellucid_engine::Result;
+use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::io::{self, ColumnNames, Hints};
-use pellucid_engine::prepare::shadows::Casting;
 use pellucid_engine::scene::Light;
 use serde_json::{Value, json};
 

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::bar::Bar;
 use clap::Args;
-use indicatif::ProgressBar;
 use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
-use pellucid_engine::points::{Arranged, Points};
-use pellucid_engine::prepare::shadows::ShadowTexture;
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
 use pellucid_engine::{Result, output};
 
@@ -213,7 +214,7 @@ impl InputArgs {
 }
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
-pub fn prepare(args: &InputArgs, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+pub fn prepare(args: &InputArgs, talk: Talk, progress: &Bar) -> Result<Resolved> {
     read(args, None, talk, progress)?.resolve(None, talk, progress)
 }
 
@@ -242,7 +243,7 @@ impl Loaded {
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
-    pub fn resolve_with_radii(mut self, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    pub fn resolve_with_radii(mut self, talk: Talk, progress: &Bar) -> Result<Resolved> {
         let method = self.scene.method;
         if matches!(method, Method::Points | Method::ImageSpace(_)) {
             // Like these two it wants the points in canonical order, and nothing else of them.
@@ -254,7 +255,7 @@ impl Loaded {
     }
 
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
-    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &ProgressBar) -> Result<Resolved> {
+    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &Bar) -> Result<Resolved> {
         let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
             Some(camera) => Ok((camera, Vec::new())),
             None => Ok(scene::camera(scene, points, up)?),
@@ -267,7 +268,7 @@ impl Loaded {
         self,
         find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
         talk: Talk,
-        progress: &ProgressBar,
+        progress: &Bar,
     ) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
@@ -285,7 +286,7 @@ impl Loaded {
 }
 
 /// Reads the inputs and applies the options; `size` is that of the image where no option says.
-pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &ProgressBar) -> Result<Loaded> {
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &Bar) -> Result<Loaded> {
     let overrides = args.overrides(size)?;
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;

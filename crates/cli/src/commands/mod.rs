@@ -1,6 +1,7 @@
 //! The commands and what they share: options to library calls, results to standard output, the rest to standard error.
 
 mod along;
+mod bar;
 mod check;
 mod compare;
 mod compare_profiles;

@@ -3,19 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::bar::Bar;
 use clap::{ArgGroup, Args};
-use indicatif::ProgressBar;
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
-use pellucid_engine::prepare::shadows::ShadowTexture;
 use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
 use super::DeviceArgs;
 use super::input::report_cloud;
 use super::limit::usage;
-use super::talk::{Talk, stage};
+use super::talk::Talk;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
 /// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
@@ -133,8 +133,8 @@ impl PrepareArgs {
     }
 
     /// Finds the light of each point of a cloud, as a scene of it alone has it.
-    fn shadows(&self, scene: &Scene, cloud: &Cloud, progress: &ProgressBar) -> Result<ShadowTexture> {
-        stage(progress, "casting shadows");
+    fn shadows(&self, scene: &Scene, cloud: &Cloud, progress: &Bar) -> Result<ShadowTexture> {
+        progress.stage("casting shadows");
         let points = scene::assemble(scene, vec![cloud.clone()], false, progress)?;
         let (camera, _) = scene::camera(scene, &points, cloud.up)?;
         let options = DeviceOptions { device: self.device.device.clone(), ..DeviceOptions::from_env() };
@@ -201,7 +201,7 @@ pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
         let texture = args.shadows(&light, &prepared, &progress)?;
         prepared.prepared = prepared.prepared.map(|prepared| Prepared { shadows: Some(texture), ..prepared });
     }
-    stage(&progress, "writing");
+    progress.stage("writing");
     io::ply::write_prepared(&args.output, &prepared)?;
     progress.finish_and_clear();
     talk.detail(format_args!("{}: written", args.output.display()));

@@ -10,7 +10,7 @@ use super::along::PathArgs;
 use super::input::{InputArgs, prepare};
 use super::measured::Measured;
 use super::session::Session;
-use super::talk::{Talk, counted, print, print_json};
+use super::talk::{Talk, print, print_json};
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -84,7 +84,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
         session.frame.fragments = false;
     }
     session.renderer.recycle(first.image);
-    counted(&progress, "measuring", cameras.len() as u64);
+    progress.counted("measuring", cameras.len() as u64);
     let mut measured = Measured::default();
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {

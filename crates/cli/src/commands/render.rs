@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::bar::Bar;
 use clap::Args;
-use indicatif::ProgressBar;
 use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
@@ -18,7 +18,7 @@ use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
 use super::sequence;
 use super::session::Session;
-use super::talk::{Talk, stage};
+use super::talk::Talk;
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -119,15 +119,15 @@ fn choose(
     wish: Wish,
     session: &mut Session,
     resolved: &Resolved,
-    progress: &ProgressBar,
+    progress: &Bar,
     talk: Talk,
 ) -> Result<Choice> {
-    stage(progress, "choosing the method");
+    progress.stage("choosing the method");
     let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
     let subject = Subject { arranged, frame: session.frame, background, only };
     let choice =
         choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
-    stage(progress, "rendering");
+    progress.stage("rendering");
     talk.detail(format_args!(
         "chosen among {} measured settings; frames rendered for it now: {}",
         choice.known, choice.frames
@@ -246,7 +246,7 @@ fn steps(
     loaded: Loaded,
     pattern: &Pattern,
     profile: &mut Option<Profile>,
-    progress: &ProgressBar,
+    progress: &Bar,
     talk: Talk,
 ) -> Result<()> {
     let count = loaded.count();
@@ -257,7 +257,7 @@ fn steps(
     let silent = Talk::new(true, false);
     for step in 1..count {
         let progress = talk.progress();
-        stage(&progress, &format!("step {step} of {count}"));
+        progress.stage(&format!("step {step} of {count}"));
         let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
         picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
     }
@@ -271,7 +271,7 @@ fn picture(
     output: &Path,
     step: Option<(usize, usize)>,
     profile: &mut Option<Profile>,
-    progress: &ProgressBar,
+    progress: &Bar,
     talk: Talk,
 ) -> Result<()> {
     let stop = args.stop(output);
@@ -287,7 +287,7 @@ fn picture(
             (session, Some(choice))
         }
     };
-    session.renderer.progress = progress.clone();
+    session.renderer.progress = (**progress).clone();
     session.describe(talk);
     // Of a time series once.
     if step.is_none_or(|(step, count)| step == count) {

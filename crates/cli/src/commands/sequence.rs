@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use indicatif::ProgressBar;
+use super::bar::Bar;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::profile::Profile;
@@ -18,7 +18,7 @@ use super::interrupt;
 use super::measured::{Journal, Measured};
 use super::render::{RenderArgs, finish};
 use super::session::Session;
-use super::talk::{Talk, counted};
+use super::talk::Talk;
 
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
@@ -112,13 +112,13 @@ impl Frames {
         resolved: &Resolved,
         session: &mut Session,
         records: &mut Records,
-        progress: &ProgressBar,
+        progress: &Bar,
         talk: Talk,
     ) -> Result<usize> {
         let count = self.files.len();
         let missing: Vec<usize> = (0..count).filter(|number| !self.there[*number]).collect();
         // Of the missing frames alone, so that the time left is theirs.
-        counted(progress, "frames", missing.len() as u64);
+        progress.counted("frames", missing.len() as u64);
         let (mut done, mut empty) = (0, Vec::new());
         for number in missing {
             if interrupt::asked() {

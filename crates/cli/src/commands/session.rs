@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use indicatif::ProgressBar;
+use super::bar::Bar;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
@@ -15,7 +15,7 @@ use pellucid_engine::{Result, output, plan};
 
 use super::dealt;
 use super::input::Resolved;
-use super::talk::{Talk, stage};
+use super::talk::Talk;
 use super::{DeviceArgs, MeasureArgs};
 
 pub struct Session {
@@ -29,31 +29,19 @@ pub struct Session {
 
 impl Session {
     /// Opens the device, uploads the points and decides the method.
-    pub fn open(
-        args: &DeviceArgs,
-        resolved: &Resolved,
-        fragments: bool,
-        stop: Stop,
-        progress: &ProgressBar,
-    ) -> Result<Self> {
+    pub fn open(args: &DeviceArgs, resolved: &Resolved, fragments: bool, stop: Stop, progress: &Bar) -> Result<Self> {
         let mut session = Self::upload(args, resolved, fragments, stop, progress)?;
         // On a device that was not met before, `auto` measures it first.
-        stage(progress, "choosing the method");
+        progress.stage("choosing the method");
         let Self { renderer, cloud, frame, .. } = &mut session;
         (session.frame.method, session.why) = plan::choose(renderer, cloud, resolved.points(), frame)?;
-        stage(progress, "rendering");
+        progress.stage("rendering");
         Ok(session)
     }
 
     /// Opens the device and uploads the points; the method is still the scene's.
-    pub fn upload(
-        args: &DeviceArgs,
-        resolved: &Resolved,
-        fragments: bool,
-        stop: Stop,
-        progress: &ProgressBar,
-    ) -> Result<Self> {
-        stage(progress, "uploading");
+    pub fn upload(args: &DeviceArgs, resolved: &Resolved, fragments: bool, stop: Stop, progress: &Bar) -> Result<Self> {
+        progress.stage("uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
         let frame = Frame {

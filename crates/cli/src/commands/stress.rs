@@ -12,7 +12,7 @@ use pellucid_engine::scene::Method;
 use pellucid_lab::report::stress::{self, Report, Settings, Sweep};
 
 use super::DeviceArgs;
-use super::talk::{Talk, counted, print, print_json};
+use super::talk::{Talk, print, print_json};
 
 const ABOUT: &str = "\
 What is measured: two built-in scenes in which every pixel has exactly as many fragments as there are layers. In `stack` \
@@ -86,7 +86,7 @@ pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
     talk.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
-    counted(&progress, "stress", settings.cells() as u64);
+    progress.counted("stress", settings.cells() as u64);
     let sweep = stress::run(&device, &settings, &progress)?;
     progress.finish_and_clear();
     for cell in &sweep.cells {

@@ -2,16 +2,10 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pellucid_engine::{Result, output};
 
-/// Work that is done within this time shows no progress bar.
-const PATIENCE: Duration = Duration::from_secs(1);
-
-/// How often a stage of unknown length shows that it is alive.
-const TICK: Duration = Duration::from_millis(200);
+use super::bar::Bar;
 
 /// How much is said on standard error.
 #[derive(Debug, Clone, Copy)]
@@ -52,50 +46,9 @@ impl Talk {
     }
 
     /// A progress bar: on a terminal only, and only once the work has lasted a second.
-    pub fn progress(self) -> ProgressBar {
-        let bar = ProgressBar::hidden();
-        if self.quiet || !io::stderr().is_terminal() {
-            return bar;
-        }
-        if let Ok(style) = counted_style() {
-            bar.set_style(style);
-        }
-        let weak = bar.downgrade();
-        std::thread::spawn(move || {
-            std::thread::sleep(PATIENCE);
-            if let Some(bar) = weak.upgrade()
-                && !bar.is_finished()
-            {
-                bar.set_draw_target(ProgressDrawTarget::stderr());
-            }
-        });
-        bar
+    pub fn progress(self) -> Bar {
+        Bar::new(!self.quiet && io::stderr().is_terminal())
     }
-}
-
-/// A stage of unknown length: its name and the time that it has taken.
-pub fn stage(bar: &ProgressBar, name: &str) {
-    if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
-        bar.set_style(style);
-    }
-    bar.set_message(name.to_owned());
-    bar.reset_elapsed();
-    bar.enable_steady_tick(TICK);
-}
-
-/// A stage of `length` steps.
-pub fn counted(bar: &ProgressBar, name: &str, length: u64) {
-    bar.disable_steady_tick();
-    if let Ok(style) = counted_style() {
-        bar.set_style(style);
-    }
-    bar.reset();
-    bar.set_message(name.to_owned());
-    bar.set_length(length);
-}
-
-fn counted_style() -> Result<ProgressStyle, indicatif::style::TemplateError> {
-    ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}")
 }
 
 /// One line on standard error; without a standard error there is nobody to tell.

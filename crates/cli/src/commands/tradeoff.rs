@@ -17,7 +17,7 @@ use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Sub
 use super::DeviceArgs;
 use super::input::{InputArgs, read};
 use super::stress::seconds;
-use super::talk::{Talk, counted, print, print_json, stage};
+use super::talk::{Talk, print, print_json};
 
 const ABOUT: &str = "\
 What is compared: all methods that draw the scene's transparent discs, with the scene's shape and falloff. The exact ones; \
@@ -113,7 +113,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     let progress = talk.progress();
     let resolved = read(&args.input, None, talk, &progress)?.resolve_with_radii(talk, &progress)?;
     let formation = settings::compared(&resolved.scene.method, resolved.points())?;
-    stage(&progress, "uploading");
+    progress.stage("uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
     talk.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
@@ -135,9 +135,9 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     };
     let background = resolved.scene.image.background;
     let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name };
-    counted(&progress, "tradeoff", 1);
+    progress.counted("tradeoff", 1);
     let report = tradeoff::run(&device, &subject, &args.options(), &args.output, &progress)?;
-    stage(&progress, "writing the report");
+    progress.stage("writing the report");
     tradeoff::write(&args.output, &report)?;
     tradeoff::discard(&args.output)?;
     progress.finish_and_clear();

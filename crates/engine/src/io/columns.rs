@@ -6,7 +6,7 @@ use rayon::prelude::*;
 pub(super) use ply_rs_bw::ply::ScalarType;
 
 use super::channel::{self, Channel};
-use crate::cloud::Cloud;
+use crate::cloud::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
 const POSITION: [[&str; 3]; 1] = [["x", "y", "z"]];
 const NORMAL: [[&str; 3]; 3] =
@@ -17,11 +17,6 @@ const COLOR: [[&str; 3]; 3] =
 pub(super) const LINEAR_COLOR: [[&str; 3]; 1] = [["linear_red", "linear_green", "linear_blue"]];
 const ALPHA: [&str; 2] = ["alpha", "diffuse_alpha"];
 const RADIUS: [&str; 1] = ["radius"];
-/// Names of a classification, in lower case.
-pub(crate) const CLASSIFICATION_NAMES: [&str; 6] =
-    ["classification", "scalar_classification", "class", "scalar_class", "label", "scalar_label"];
-/// Names of an intensity, in lower case.
-pub(crate) const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 
 /// How far from 1 a normal's length may be to be left as it is: float32 unit vectors are within 2e-7.
 const UNIT_TOLERANCE: f32 = 1e-6;

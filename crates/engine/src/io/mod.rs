@@ -16,10 +16,9 @@ use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use crate::cloud::Cloud;
-pub(crate) use columns::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
 use photo::Photo;
 pub use text::ColumnNames;
 
@@ -140,7 +139,7 @@ pub struct Hints<'a> {
 /// # Errors
 /// If the file is missing, of no known format, damaged or without a finite point. Memory follows what the file holds,
 /// not what its header claims.
-pub fn load(path: &Path, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
     load_with(path, Hints::default(), progress)
 }
 
@@ -150,7 +149,7 @@ pub fn load(path: &Path, progress: &ProgressBar) -> Result<Cloud, Error> {
 /// # Errors
 /// Those of [`load`], if there is a place of a picture for a file that is none, or if the columns aren't as many as there
 /// are names.
-pub fn load_with(path: &Path, hints: Hints, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();

@@ -185,7 +185,7 @@ pub enum Error {
         largest: u32,
     },
     /// The image is empty or too large.
-    #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::scene::MAX_SIDE)]
+    #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::image::MAX_SIDE)]
     ImageSize {
         /// Width in pixels.
         width: u32,

@@ -5,7 +5,7 @@
 //! none is lost. Layers are submitted by the batch, their dispatches indirect: after a layer without a fragment the device
 //! makes those that follow empty, and the host looks only between batches.
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::Error;
 use super::abuffer::CountPush;
@@ -116,7 +116,7 @@ pub struct WindowJob<'a> {
     /// Layers after which all of them are too many.
     pub limit: u32,
     /// Counts finished pixels and says how many layers there are so far.
-    pub progress: &'a ProgressBar,
+    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {

@@ -9,7 +9,7 @@ mod ssim;
 pub use flip::flip;
 pub use ssim::ssim;
 
-use crate::output::LinearImage;
+use crate::image::LinearImage;
 
 /// The step of an 8-bit image: differences above it are counted as visible.
 pub const STEP: f64 = 1.0 / 255.0;
@@ -69,12 +69,6 @@ pub fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
         .map(|(a, b)| differences(a, b).iter().map(|d| d * d).sum::<f64>())
         .fold((0.0, 0.0), |(sum, count), squares| (sum + squares, count + 3.0));
     if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
-}
-
-/// Mean of the squares of all values; 0 of none.
-pub fn mean_square(values: &[[f32; 3]]) -> f64 {
-    let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
-    squares / (values.len().max(1) * 3) as f64
 }
 
 /// Normalized mean square error, Σ(I − K)² / ΣI² with reference I and image K (Uchida et al. 2020, Eq. 10), here over R, G

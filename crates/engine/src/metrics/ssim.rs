@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::finite;
-use crate::output::LinearImage;
+use crate::image::LinearImage;
 
 /// Standard deviation of the window's weights, in pixels.
 const SIGMA: f64 = 1.5;

@@ -12,13 +12,14 @@ use glam::Vec3;
 
 pub use file::{Files, check_folder, check_report_folder, make_folder, write_atomically};
 pub use png::to_byte;
-pub use read::{LinearImage, read_image};
+pub use read::read_image;
 pub use tag::metadata;
 
 use crate::atomic::remedy;
 use crate::color;
-use crate::image::Image;
-use crate::scene::{ColorSpace, MAX_SIDE};
+use crate::image::MAX_SIDE;
+use crate::image::{Image, LinearImage};
+use crate::scene::ColorSpace;
 
 /// Why a result could not be written or an image not be read.
 #[derive(Debug, thiserror::Error)]

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::{Error, Format};
 use crate::color::decode_srgb;
+use crate::image::{LinearImage, MAX_SIDE};
 use crate::io::decoder::guard;
-use crate::scene::MAX_SIDE;
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel has at
 /// least a byte, but in a PNG it may have a bit.
@@ -15,17 +15,6 @@ const DEFLATE: u64 = 1100;
 
 /// Pixels that any file may claim.
 const ALWAYS_ALLOWED: u64 = 1 << 20;
-
-/// Linear RGB, row by row from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinearImage {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// As many as width × height.
-    pub pixels: Vec<[f32; 3]>,
-}
 
 /// Reads a PNG (sRGB-decoded; an alpha channel is composed over black, in linear light) or the R, G, B of an EXR.
 ///

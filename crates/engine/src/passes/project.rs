@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds as Box3;
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::spbr::share::Placed;
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
-use crate::prepare::shadows::Casting;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
 use crate::{gpu_struct, group, pass};
 

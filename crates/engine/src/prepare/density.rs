@@ -23,8 +23,8 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use crate::progress::Progress;
 use glam::DVec3;
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use crate::cloud::Bounds;
@@ -51,7 +51,7 @@ const BLOCK: usize = 1 << 14;
 ///
 /// `shuffled` are finite positions in random order: the first ones serve as centres, and where counting all would take long
 /// the first ones are counted.
-pub fn estimate(shuffled: &[DVec3], progress: &ProgressBar) -> f64 {
+pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
     let Some(frame) = Frame::of(shuffled) else { return 0.0 };
     let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
     let grid = Grid::of(&frame, &shuffled[..centers]);
@@ -171,7 +171,7 @@ impl Grid {
 
     /// Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all nearer
     /// ones too. The same sums whatever the number of cores.
-    fn count(&self, frame: &Frame, points: &[DVec3], progress: &ProgressBar) -> [Band; RADII] {
+    fn count(&self, frame: &Frame, points: &[DVec3], progress: &Progress) -> [Band; RADII] {
         let count = |(block, points): (usize, &[DVec3])| {
             let mut bands = [Band::default(); RADII];
             for (i, &point) in points.iter().enumerate() {

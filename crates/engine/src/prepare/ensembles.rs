@@ -11,8 +11,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::progress::Progress;
 use glam::DVec3;
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::ties::Ties;
@@ -187,7 +187,7 @@ fn scrambled(mut x: u32) -> u32 {
 /// goes behind all those with smaller words, the first of [`threefry2x32`] with counter \[i, place of the cloud\] and the
 /// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
 /// every machine. `progress` counts points, each of them twice.
-pub fn deal(clouds: Vec<Points>, seed: u64, progress: &ProgressBar) -> Dealt {
+pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }
 
@@ -215,12 +215,7 @@ impl Trace {
 }
 
 /// As [`deal`], and says where points came from, if somebody asks.
-pub(crate) fn deal_traced(
-    clouds: Vec<Points>,
-    seed: u64,
-    progress: &ProgressBar,
-    mut trace: Option<&mut Trace>,
-) -> Dealt {
+pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, mut trace: Option<&mut Trace>) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
     for cloud in clouds {

@@ -1,25 +1,25 @@
 //! What is computed once for a cloud: radii, normals, the scalar field, the order of its points, and their orders along the
 //! axes.
 
+mod arranged;
 pub mod axes;
 mod density;
 pub mod ensembles;
-pub mod field;
 pub mod layer_distance;
 mod morton;
 mod neighbors;
 mod normal;
 pub mod order;
 pub mod radius;
-pub mod shadows;
 pub(crate) mod ties;
 pub mod uncertainty;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
 
+use crate::cloud::field::{self, Field};
 use crate::cloud::{Cloud, Prepared};
-use field::Field;
+use crate::progress::Progress;
+pub use arranged::Arranged;
 
 /// K of Eq. 20 and 21 if nobody says.
 pub const DEFAULT_NEIGHBORS: usize = 24;
@@ -102,7 +102,7 @@ impl Request {
 ///
 /// # Errors
 /// If the cloud lacks what its field is made of.
-pub fn find(cloud: &Cloud, request: &Request, progress: &ProgressBar) -> Result<Found, field::Error> {
+pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Found, field::Error> {
     let k = request.neighbors_of(cloud);
     let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
     let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
@@ -128,7 +128,7 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &ProgressBar) -> Result<
 ///
 /// # Errors
 /// If the cloud lacks what its field is made of.
-pub fn prepared(mut cloud: Cloud, request: &Request, progress: &ProgressBar) -> Result<Cloud, field::Error> {
+pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
     let request = Request { radii: true, fields: true, ..request.clone() };
     let found = find(&cloud, &request, progress)?;
     // What is lit depends on normals.

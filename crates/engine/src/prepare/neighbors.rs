@@ -7,8 +7,8 @@
 use std::num::NonZero;
 use std::ops::Range;
 
+use crate::progress::Progress;
 use glam::{DMat3, DQuat, DVec3, Vec3};
-use indicatif::ProgressBar;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
@@ -196,12 +196,10 @@ impl Places {
         &self,
         k: usize,
         again: bool,
-        progress: &ProgressBar,
+        progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
     ) -> (Vec<T>, Lists) {
         progress.set_length(self.len() as u64);
-        // The time left is that of the queries, not of building the tree.
-        progress.reset_eta();
         let keep = again && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
         let blocks: Vec<(Vec<T>, Vec<u32>)> = (0..self.len().div_ceil(BLOCK))
             .into_par_iter()

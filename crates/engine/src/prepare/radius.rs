@@ -3,8 +3,8 @@
 //! As printed, Eq. 20 takes the root of a length; scaling a cloud by 1000 must scale its radii by 1000, so the squared
 //! distance belongs under the root: r = 2·sqrt(max|pᵢ−pⱼ|² / K) = 2·max|pᵢ−pⱼ| / sqrt(K).
 
+use crate::progress::Progress;
 use glam::DVec3;
-use indicatif::ProgressBar;
 
 use super::neighbors::Places;
 
@@ -13,7 +13,7 @@ use super::neighbors::Places;
 /// With fewer than K other points K is their number; a single point has radius 0, and so has a point with at least K
 /// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`. The
 /// bar's length is set to the number of distinct places.
-pub fn estimate(positions: &[DVec3], neighbors: usize, progress: &ProgressBar) -> Vec<f32> {
+pub fn estimate(positions: &[DVec3], neighbors: usize, progress: &Progress) -> Vec<f32> {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let Some(places) = Places::of(positions, None).filter(|_| k > 0) else {
         return vec![0.0; positions.len()];

@@ -1,12 +1,13 @@
 //! How uncertain it is that a point lies on a surface (Seemann et al., Eq. 21), with the radii of Eq. 20.
 
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::neighbors::Places;
 use super::normal::smallest_axis;
-use super::{field, radius};
+use super::radius;
+use crate::cloud::field;
 
 /// What one visit of every point's neighbors gives, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,7 @@ pub struct Surface {
 /// then normal, and sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes for each point; without the 4·K, and slower, if those are more than 2 GiB.
-pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &ProgressBar) -> Surface {
+pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &Progress) -> Surface {
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
     let k = neighbors.min(count.saturating_sub(1));

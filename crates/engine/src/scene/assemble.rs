@@ -1,22 +1,23 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
+use crate::cloud::shadow_texture::{Casting, ShadowTexture};
 use crate::cloud::{Cloud, UpAxis};
-use crate::points::{Arranged, Points};
+use crate::points::Points;
+use crate::prepare::Arranged;
 use crate::prepare::ensembles;
-use crate::prepare::shadows::{Casting, ShadowTexture};
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
 ///
 /// # Errors
 /// The first file that can't be read.
-pub fn load_clouds(scene: &Scene, progress: &ProgressBar) -> Result<Vec<Cloud>, io::Error> {
+pub fn load_clouds(scene: &Scene, progress: &Progress) -> Result<Vec<Cloud>, io::Error> {
     let load = |cloud: &CloudSettings| {
         progress.reset();
         progress.set_message(format!("reading {}", cloud.path.display()));
@@ -99,7 +100,7 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 ///
 /// # Errors
 /// No point is left, or a cloud lacks what its field is made of.
-pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &ProgressBar) -> Result<Points, Error> {
+pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
     let mut points = Points::default();
     for (settings, cloud) in scene.clouds.iter().zip(clouds) {
         let request = request(settings, needs_radii, scene.method.needs_field());
@@ -116,7 +117,7 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
 ///
 /// # Errors
 /// As of [`assemble`].
-pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &ProgressBar) -> Result<Arranged, Error> {
+pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
     if !scene.method.is_dealt() {
         return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
     }
@@ -139,7 +140,7 @@ fn transformed(
     settings: &CloudSettings,
     mut cloud: Cloud,
     request: &prepare::Request,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Points, Error> {
     if request.radii || request.fields {
         progress.reset();

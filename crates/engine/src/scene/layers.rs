@@ -26,7 +26,7 @@ fn two_digits(value: f64) -> String {
 mod tests {
     use std::path::Path;
 
-    use indicatif::ProgressBar;
+    use crate::progress::Progress;
 
     use super::*;
     use crate::scene::{Overrides, assemble, procedural, take_generated};
@@ -38,7 +38,7 @@ mod tests {
         settings.iter().for_each(|pair| overrides.set_pair(pair).unwrap());
         let scene = Scene::from_toml_with(&generated.scene_toml, Path::new("tori"), &overrides).unwrap();
         let clouds = take_generated(&scene, &generated).unwrap();
-        note_of_layers(&scene, &assemble(&scene, clouds, false, &ProgressBar::hidden()).unwrap())
+        note_of_layers(&scene, &assemble(&scene, clouds, false, &Progress::hidden()).unwrap())
     }
 
     #[test]

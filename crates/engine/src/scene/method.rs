@@ -1,6 +1,6 @@
 //! `[method]`: the method in force, its keys, and the keys of others.
 
-use super::error::{Error, nearest};
+use super::error::Error;
 use super::keys::{METHODS, all_method_keys, belongs, owners};
 use super::settings::{
     BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, LongLists,
@@ -9,6 +9,7 @@ use super::settings::{
 };
 use super::table::{Range, Table};
 use super::tree::Value;
+use crate::words::nearest;
 
 /// Reads the table; keys of other methods become warnings.
 pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Method, Error> {

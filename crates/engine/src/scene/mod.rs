@@ -25,7 +25,6 @@ mod view;
 pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use document::{Change, Document, Setting};
-pub(crate) use error::nearest;
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{METHODS, SHADING_KEYS, SHADOW_KEYS, method_keys};

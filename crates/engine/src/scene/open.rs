@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::document::Document;
 use super::{Error, Overrides, load_clouds, procedural, take_generated};
@@ -28,7 +28,7 @@ pub struct Opened {
 ///
 /// # Errors
 /// A scene file among other inputs, whatever is wrong with the scene, and files that can't be read.
-pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &ProgressBar) -> crate::Result<Opened> {
+pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &Progress) -> crate::Result<Opened> {
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let document = match inputs {
         [] => {

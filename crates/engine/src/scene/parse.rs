@@ -13,8 +13,9 @@ use super::photo;
 use super::settings::*;
 use super::table::{Range, Table};
 use super::tree::{Node, Value};
+use crate::cloud::field::Field;
+use crate::image::MAX_SIDE;
 use crate::io::ColumnNames;
-use crate::prepare::field::Field;
 
 /// Scene files are text written by hand; one above this size is something else.
 const MAX_FILE_BYTES: u64 = 16 << 20;

@@ -5,13 +5,10 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use super::view::View;
+use crate::cloud::field::Field;
 use crate::io::photo::Photo;
 use crate::io::{ColumnNames, Hints};
 use crate::passes::bin::Order;
-use crate::prepare::field::Field;
-
-/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
-pub const MAX_SIDE: u32 = 16_384;
 
 /// Layers that depth peeling goes through at most, since each of them visits every splat.
 pub const MAX_LAYERS: u32 = 65_536;
@@ -19,7 +16,7 @@ pub const MAX_LAYERS: u32 = 65_536;
 /// `[image]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageSettings {
-    /// Width and height in pixels, each from 1 to [`MAX_SIDE`].
+    /// Width and height in pixels, each from 1 to [`MAX_SIDE`](crate::image::MAX_SIDE).
     pub size: [u32; 2],
     /// Linear RGB in [0, 1], whatever `color` says.
     pub background: Vec3,
@@ -61,7 +58,7 @@ pub struct Shadows {
     pub samples: u32,
     /// `light_radius`: degrees around a direction, world units around a position; 0: hard shadows.
     pub light_radius: f32,
-    /// `resolution`: columns and rows of the light's image, from 1 to [`MAX_SIDE`].
+    /// `resolution`: columns and rows of the light's image, from 1 to [`MAX_SIDE`](crate::image::MAX_SIDE).
     pub resolution: u32,
     /// `min_layer_distance` d̃ in world units; `None`: 1% of the scene's diagonal.
     pub min_layer_distance: Option<f32>,

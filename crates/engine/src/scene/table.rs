@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::error::{Error, Place, nearest};
+use super::error::{Error, Place};
 use super::tree::{Entries, Node, Value};
+use crate::words::nearest;
 
 /// A table of the scene and its dotted name.
 pub(crate) struct Table<'a> {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::methods::{Factors, Frame, Stop};
 use pellucid_engine::points::Points;
+use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Method, OneLayer, Overrides, Scene, Soft, procedural};
 
 /// Name, keys of the scene file.
@@ -39,7 +39,7 @@ impl Subject {
 
     fn new(name: String, scene: &Scene, clouds: Vec<Cloud>) -> Result<Self> {
         let up = scene::up_axis(&clouds);
-        let points = scene::assemble(scene, clouds, true, &ProgressBar::hidden())?;
+        let points = scene::assemble(scene, clouds, true, &Progress::hidden())?;
         let (camera, _) = scene::camera(scene, &points, up)?;
         let given = scene.method.soft().copied().unwrap_or_default();
         let is_default = given == Soft::default();
@@ -85,7 +85,7 @@ fn from_path(path: &Path) -> Result<Subject> {
     } else {
         Scene::from_clouds(&[path.to_owned()], &overrides(&[])?)?
     };
-    let clouds = scene::load_clouds(&scene, &ProgressBar::hidden())?;
+    let clouds = scene::load_clouds(&scene, &Progress::hidden())?;
     let name = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     Subject::new(name, &scene, clouds)
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::stage::{HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
 use super::{Case, Finding, Stage, Trouble, one};
@@ -40,7 +40,7 @@ fn scene() -> Result<Scene, Trouble> {
 fn all_equal(stage: &mut Stage) -> Found {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
-    let points = scene::assemble(&scene()?, vec![cloud], true, &ProgressBar::hidden())?;
+    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
     let frame = frame(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
     let found = stage.render(&points, &frame)?.image.rgba[0];
     let wanted = composed(&vec![dot; 500]);
@@ -56,7 +56,7 @@ fn in_a_row() -> Vec<DVec3> {
 }
 
 fn radii(positions: &[DVec3]) -> Vec<f32> {
-    radius::estimate(positions, 24, &ProgressBar::hidden())
+    radius::estimate(positions, 24, &Progress::hidden())
 }
 
 /// Eq. 20 in float32 for the middle point, with its twelve neighbors on each side.
@@ -82,7 +82,7 @@ fn plane() -> Found {
     let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
-    let surface = uncertainty::estimate(&positions, None, 24, &ProgressBar::hidden());
+    let surface = uncertainty::estimate(&positions, None, 24, &Progress::hidden());
     let off = |normal: &Vec3| f64::from(normal.x.abs().max(normal.y.abs()).max((normal.z.abs() - 1.0).abs()));
     let error = surface.normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
     // In float32 the rows of the grid fall together: the plane is a line, with any normal across it.
@@ -124,8 +124,8 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     let failed = |source| io::Error::Write { path: "a temporary file".into(), source };
     let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
-    let cloud = io::load(file.path(), &ProgressBar::hidden())?;
-    let points = scene::assemble(&scene()?, vec![cloud], true, &ProgressBar::hidden())?;
+    let cloud = io::load(file.path(), &Progress::hidden())?;
+    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 

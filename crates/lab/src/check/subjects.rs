@@ -7,13 +7,14 @@
 mod clouds;
 
 use glam::DVec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::stage;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan;
-use pellucid_engine::points::{Arranged, Points};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, Light, LongLists,
@@ -57,7 +58,7 @@ impl Subject {
     /// All points as the method wants them.
     pub fn arranged(&self) -> Arranged {
         if self.frame.method.is_dealt() {
-            let hidden = ProgressBar::hidden();
+            let hidden = Progress::hidden();
             return Arranged::Dealt(ensembles::deal(self.clouds.clone(), self.frame.seed, &hidden));
         }
         let mut all = Points::default();

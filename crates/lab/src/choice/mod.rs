@@ -14,7 +14,7 @@ mod climb;
 mod trials;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 use serde_json::{Value, json};
 
 use crate::report::tradeoff::settings::{Ladders, Setting, settings};
@@ -22,7 +22,7 @@ use pellucid_engine::Result;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::Arranged;
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Method};
 use trials::Trials;
 
@@ -111,7 +111,7 @@ pub fn choose(
     subject: &Subject<'_>,
     wish: Wish,
     recalibrate: bool,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Choice> {
     let mut trials = Trials::open(device, cloud, subject, recalibrate, progress)?;
     let occasion = trials.occasion();

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::{Figures, Subject};
@@ -10,8 +10,9 @@ use crate::report::tradeoff::renderers::Renderers;
 use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
 use crate::report::truth;
 use pellucid_engine::gpu::Device;
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Frame, Rendered, Renderer, Stop};
-use pellucid_engine::output::{LinearImage, linear};
+use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::median;
 use pellucid_engine::scene::Method;
@@ -67,7 +68,7 @@ pub(super) struct Trials<'a> {
     device: &'a Device,
     cloud: &'a mut DeviceCloud,
     subject: &'a Subject<'a>,
-    progress: &'a ProgressBar,
+    progress: &'a Progress,
     /// That of the reference.
     frame: Frame,
     formation: Formation,
@@ -89,7 +90,7 @@ impl<'a> Trials<'a> {
         cloud: &'a mut DeviceCloud,
         subject: &'a Subject<'a>,
         recalibrate: bool,
-        progress: &'a ProgressBar,
+        progress: &'a Progress,
     ) -> Result<Self> {
         let formation = formation(&subject.frame.method, subject.arranged.points())?;
         // Errors are those of every bit, and lists are not counted for the trials.

@@ -8,7 +8,7 @@ use super::row::{name as row_name, note, row};
 use crate::census::{Census, class_name};
 use crate::controls;
 use crate::model::Model;
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{CloudSettings, Method, Setting};
 
 /// Clouds that are listed among the other controls; more of them scroll by themselves, in so many points.

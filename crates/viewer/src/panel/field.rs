@@ -10,7 +10,7 @@ use crate::census::{BINS, FieldFacts, class_name};
 use crate::controls::rounded;
 use crate::hints::hint;
 use crate::model::Model;
-use pellucid_engine::prepare::field::Field;
+use pellucid_engine::cloud::field::Field;
 use pellucid_engine::scene::{Change, Setting};
 
 /// The classes that a choice of classes begins with: vegetation.

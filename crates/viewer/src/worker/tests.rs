@@ -59,7 +59,7 @@ fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     let text: String = (0..300).map(|i| format!("{} {} {} {} 90 20\n", i % 20, i / 20, i % 7, i % 256)).collect();
     let file = folder.path().join("plane.xyz");
     std::fs::write(&file, format!("x y z r g b\n{text}")).unwrap();
-    let opened = scene::open(&[file], &Overrides::default(), 0, &ProgressBar::hidden()).unwrap();
+    let opened = scene::open(&[file], &Overrides::default(), 0, &Progress::hidden()).unwrap();
     let mut document = opened.document;
     let keys = [
         ("image.size", Setting::Integers(SIZE.to_vec())),

@@ -17,7 +17,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use super::path::{CameraPath, Error, Key, MAX_KEYS, Problem};
-use crate::scene::MAX_SIDE;
+use crate::image::MAX_SIDE;
 
 /// Bytes of a text that is read at once, at most.
 const MAX_BYTES: u64 = 1 << 28;

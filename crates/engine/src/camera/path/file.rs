@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::{Error, Problem};
-use crate::scene::MAX_SIDE;
+use crate::image::MAX_SIDE;
 
 /// The version of the format that is read and written.
 pub const VERSION: u32 = 1;

@@ -11,8 +11,8 @@ mod scan;
 
 use std::io::{Read, Seek};
 
+use crate::progress::Progress;
 use ::e57::{E57Reader, PointCloud};
-use indicatif::ProgressBar;
 
 use super::columns::{Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source, decoder};
@@ -35,7 +35,7 @@ const MAX_FIELDS: usize = 1024;
 const MAX_PACKET: u64 = 1 << 16;
 
 /// Reads the points of an E57 file.
-pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     check_header(source)?;
     let len = source.len;
     // What the library does with a damaged file is not known; a panic is the file's fault.
@@ -90,7 +90,7 @@ fn check_header(source: &mut Source) -> Result<(), Error> {
     Ok(())
 }
 
-fn points(file: impl Read + Seek, len: u64, progress: &ProgressBar) -> Result<Cloud, Problem> {
+fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud, Problem> {
     let mut reader = E57Reader::new(file).map_err(|e| Problem::library("E57 header", &e))?;
     let mut clouds: Vec<_> = (1..).zip(reader.pointclouds()).collect();
     clouds.retain(|(_, cloud)| cloud.records > 0);

@@ -63,7 +63,7 @@ fn scalar_name(name: &RecordName) -> Option<String> {
 
 /// Whether a field of an extension is a classification, whatever the extension.
 fn is_class(name: &str) -> bool {
-    crate::io::CLASSIFICATION_NAMES.contains(&name.to_ascii_lowercase().as_str())
+    crate::cloud::CLASSIFICATION_NAMES.contains(&name.to_ascii_lowercase().as_str())
 }
 
 /// The axis of a field of the extension for normals.

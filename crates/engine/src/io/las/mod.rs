@@ -10,7 +10,7 @@ mod header;
 
 use std::io::{Read, Seek, SeekFrom};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 use super::{Error, Source};
@@ -22,7 +22,7 @@ use columns::Columns;
 const CHUNKS_PER_THREAD: usize = 4;
 
 /// Reads the points of a LAS or LAZ file.
-pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     progress.set_length(header.count);
     if header.count == 0 {

@@ -11,7 +11,7 @@ mod row;
 
 use std::io::{BufRead, ErrorKind, Read};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::columns::{Columns, FullScale};
 use super::number::number;
@@ -29,7 +29,7 @@ pub(super) fn is_pcd(start: &[u8]) -> bool {
 }
 
 /// Reads the points of a PCD file.
-pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     check_claim(source, &header)?;
     let layout = Layout::of(&header);

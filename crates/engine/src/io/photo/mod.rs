@@ -7,8 +7,8 @@ mod surface;
 
 use std::path::{Path, PathBuf};
 
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 
 use super::{Error, Source};
 use crate::cloud::{Cloud, UpAxis};
@@ -49,7 +49,7 @@ pub(super) fn is_picture(start: &[u8]) -> bool {
 
 /// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points' alpha,
 /// and pixels of alpha 0 are left out.
-pub(super) fn read(source: Source, photo: &Photo, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: Source, photo: &Photo, progress: &Progress) -> Result<Cloud, Error> {
     let path = source.path.clone();
     let picture = Picture::read(source)?;
     let size = [picture.width, picture.height];
@@ -77,7 +77,7 @@ fn points(
     picture: &Picture,
     surface: &Surface,
     expected: f64,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Cloud, Error> {
     // The number of copies is random; its spread is below half of its root, and growing further is no harm.
     let room = expected as usize + expected.sqrt() as usize + 1;

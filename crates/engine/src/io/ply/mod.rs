@@ -23,7 +23,7 @@ mod prepared;
 mod splats;
 mod write;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 use ply_rs_bw::ply::Encoding;
 
 use super::columns::{Column, Columns, FullScale};
@@ -34,7 +34,7 @@ use splats::Splats;
 pub use write::{write, write_prepared, write_to};
 
 /// Reads the vertices of a PLY file.
-pub(super) fn read(source: &mut Source, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     let Some(at) = header.elements.iter().position(|e| e.name == "vertex") else {
         let names: Vec<_> = header.elements.iter().map(|e| e.name.as_str()).collect();

@@ -3,9 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::cloud::field::Field;
+use crate::cloud::shadow_texture::{ShadowTexture, Spelled};
 use crate::cloud::{Cloud, Prepared, UpAxis};
-use crate::prepare::field::Field;
-use crate::prepare::shadows::{ShadowTexture, Spelled};
 
 /// The property that holds F.
 pub(super) const FIELD: &str = "field";

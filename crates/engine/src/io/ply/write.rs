@@ -10,10 +10,10 @@ use ply_rs_bw::writer::Writer;
 use super::prepared::{self, FIELD, LIT};
 use crate::atomic;
 use crate::cloud::Cloud;
+use crate::cloud::field::without_blanks;
 use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
 use crate::io::columns::{LINEAR_COLOR, is_known};
-use crate::prepare::field::without_blanks;
 
 /// Writes a cloud: float positions if that keeps every one exactly, else double; colors and alphas as 8 bits (colors
 /// sRGB-encoded), all other columns as they are. What a PLY file can't say, the vertical and the number of dropped

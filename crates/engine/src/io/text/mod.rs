@@ -10,7 +10,7 @@ mod names;
 mod ptx;
 mod table;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::{Error, Source};
 use crate::cloud::{Cloud, UpAxis};
@@ -46,7 +46,7 @@ pub(super) fn read(
     start: &[u8],
     kind: Kind,
     names: Option<&ColumnNames>,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Cloud, Error> {
     if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
         return Err(source.malformed("byte 0", "UTF-16 text; saved as UTF-8 it can be read"));

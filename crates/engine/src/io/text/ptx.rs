@@ -4,8 +4,8 @@
 //! matrix repeats) and four lines of a matrix that takes row vectors to the common coordinates: (x y z 1) · M. Then each
 //! cell has x y z, or 0 0 0 where nothing came back; and intensity, color, or both.
 
+use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
-use indicatif::ProgressBar;
 
 use super::lines::{Delimiter, Lines};
 use super::names::{ColumnNames, Layout, of_scanners};
@@ -18,7 +18,7 @@ use crate::io::{Error, PROGRESS_STEP, Source};
 const ALL: usize = 7;
 
 /// Reads all scans of a file as one cloud.
-pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &ProgressBar) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let names = given.map_or_else(|| of_scanners(ALL).unwrap_or_default(), |given| given.as_slice().to_vec());
     let Layout { columns, at } = Layout::of(&names);

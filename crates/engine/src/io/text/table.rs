@@ -1,6 +1,6 @@
 //! Tables of numbers: XYZ, CSV, TXT and their like, and PTS, which announces how many points follow.
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::lines::{Delimiter, Lines, comment};
 use super::names::{ColumnNames, Layout, by_values, of_scanners};
@@ -17,7 +17,7 @@ pub(super) fn read(
     source: &mut Source,
     pts: bool,
     given: Option<&ColumnNames>,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let mut line = String::new();

@@ -17,7 +17,7 @@ pub use blend::{
 };
 pub use passes::*;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::bands::{self, Band, Budget, Window};
 use super::linked_list::{self, LinkedList};
@@ -129,7 +129,7 @@ pub struct WindowJob<'a> {
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
     /// Counts finished pixels.
-    pub progress: &'a ProgressBar,
+    pub progress: &'a Progress,
 }
 
 /// What the stages before blending yield, for tests and inspection.

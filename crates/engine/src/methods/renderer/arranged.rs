@@ -2,9 +2,9 @@
 
 use super::{Error, Factors, Frame, Renderer, Stop};
 use crate::camera::Camera;
+use crate::cloud::shadow_texture::ShadowTexture;
 use crate::passes::project::DeviceCloud;
-use crate::points::Arranged;
-use crate::prepare::shadows::ShadowTexture;
+use crate::prepare::Arranged;
 use crate::scene::Scene;
 
 impl Frame {

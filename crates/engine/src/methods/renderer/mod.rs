@@ -7,7 +7,7 @@ mod parts;
 
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 use bytes::aggregate;
@@ -30,8 +30,9 @@ use super::stochastic::Sampler;
 use super::stochastic::hardware::{self, HeldDepths};
 use super::{Error, Outcome, abuffer, peel, shadows, splat, stochastic};
 use crate::camera::Camera;
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Device, Kept, Memory, PassTime, Recorder, Slice, Submitted};
-use crate::image::Image;
+use crate::image::{Image, MAX_SIDE};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting, Stats};
@@ -40,9 +41,8 @@ use crate::passes::tiles::Tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::prepare::ensembles::Dealt;
-use crate::prepare::shadows::Casting;
 use crate::scene::{
-    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, MAX_SIDE, Method, PeelLayers, Raster,
+    ColorSpace, DiscShape, Discs, Hybrid, Interpolated, LongLists, MAX_LAYERS, Method, PeelLayers, Raster,
     ScreenSplats, Shading, Shadows, SplatShape, Stochastic,
 };
 
@@ -358,7 +358,7 @@ pub struct Renderer {
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
-    pub progress: ProgressBar,
+    pub progress: Progress,
     /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
     /// Whether ensembles are drawn in one go where that can be; a test may switch it off.
@@ -391,7 +391,7 @@ impl Renderer {
             discs: SoftDiscs::default(),
             soft_counted: false,
             spare: None,
-            progress: ProgressBar::hidden(),
+            progress: Progress::hidden(),
             wide_atomics: device.info().int64_atomics,
             single_pass: true,
             epoch_bits: 31,

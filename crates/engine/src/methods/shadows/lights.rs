@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
-use crate::prepare::shadows::Casting;
+use crate::cloud::shadow_texture::Casting;
 use crate::random::{key, threefry2x32};
 use crate::scene::Light;
 

@@ -7,13 +7,13 @@
 
 pub mod lights;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::renderer::Timeline;
 use super::{Error, Frame, points};
+use crate::cloud::shadow_texture::Casting;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
 use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
-use crate::prepare::shadows::Casting;
 use crate::scene::{Light, ShadingModel};
 use crate::{gpu_struct, pass};
 use lights::LightView;
@@ -172,7 +172,7 @@ pub fn cast(
     cloud: &mut DeviceCloud,
     (casting, how): (&Casting, &Projecting),
     budget: u64,
-    progress: &ProgressBar,
+    progress: &Progress,
     timeline: &mut Timeline,
 ) -> Result<(), Error> {
     let resolution = casting.resolution;

@@ -17,7 +17,7 @@ mod tasks;
 use std::iter::Peekable;
 use std::ops::Range;
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use self::rounds::{Epochs, Piece, epoch_bits};
 use self::share::{Placed, Share, Wanted};
@@ -378,7 +378,7 @@ pub struct WindowJob<'a> {
     /// The budget.
     pub budget: Budget,
     /// Says how far the ensembles are.
-    pub progress: &'a ProgressBar,
+    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {

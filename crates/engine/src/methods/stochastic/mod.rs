@@ -12,14 +12,14 @@ mod tiles;
 
 pub use tiles::{Accumulate, StochasticPush, Visibility, tile_variant};
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use super::abuffer::record_nothing;
 use super::bands::{self, Budget, Window};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
-use crate::metrics;
+use crate::image;
 use crate::passes::bin::{self, Bin, Bins};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
@@ -154,7 +154,7 @@ pub fn window_pixels(budget: Budget, bytes_per_pixel: u64, spread: bool) -> u64 
 /// Rounds begin anew: what stands in a window's buffers is gone when the next window is rendered, and whether one window or
 /// many make up the frame must not change it. Since errors fall as 1/√samples, the second round is mostly the last.
 pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) -> Option<u32> {
-    let mean = metrics::mean_square(errors);
+    let mean = image::mean_square(errors);
     if samples >= limit || mean.sqrt() <= f64::from(most) {
         return None;
     }
@@ -176,7 +176,7 @@ pub struct WindowJob<'a> {
     /// Whether the standard error is asked for.
     pub spread: bool,
     /// Says how far the samples are.
-    pub progress: &'a ProgressBar,
+    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {

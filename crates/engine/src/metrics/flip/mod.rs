@@ -14,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::finite;
-use crate::output::LinearImage;
+use crate::image::LinearImage;
 use color::Colors;
 use filter::{Filters, Weights};
 

@@ -2,7 +2,8 @@
 
 use super::{Column, DeviceCloud, fields_and_radii, most, most_of_colors};
 use crate::gpu::{Device, Error};
-use crate::points::{Arranged, Changes, Points};
+use crate::points::{Changes, Points};
+use crate::prepare::Arranged;
 
 impl DeviceCloud {
     /// Lets go of the list of a cloud that was dealt, so that it can be changed in place, until [`Self::follow`] brings it back.

@@ -1,9 +1,9 @@
 //! What was found about a cloud's points, kept for as long as the same is asked for.
 
-use indicatif::ProgressBar;
+use crate::progress::Progress;
 
 use crate::cloud::Cloud;
-use crate::prepare::field::{self, Field};
+use crate::cloud::field::{self, Field};
 use crate::prepare::{self, Request};
 
 /// What decides which field it is: what F is, and K where that matters, of uncertainty.
@@ -29,12 +29,7 @@ impl Known {
     ///
     /// # Errors
     /// If the cloud lacks what its field is made of.
-    pub(super) fn learn(
-        &mut self,
-        cloud: &Cloud,
-        request: &Request,
-        progress: &ProgressBar,
-    ) -> Result<(), field::Error> {
+    pub(super) fn learn(&mut self, cloud: &Cloud, request: &Request, progress: &Progress) -> Result<(), field::Error> {
         let (neighbors, field) = (request.neighbors_of(cloud), field_key(cloud, request));
         let radii = request.radii && self.radii.as_ref().is_none_or(|(known, _)| *known != neighbors);
         let fields = request.fields && self.fields.as_ref().is_none_or(|(known, _)| *known != field);

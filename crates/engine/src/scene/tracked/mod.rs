@@ -9,8 +9,8 @@ mod origins;
 
 use std::sync::Arc;
 
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 pub use known::Known;
@@ -19,7 +19,8 @@ use super::assemble::{self, color, opacity, radius, request};
 use super::error::Error;
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::Cloud;
-use crate::points::{Arranged, Changes, Points};
+use crate::points::{Changes, Points};
+use crate::prepare::Arranged;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
 use crate::prepare::ties::Ties;
@@ -118,7 +119,7 @@ impl Seen<'_> {
 }
 
 /// Finds what a scene needs to know of its clouds' points: how they look.
-fn learn(scene: &Scene, clouds: &[Cloud], known: &mut [Known], progress: &ProgressBar) -> Result<Vec<Look>, Error> {
+fn learn(scene: &Scene, clouds: &[Cloud], known: &mut [Known], progress: &Progress) -> Result<Vec<Look>, Error> {
     let method = &scene.method;
     let each = scene.clouds.iter().zip(clouds).zip(known);
     let look = |((settings, cloud), known): ((&CloudSettings, &Cloud), &mut Known)| {
@@ -160,7 +161,7 @@ impl Tracked {
         clouds: &[Cloud],
         known: &mut [Known],
         seed: u64,
-        progress: &ProgressBar,
+        progress: &Progress,
     ) -> Result<Self, Error> {
         let looks = learn(scene, clouds, known, progress)?;
         let (mut placed, mut origins) = (Vec::new(), Origins::default());
@@ -211,7 +212,7 @@ impl Tracked {
         scene: &Scene,
         clouds: &[Cloud],
         known: &mut [Known],
-        progress: &ProgressBar,
+        progress: &Progress,
     ) -> Result<Option<Changes>, Error> {
         if Stand::of(scene) != self.stand {
             return Ok(None);

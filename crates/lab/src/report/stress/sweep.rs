@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::{Cell, Pass, Settings, Skipped, Spread, Sweep, Workload};
 use crate::report::truth::Truth;
@@ -20,7 +20,7 @@ const NOISE_SECONDS: f64 = 0.01;
 ///
 /// # Errors
 /// What ends all work: a lost device, a message of the validation layers. What one method can't do is skipped instead.
-pub fn run(device: &Device, settings: &Settings, progress: &ProgressBar) -> Result<Sweep> {
+pub fn run(device: &Device, settings: &Settings, progress: &Progress) -> Result<Sweep> {
     let mut sweep = Sweep::default();
     for workload in Workload::ALL {
         for &side in &settings.sides {
@@ -145,7 +145,7 @@ impl Place {
         let scene = Scene::from_toml(&generated.scene_toml, name.as_ref())?;
         let clouds = scene::take_generated(&scene, &generated)?;
         let up = scene::up_axis(&clouds);
-        let points = scene::assemble(&scene, clouds, true, &ProgressBar::hidden())?;
+        let points = scene::assemble(&scene, clouds, true, &Progress::hidden())?;
         let (camera, _) = scene::camera(&scene, &points, up)?;
         Ok((points, camera))
     }

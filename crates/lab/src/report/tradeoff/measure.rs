@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
-use indicatif::ProgressBar;
+use pellucid_engine::progress::Progress;
 
 use super::analytic::{self, Planes};
 use super::partial::{Measured, Partial, Timed, Trial};
@@ -20,10 +20,11 @@ use super::{
 use crate::report::truth::{self, Truth, soft_spheres};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{self, Facts, Frame, FrameProfile, Rendered, Renderer, Stop};
 use pellucid_engine::metrics::{self, difference_picture};
-use pellucid_engine::output::{self, LinearImage, linear, write_rgb_png};
-use pellucid_engine::points::Arranged;
+use pellucid_engine::output::{self, linear, write_rgb_png};
+use pellucid_engine::prepare::Arranged;
 use pellucid_engine::{Result, identity};
 
 /// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
@@ -90,7 +91,7 @@ pub fn run(
     subject: &Subject<'_>,
     options: &Options,
     folder: &Path,
-    progress: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Tradeoff> {
     let formation = compared(&subject.frame.method, subject.arranged.points())?;
     // Goes again if the first frame fails already.
@@ -197,7 +198,7 @@ struct Run<'a> {
     subject: &'a Subject<'a>,
     options: &'a Options,
     folder: &'a Path,
-    progress: &'a ProgressBar,
+    progress: &'a Progress,
     /// That of the reference.
     frame: Frame,
     partial: Partial,

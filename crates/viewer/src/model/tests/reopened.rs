@@ -49,7 +49,7 @@ fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let folder = tempfile::tempdir().unwrap();
     write_clouds(folder.path());
     let files = ["inner.xyz", "outer.xyz"].map(|name| folder.path().join(name));
-    let opened = scene::open(&files, &Overrides::default(), 7, &ProgressBar::hidden()).unwrap();
+    let opened = scene::open(&files, &Overrides::default(), 7, &Progress::hidden()).unwrap();
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });

@@ -8,7 +8,8 @@ use rand_pcg::Pcg64;
 
 use pellucid_engine::methods::{Error, Renderer};
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::{Arranged, Points};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
 
 /// A scene's points on the device, all or some of them; one cloud at a time, so that a frame's memory is its own.
 pub(in super::super) struct Clouds<'a> {

@@ -8,9 +8,10 @@ use super::Clouds;
 use crate::report::stress::Spread;
 use crate::report::tradeoff::{Shaded, ShadedStep};
 use pellucid_engine::gpu::Device;
+use pellucid_engine::image::LinearImage;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::metrics::rmse;
-use pellucid_engine::output::{LinearImage, linear};
+use pellucid_engine::output::linear;
 use pellucid_engine::scene::{Light, ShadingModel, Shadows};
 
 /// How a pass of shadows is called.

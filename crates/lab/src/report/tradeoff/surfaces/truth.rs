@@ -4,11 +4,13 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use pellucid_engine::image::Image;
+use pellucid_engine::image::LinearImage;
+use pellucid_engine::image::MAX_SIDE;
 use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::metrics::rmse;
-use pellucid_engine::output::{LinearImage, linear};
+use pellucid_engine::output::linear;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::scene::{BlendedSplats, MAX_SIDE, Method, ScreenSplats};
+use pellucid_engine::scene::{BlendedSplats, Method, ScreenSplats};
 
 /// Samples across a pixel, if the image is not too large for them.
 const SAMPLES_ACROSS: u32 = 4;

@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::cloud::{Cloud, UpAxis};
-use crate::io::{CLASSIFICATION_NAMES, INTENSITY_NAMES};
+use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES, UpAxis};
 
 /// Values that differ by less than this share of the largest one are equal but for rounding.
 const LEAST_RANGE: f64 = 1e-9;
@@ -112,7 +111,7 @@ impl Field {
                 None => {
                     let names = names(cloud);
                     let names = names.iter().map(|name| &**name);
-                    let hint = crate::scene::nearest(name, names, "the file has");
+                    let hint = crate::words::nearest(name, names, "the file has");
                     Err(Error::NoProperty { name: name.clone(), hint })
                 }
             },
@@ -121,7 +120,7 @@ impl Field {
 }
 
 /// Values from the smallest to the largest as 0 to 1, all 0 if they differ by no more than rounding.
-pub(super) fn scaled(values: &[f64]) -> Vec<f32> {
+pub fn scaled(values: &[f64]) -> Vec<f32> {
     let [least, most] = range(values);
     let range = most - least;
     if range <= LEAST_RANGE * most.abs().max(least.abs()) {

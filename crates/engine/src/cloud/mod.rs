@@ -1,9 +1,18 @@
 //! A point cloud as a file holds it: float64 positions and named columns, in the file's order.
 
+pub mod field;
+pub mod shadow_texture;
+
 use glam::{DVec3, Vec3};
 
-use crate::prepare::field::Field;
-use crate::prepare::shadows::ShadowTexture;
+use field::Field;
+use shadow_texture::ShadowTexture;
+
+/// Names of a classification, in lower case.
+pub const CLASSIFICATION_NAMES: [&str; 6] =
+    ["classification", "scalar_classification", "class", "scalar_class", "label", "scalar_label"];
+/// Names of an intensity, in lower case.
+pub const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 
 /// Which axis of a file points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,0 +1,105 @@
+//! The progress bar on standard error.
+
+use std::ops::Deref;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pellucid_engine::progress::{Observer, Progress};
+
+/// Work that is done within this time shows no progress bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How often a stage of unknown length shows that it is alive.
+const TICK: Duration = Duration::from_millis(200);
+
+/// A progress bar, and the progress that it shows.
+pub struct Bar {
+    shown: ProgressBar,
+    progress: Progress,
+}
+
+/// Tells a progress bar what the engine says.
+struct Shown(ProgressBar);
+
+impl Observer for Shown {
+    fn stage(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+    }
+
+    fn advanced(&self, done: u64, total: Option<u64>) {
+        if let Some(total) = total {
+            self.0.set_length(total);
+        }
+        if done == 0 {
+            // Whatever came before the first step says nothing of the time that the steps take.
+            self.0.reset_eta();
+        }
+        self.0.set_position(done);
+    }
+}
+
+impl Deref for Bar {
+    type Target = Progress;
+
+    fn deref(&self) -> &Progress {
+        &self.progress
+    }
+}
+
+impl Bar {
+    /// A bar that appears once the work has lasted a second, if it may appear at all.
+    pub fn new(visible: bool) -> Self {
+        let shown = ProgressBar::hidden();
+        if visible {
+            if let Ok(style) = counted_style() {
+                shown.set_style(style);
+            }
+            let weak = shown.downgrade();
+            std::thread::spawn(move || {
+                std::thread::sleep(PATIENCE);
+                if let Some(bar) = weak.upgrade()
+                    && !bar.is_finished()
+                {
+                    bar.set_draw_target(ProgressDrawTarget::stderr());
+                }
+            });
+        }
+        Self { progress: Progress::observed(Shown(shown.clone())), shown }
+    }
+
+    /// Begins a stage of unknown length: the bar shows its name and the time that it has taken.
+    pub fn stage(&self, name: &str) {
+        if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
+            self.shown.set_style(style);
+        }
+        self.progress.set_message(name.to_owned());
+        self.shown.reset_elapsed();
+        self.shown.enable_steady_tick(TICK);
+    }
+
+    /// Begins a stage of `length` steps.
+    pub fn counted(&self, name: &str, length: u64) {
+        self.shown.disable_steady_tick();
+        if let Ok(style) = counted_style() {
+            self.shown.set_style(style);
+        }
+        self.shown.reset();
+        self.progress.reset();
+        self.progress.set_message(name.to_owned());
+        self.progress.set_length(length);
+    }
+
+    /// Prints something without disturbing the bar.
+    pub fn suspend<R>(&self, print: impl FnOnce() -> R) -> R {
+        self.shown.suspend(print)
+    }
+
+    /// Takes the bar away.
+    pub fn finish_and_clear(&self) {
+        self.shown.finish_and_clear();
+    }
+}
+
+fn counted_style() -> Result<ProgressStyle, indicatif::style::TemplateError> {
+    ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}")
+}

@@ -1,0 +1,152 @@
+//! How far long work is, and whether somebody wants it to end.
+
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or for
+/// each window of an image.
+pub trait Observer: Send + Sync {
+    /// A stage has begun, as in `reading scan.laz`.
+    fn stage(&self, _name: &str) {}
+
+    /// So many steps of the stage are done, of a total that may not be known yet.
+    fn advanced(&self, _done: u64, _total: Option<u64>) {}
+
+    /// Whether the work shall end early: what is rendered then fails with
+    /// [`Cancelled`](crate::methods::Error::Cancelled).
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// A handle on the progress of some work; clones are of the same work.
+#[derive(Clone)]
+pub struct Progress(Arc<State>);
+
+struct State {
+    message: Mutex<String>,
+    /// [`UNKNOWN`] as long as nobody knows.
+    length: AtomicU64,
+    position: AtomicU64,
+    observer: Option<Box<dyn Observer>>,
+}
+
+const UNKNOWN: u64 = u64::MAX;
+
+impl Progress {
+    /// Progress that nobody watches.
+    pub fn hidden() -> Self {
+        Self::with(None)
+    }
+
+    /// Progress that is told to an observer.
+    pub fn observed(observer: impl Observer + 'static) -> Self {
+        Self::with(Some(Box::new(observer)))
+    }
+
+    fn with(observer: Option<Box<dyn Observer>>) -> Self {
+        let (length, position) = (AtomicU64::new(UNKNOWN), AtomicU64::new(0));
+        Self(Arc::new(State { message: Mutex::default(), length, position, observer }))
+    }
+
+    /// Whether the work shall end early.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled())
+    }
+
+    /// Names the stage.
+    pub fn set_message(&self, message: impl Into<Cow<'static, str>>) {
+        let message = message.into();
+        if let Some(observer) = &self.0.observer {
+            observer.stage(&message);
+        }
+        *self.0.message.lock().unwrap_or_else(PoisonError::into_inner) = message.into_owned();
+    }
+
+    /// The stage's name.
+    pub fn message(&self) -> String {
+        self.0.message.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Says how many steps the stage has.
+    pub fn set_length(&self, steps: u64) {
+        self.0.length.store(steps.min(UNKNOWN - 1), Ordering::Relaxed);
+        self.tell();
+    }
+
+    /// Adds to the number of steps that the stage has.
+    pub fn inc_length(&self, steps: u64) {
+        self.set_length(self.length().unwrap_or(0).saturating_add(steps));
+    }
+
+    /// Steps of the stage, if they are known.
+    pub fn length(&self) -> Option<u64> {
+        Some(self.0.length.load(Ordering::Relaxed)).filter(|length| *length != UNKNOWN)
+    }
+
+    /// Says how many steps are done.
+    pub fn set_position(&self, done: u64) {
+        self.0.position.store(done, Ordering::Relaxed);
+        self.tell();
+    }
+
+    /// Adds to the steps that are done.
+    pub fn inc(&self, steps: u64) {
+        self.0.position.fetch_add(steps, Ordering::Relaxed);
+        self.tell();
+    }
+
+    /// Steps that are done.
+    pub fn position(&self) -> u64 {
+        self.0.position.load(Ordering::Relaxed)
+    }
+
+    /// Begins a stage: none of its steps is done.
+    pub fn reset(&self) {
+        self.set_position(0);
+    }
+
+    fn tell(&self) {
+        if let Some(observer) = &self.0.observer {
+            observer.advanced(self.position(), self.length());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Log(Mutex<Vec<String>>);
+
+    impl Observer for Arc<Log> {
+        fn stage(&self, name: &str) {
+            self.0.lock().unwrap().push(name.to_owned());
+        }
+
+        fn advanced(&self, done: u64, total: Option<u64>) {
+            self.0.lock().unwrap().push(format!("{done} of {total:?}"));
+        }
+
+        fn is_cancelled(&self) -> bool {
+            self.0.lock().unwrap().len() > 3
+        }
+    }
+
+    #[test]
+    fn an_observer_is_told_and_may_cancel() {
+        let log = Arc::new(Log::default());
+        let progress = Progress::observed(log.clone());
+        progress.set_message("points");
+        progress.inc(2);
+        progress.clone().set_length(5);
+        assert!(!progress.is_cancelled());
+        progress.inc(3);
+        assert_eq!(*log.0.lock().unwrap(), ["points", "2 of None", "2 of Some(5)", "5 of Some(5)"]);
+        assert!(progress.is_cancelled());
+        assert_eq!((progress.position(), progress.length(), progress.message()), (5, Some(5), "points".to_owned()));
+        assert!(!Progress::hidden().is_cancelled());
+    }
+}
