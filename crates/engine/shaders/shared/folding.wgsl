@@ -9,7 +9,6 @@
 
 // 1: a run goes on from what earlier ones left, wherever the stage keeps that.
 override LATER: u32 = 0u;
-const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 
 // A splat as it is handed from lane to lane.

@@ -6,6 +6,7 @@ use super::abuffer::record_nothing;
 use super::bands::{self, Budget};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
+use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
@@ -336,12 +337,12 @@ impl Stage {
 }
 
 /// A variant of the stages, from that of shape and falloff.
-pub fn sum_variant(shape: Variant, run: OneRun) -> Variant {
+fn sum_variant(shape: Variant, run: OneRun) -> Variant {
     bin::fold_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
 }
 
 /// A variant of `hybrid` over oriented discs.
-pub fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
+fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
     bin::fold_blocks_variant(shape, run.number > 0, run.subgroup)
         .with("KEPT", u32::from(run.of > 1))
         .with("BEHIND", u32::from(round.behind))
@@ -363,6 +364,31 @@ pub fn least_bytes(name: &str, facts: &Facts, method: &Method, tilted: bool, pix
     // Rank, then record, footprint and color.
     let splat = 4 + 8 + 16 + 16 + if tilted { 16 } else { 0 };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
+}
+
+/// The variants of a pass: shapes and falloffs with one run, and the first and second of two.
+fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
+        .into_iter()
+        .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
+        .collect();
+    compose::shape_variants().iter().flat_map(|shape| runs.iter().flat_map(|run| of(shape.clone(), *run))).collect()
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let sums = || variants(|shape, run| vec![sum_variant(shape, run)]);
+    // Rounds of one and of several; slots are what the rest of k leaves.
+    let rounds = [(1, false, true), (MOST_SLOTS, false, false), (MOST_SLOTS, true, false), (3, true, true)];
+    let rounds = rounds.map(|(slots, behind, tail)| Round { slots, behind, tail });
+    let oriented = variants(|shape, run| rounds.map(|round| round_variant(shape.clone(), run, round)).to_vec());
+    vec![
+        Shader::new::<Weighted>(sums()),
+        Shader::new::<Average>(sums()),
+        Shader::new::<Unsorted>(sums()),
+        Shader::new::<HybridFlat>(sums()),
+        Shader::new::<HybridOriented>(oriented),
+    ]
 }
 
 #[cfg(test)]

@@ -12,10 +12,11 @@ use super::abuffer::CountPush;
 use super::bands::{self, Band, Window};
 use super::renderer::{Facts, Target, Timeline};
 use super::splat::NearestSplat;
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
-use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::project::{DISCS, Footprint};
+use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 
@@ -98,7 +99,7 @@ pub fn pixel_bytes(counted: bool) -> u64 {
 }
 
 /// The variant of `peel/blend`; `counted`: with layers per pixel.
-pub fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
+fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
     compose::variant(cut, footprint, falloff).with("COUNTED", u32::from(counted))
 }
 
@@ -302,4 +303,20 @@ impl Peeler {
         recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?;
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let choices = <(Cut, (Falloff, bool))>::all();
+    let blend = DISCS.iter().flat_map(|disc| {
+        choices.iter().map(|(cut, (falloff, counted))| blend_variant(*cut, *disc, *falloff, *counted))
+    });
+    vec![
+        Shader::new::<Count>(raster::flat_variants()),
+        Shader::new::<Nearest>(raster::flat_variants()),
+        Shader::new::<NearestDepth>(raster::flat_variants()),
+        Shader::new::<NearestId>(raster::flat_variants()),
+        Shader::new::<Blend>(blend),
+        Shader::plain::<Next>(),
+    ]
 }

@@ -11,10 +11,11 @@ use super::abuffer::CountPush;
 use super::bands::{self, Window};
 use super::renderer::{Facts, Timeline};
 use super::{Error, Outcome};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
-use crate::passes::project::Footprint;
+use crate::passes::project::{DISCS, Footprint};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -214,13 +215,13 @@ pub struct OneRun {
 
 impl OneRun {
     /// The variant of `splats/visibility`.
-    pub fn visibility(self, footprint: Footprint) -> Variant {
+    fn visibility(self, footprint: Footprint) -> Variant {
         let shape = compose::shape_variant(footprint, Falloff::Flat);
         bin::region_variant(shape, self.later, self.subgroup).with("BEHIND", u32::from(self.behind))
     }
 
     /// The variant of `splats/attributes`.
-    pub fn attributes(self, footprint: Footprint) -> Variant {
+    fn attributes(self, footprint: Footprint) -> Variant {
         self.visibility(footprint).with("KEPT", u32::from(self.kept))
     }
 }
@@ -236,6 +237,21 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
         "splats/normalise" => Some(pixels * 32),
         _ => None,
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let runs = || {
+        let choices = <(bool, (bool, bool))>::all().into_iter();
+        let sized = choices
+            .flat_map(|(later, (kept, behind))| SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, subgroup }));
+        sized.flat_map(|run| DISCS.map(|disc| (run, disc)))
+    };
+    vec![
+        Shader::new::<Visibility>(runs().map(|(run, disc)| run.visibility(disc))),
+        Shader::new::<Attributes>(runs().map(|(run, disc)| run.attributes(disc))),
+        Shader::plain::<Normalise>(),
+    ]
 }
 
 #[cfg(test)]

@@ -42,9 +42,7 @@ pub(super) fn check_declaration(
         seen[index] = true;
     }
     match seen.iter().position(|s| !s) {
-        Some(missing) if all_bindings => {
-            Err(error(format!("binding {:?} is missing in WGSL", declared[missing].name)))
-        }
+        Some(missing) if all_bindings => Err(error(format!("binding {:?} is missing in WGSL", declared[missing].name))),
         _ => Ok(()),
     }
 }
@@ -67,12 +65,7 @@ fn element(module: &naga::Module, ty: naga::Handle<naga::Type>) -> naga::Handle<
     }
 }
 
-fn check_type(
-    name: &str,
-    module: &naga::Module,
-    ty: naga::Handle<naga::Type>,
-    declared: &Shape,
-) -> Result<(), String> {
+fn check_type(name: &str, module: &naga::Module, ty: naga::Handle<naga::Type>, declared: &Shape) -> Result<(), String> {
     let (found, declared) = (description(module, ty), declared.to_string());
     if found == declared { Ok(()) } else { Err(format!("{name}: {found} in WGSL, {declared} in Rust")) }
 }
@@ -82,9 +75,9 @@ fn check_type(
 fn description(module: &naga::Module, ty: naga::Handle<naga::Type>) -> String {
     match &module.types[ty].inner {
         TypeInner::Struct { members, span } => {
-            let members = members.iter().map(|m| {
-                (m.name.as_deref().unwrap_or_default(), m.offset as usize, description(module, m.ty))
-            });
+            let members = members
+                .iter()
+                .map(|m| (m.name.as_deref().unwrap_or_default(), m.offset as usize, description(module, m.ty)));
             struct_text(members, *span as usize)
         }
         TypeInner::Array { base, size: ArraySize::Constant(count), stride } => {
@@ -203,7 +196,9 @@ mod tests {
     #[test]
     fn a_runtime_sized_array_is_its_element_and_a_fixed_one_is_not() {
         let compared = |wgsl: &str| {
-            let source = format!("@group(0) @binding(0) var<storage, read> a: {wgsl}; @compute @workgroup_size(1) fn main() {{}}");
+            let source = format!(
+                "@group(0) @binding(0) var<storage, read> a: {wgsl}; @compute @workgroup_size(1) fn main() {{}}"
+            );
             let module = naga::front::wgsl::parse_str(&source).expect("valid WGSL");
             let binding = Binding { name: "a", access: Access::Read, shape: u32::shape() };
             check_declaration("test", &module, &[binding], None, true).map_err(|e| e.to_string())

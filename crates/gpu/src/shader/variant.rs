@@ -1,5 +1,7 @@
 //! Which of a shader's variants is meant, and lists of all of them.
 
+use std::collections::HashSet;
+
 use super::{Reflection, check, reflection};
 use crate::{Error, Pass};
 
@@ -176,10 +178,11 @@ pub struct Shader {
 impl Shader {
     /// A pass that runs in these variants.
     pub fn new<P: Pass>(variants: impl IntoIterator<Item = Variant>) -> Self {
+        let mut known = HashSet::new();
         Self {
             name: P::NAME,
             stem: P::SHADER,
-            variants: variants.into_iter().collect(),
+            variants: variants.into_iter().filter(|variant| known.insert(variant.key())).collect(),
             check: check::<P>,
             reflection: reflection::<P>,
         }

@@ -3,11 +3,12 @@
 //! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
 
 use super::{Layer, SoftModel, record_compose};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
 use crate::methods::bands;
 use crate::methods::renderer::{Facts, Target, Timeline};
-use crate::methods::sorted::{self, Stop};
+use crate::methods::sorted::{self, STOP_NEVER, STOPS, Stop};
 use crate::methods::{Error, Outcome};
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::project::Footprint;
@@ -150,7 +151,7 @@ impl SoftDiscs {
 
 /// What a variant of `soft/express` depends on.
 #[derive(Debug, Clone, Copy)]
-pub struct Way {
+pub(crate) struct Way {
     /// `STOP` in WGSL, from [`sorted::stop`].
     pub stop: u32,
     /// Whether solid points cut it.
@@ -164,13 +165,22 @@ pub struct Way {
 }
 
 /// A variant of `soft/express`.
-pub fn express_variant(way: Way, subgroup: u32) -> Variant {
+fn express_variant(way: Way, subgroup: u32) -> Variant {
     let flat = Variant::plain().with("SHAPE", Footprint::Disc as u32);
     bin::fold_variant(flat, way.later, subgroup)
-        .with("STOP", if way.counted { 0 } else { way.stop })
+        .with("STOP", if way.counted { STOP_NEVER } else { way.stop })
         .with("CUT", u32::from(way.cut))
         .with("MODULATED", u32::from(way.modulated))
         .with("COUNTED", u32::from(way.counted))
+}
+
+/// The pass with its variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let flags = <((bool, bool), (bool, bool))>::all();
+    let ways = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
+        STOPS.map(|stop| Way { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
+    });
+    vec![Shader::new::<Express>(ways.flat_map(|way| SUBGROUPS.map(|size| express_variant(way, size))))]
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
-use super::{Batch, Kind, Sampler, WindowJob};
+use super::{Batch, Kind, STRATA, Sampler, WindowJob};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::methods::Error;
 use crate::methods::renderer::Target;
@@ -46,7 +47,7 @@ pass! {
 
 /// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
 /// from what earlier ones left.
-pub fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
+fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
     bin::region_variant(shape, later, subgroup)
         .constant("STRATA", strata)
         .each("stratum", strata)
@@ -102,4 +103,18 @@ fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) 
     let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
     let pixels = job.pixels() as u32;
     StochasticPush { walk, pixels, before, left, key_low, key_high }
+}
+
+/// The passes with their variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let later =
+        compose::shape_variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
+    let sized: Vec<_> = later.flat_map(|(shape, later)| SUBGROUPS.map(|size| (shape.clone(), later, size))).collect();
+    let tiles: Vec<Variant> = sized
+        .into_iter()
+        .flat_map(|(shape, later, size)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, size)))
+        .collect();
+    let kinds = || Kind::all().into_iter();
+    let accumulate = tiles.iter().flat_map(|tile| kinds().map(|kind| kind.of(tile.clone())));
+    vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
 }
