@@ -6,8 +6,8 @@ use ash::vk;
 
 use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader};
 
-/// Pass, variant, and what a draw has for outputs; `None` for compute.
-pub type PipelineKey = (&'static str, String, Option<Outputs>);
+/// Shader, the piece that it takes, variant, and what a draw has for outputs; `None` for compute.
+pub type PipelineKey = (&'static str, Option<&'static str>, String, Option<Outputs>);
 
 /// What a fragment's color does to the one that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -50,7 +50,7 @@ pub struct Pipeline {
 impl Pipeline {
     /// The compute pipeline of a pass.
     pub fn compute<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), None), || {
+        context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
             Self::build::<P>(context, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
@@ -71,7 +71,7 @@ impl Pipeline {
 
     /// The graphics pipeline of a pass that draws triangles.
     pub fn draw<P: Pass>(context: &Context, variant: &Variant, outputs: Outputs) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), Some(outputs)), || {
+        context.pipeline((P::SHADER, P::PIECE, variant.key(), Some(outputs)), || {
             let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
             Self::build::<P>(context, stages, |layout| {

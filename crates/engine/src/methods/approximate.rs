@@ -6,8 +6,9 @@ use super::abuffer::record_nothing;
 use super::bands::{self, Budget};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
+use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::scene::{DiscShape, Discs, Hybrid, Method};
@@ -16,22 +17,14 @@ use crate::{gpu_struct, group, pass};
 gpu_struct! {
     /// Push constants of the stages; shaders/shared/tile_fold.wgsl says what the members are.
     pub struct SumPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
     }
 }
 
 gpu_struct! {
     /// The same for `hybrid`, and how many fragments are composed exactly.
     pub struct HybridPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         k: u32,
     }
 }
@@ -87,12 +80,6 @@ pass! {
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
-    }
-}
-
-impl From<FoldPush> for SumPush {
-    fn from(FoldPush { columns, tiles, runs, nearest, segment }: FoldPush) -> Self {
-        Self { columns, tiles, runs, nearest, segment }
     }
 }
 
@@ -273,8 +260,7 @@ impl Approximations {
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
-                let FoldPush { columns, tiles: count, runs, nearest, segment } = binned.fold_push(run.number);
-                let push = HybridPush { columns, tiles: count, runs, nearest, segment, k };
+                let push = HybridPush { walk: binned.walk(run.number), k };
                 let over = Run::new(Dispatch::Groups(binned.tiles().into()));
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
@@ -327,7 +313,7 @@ impl Stage {
 
     fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
-            let push = SumPush::from(self.binned.fold_push(run.number));
+            let push = SumPush { walk: self.binned.walk(run.number) };
             let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
             Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
@@ -342,7 +328,7 @@ impl Stage {
         rounds.iter().enumerate().try_for_each(|(i, slots)| {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
-                let push = SumPush::from(self.binned.fold_push(run.number));
+                let push = SumPush { walk: self.binned.walk(run.number) };
                 let over = Run::new(Dispatch::Groups(self.binned.blocks()));
                 Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })
@@ -351,12 +337,12 @@ impl Stage {
 }
 
 /// A variant of the stages, from that of shape and falloff.
-pub fn sum_variant(shape: Variant, run: OneRun) -> Variant {
+fn sum_variant(shape: Variant, run: OneRun) -> Variant {
     bin::fold_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
 }
 
 /// A variant of `hybrid` over oriented discs.
-pub fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
+fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
     bin::fold_blocks_variant(shape, run.number > 0, run.subgroup)
         .with("KEPT", u32::from(run.of > 1))
         .with("BEHIND", u32::from(round.behind))
@@ -378,6 +364,31 @@ pub fn least_bytes(name: &str, facts: &Facts, method: &Method, tilted: bool, pix
     // Rank, then record, footprint and color.
     let splat = 4 + 8 + 16 + 16 + if tilted { 16 } else { 0 };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
+}
+
+/// The variants of a pass: shapes and falloffs with one run, and the first and second of two.
+fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
+        .into_iter()
+        .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
+        .collect();
+    compose::shape_variants().iter().flat_map(|shape| runs.iter().flat_map(|run| of(shape.clone(), *run))).collect()
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let sums = || variants(|shape, run| vec![sum_variant(shape, run)]);
+    // Rounds of one and of several; slots are what the rest of k leaves.
+    let rounds = [(1, false, true), (MOST_SLOTS, false, false), (MOST_SLOTS, true, false), (3, true, true)];
+    let rounds = rounds.map(|(slots, behind, tail)| Round { slots, behind, tail });
+    let oriented = variants(|shape, run| rounds.map(|round| round_variant(shape.clone(), run, round)).to_vec());
+    vec![
+        Shader::new::<Weighted>(sums()),
+        Shader::new::<Average>(sums()),
+        Shader::new::<Unsorted>(sums()),
+        Shader::new::<HybridFlat>(sums()),
+        Shader::new::<HybridOriented>(oriented),
+    ]
 }
 
 #[cfg(test)]

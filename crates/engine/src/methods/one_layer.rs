@@ -7,6 +7,7 @@
 use super::Error;
 use super::bands::{self, Window};
 use super::splats::Pixels;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run};
 use crate::{gpu_struct, pass};
 
@@ -41,4 +42,9 @@ pub fn record<'a>(
     let pass = Compose { layer: layer.image, layer_depths: layer.depths, image, depths };
     let push = ComposePush { count: pixels as u32, softness };
     Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
+}
+
+/// The pass.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::plain::<Compose>()]
 }

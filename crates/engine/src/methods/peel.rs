@@ -12,10 +12,11 @@ use super::abuffer::CountPush;
 use super::bands::{self, Band, Window};
 use super::renderer::{Facts, Target, Timeline};
 use super::splat::NearestSplat;
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
-use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::project::{DISCS, Footprint};
+use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 
@@ -46,28 +47,28 @@ pass! {
 
 pass! {
     /// The smallest rank that is left, by one 64-bit minimum.
-    pub Nearest(RasterPush) = "peel/nearest" {
+    pub Nearest(RasterPush) = "peel/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<u64>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// The smallest depth that is left, by a 32-bit minimum.
-    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest_depth" {
+    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// The smallest index at that depth.
-    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest_id" {
+    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 
@@ -98,7 +99,7 @@ pub fn pixel_bytes(counted: bool) -> u64 {
 }
 
 /// The variant of `peel/blend`; `counted`: with layers per pixel.
-pub fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
+fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
     compose::variant(cut, footprint, falloff).with("COUNTED", u32::from(counted))
 }
 
@@ -302,4 +303,20 @@ impl Peeler {
         recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?;
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let choices = <(Cut, (Falloff, bool))>::all();
+    let blend = DISCS.iter().flat_map(|disc| {
+        choices.iter().map(|(cut, (falloff, counted))| blend_variant(*cut, *disc, *falloff, *counted))
+    });
+    vec![
+        Shader::new::<Count>(raster::flat_variants()),
+        Shader::new::<Nearest>(raster::flat_variants()),
+        Shader::new::<NearestDepth>(raster::flat_variants()),
+        Shader::new::<NearestId>(raster::flat_variants()),
+        Shader::new::<Blend>(blend),
+        Shader::plain::<Next>(),
+    ]
 }

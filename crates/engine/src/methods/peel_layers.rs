@@ -10,6 +10,7 @@ use super::bands::{self, Window};
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
 use super::peel::{Next, PeelWork};
 use super::renderer::{Facts, Target, Timeline};
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
 use crate::{gpu_struct, pass};
@@ -49,7 +50,7 @@ pass! {
 }
 
 /// The variant of `peel-layers/blend`; `counted`: with layers per pixel.
-pub fn blend_variant(counted: bool) -> Variant {
+fn blend_variant(counted: bool) -> Variant {
     Variant::plain().with("COUNTED", u32::from(counted))
 }
 
@@ -217,4 +218,9 @@ impl LayerPeeler {
         recorder.run(&blend, push, &run)?;
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::new::<Blend>([false, true].map(blend_variant))]
 }

@@ -5,13 +5,14 @@
 use super::bands::{self, Band};
 use super::renderer::{Target, Timeline};
 use super::{Error, abuffer};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, ChunkGroup, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, Relief};
-use crate::{gpu_struct, pass};
+use crate::{choices, gpu_struct, pass};
 
 gpu_struct! {
     /// A pixel's nearest splat.
@@ -23,7 +24,7 @@ gpu_struct! {
 
 pass! {
     /// Depth and index by one 64-bit minimum.
-    pub Nearest(RasterPush) = "splat/nearest" {
+    pub Nearest(RasterPush) = "splat/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
@@ -31,7 +32,7 @@ pass! {
 
 pass! {
     /// Depth by a 32-bit minimum.
-    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest_depth" {
+    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -39,7 +40,7 @@ pass! {
 
 pass! {
     /// Index among those at the smallest depth.
-    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest_id" {
+    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -56,7 +57,7 @@ pass! {
 }
 
 /// The variant of the passes that find the nearest splats, for a walker's.
-pub fn relief_variant(walker: Variant, relief: Relief) -> Variant {
+fn relief_variant(walker: Variant, relief: Relief) -> Variant {
     walker.with("RELIEF", relief as u32)
 }
 
@@ -112,4 +113,34 @@ impl Opaque {
         timeline.add(recorder.submit("splat/nearest")?);
         Ok(())
     }
+}
+
+choices!(
+    enum Relief {
+        Flat,
+        Paraboloid,
+        Cone,
+        Sphere,
+    }
+);
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 3] = [
+    ("RELIEF_FLAT", Relief::Flat as u32),
+    ("RELIEF_PARABOLOID", Relief::Paraboloid as u32),
+    ("RELIEF_CONE", Relief::Cone as u32),
+];
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let variants = || {
+        let flat = raster::flat_variants().into_iter();
+        flat.flat_map(|walker| Relief::all().into_iter().map(move |relief| relief_variant(walker.clone(), relief)))
+    };
+    vec![
+        Shader::new::<Nearest>(variants()),
+        Shader::new::<NearestDepth>(variants()),
+        Shader::new::<NearestId>(variants()),
+        Shader::new::<Resolve>(compose::variants()),
+    ]
 }

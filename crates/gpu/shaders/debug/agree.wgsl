@@ -2,10 +2,6 @@
 // words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
 #import dispatch
 
-const WORDS = 0u;
-const BELOW = 1u;
-const TOLD = 8u;
-
 struct Push {
     count: u32,
     // Where the words of each binding begin.
