@@ -120,7 +120,7 @@ fn files() -> Vec<(std::path::PathBuf, String)> {
 fn every_constant_of_rust_is_mentioned_by_a_shader() {
     let files = files();
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let words: HashSet<&str> = files.iter().flat_map(|(_, text)| text.split(|c| !part(c))).collect();
+    let words: HashSet<&str> = files.iter().flat_map(|(_, text)| text.split(|c: char| !part(c))).collect();
     for (name, _) in SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten() {
         assert!(words.contains(name), "{name}");
     }

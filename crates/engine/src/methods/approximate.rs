@@ -372,7 +372,11 @@ fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
         .into_iter()
         .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
         .collect();
-    compose::shape_variants().iter().flat_map(|shape| runs.iter().flat_map(|run| of(shape.clone(), *run))).collect()
+    let mut all = Vec::new();
+    for shape in compose::shape_variants() {
+        runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
+    }
+    all
 }
 
 /// The passes with their variants.

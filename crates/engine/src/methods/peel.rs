@@ -309,7 +309,7 @@ impl Peeler {
 pub fn shaders() -> Vec<Shader> {
     let choices = <(Cut, (Falloff, bool))>::all();
     let blend = DISCS.iter().flat_map(|disc| {
-        choices.iter().map(|(cut, (falloff, counted))| blend_variant(*cut, *disc, *falloff, *counted))
+        choices.iter().map(move |(cut, (falloff, counted))| blend_variant(*cut, *disc, *falloff, *counted))
     });
     vec![
         Shader::new::<Count>(raster::flat_variants()),

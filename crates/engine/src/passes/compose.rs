@@ -90,11 +90,11 @@ impl Choices for Cut {
 /// The discs, and all falloffs, as [`shape_variant`] has them.
 pub(crate) fn shape_variants() -> Vec<Variant> {
     let falloffs = || Falloff::all().into_iter();
-    DISCS.iter().flat_map(|disc| falloffs().map(|falloff| shape_variant(*disc, falloff))).collect()
+    DISCS.iter().flat_map(|disc| falloffs().map(move |falloff| shape_variant(*disc, falloff))).collect()
 }
 
 /// The discs, all falloffs and cuts, as [`variant`] has them.
 pub(crate) fn variants() -> Vec<Variant> {
     let choices = || <(Cut, Falloff)>::all().into_iter();
-    DISCS.iter().flat_map(|disc| choices().map(|(cut, falloff)| variant(cut, *disc, falloff))).collect()
+    DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()
 }

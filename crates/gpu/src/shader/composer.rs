@@ -41,8 +41,8 @@ impl Sources {
     fn constants_in(&self, source: &str) -> String {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
-        let words: HashSet<&str> = code.flat_map(|line| line.split(|c| !is_part(c))).collect();
-        let own = if std::ptr::eq(self, &raw const crate::SHADERS) { &[] } else { self.constants };
+        let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !is_part(c))).collect();
+        let own: &[&[(&str, u32)]] = if std::ptr::eq(self, &raw const crate::SHADERS) { &[] } else { self.constants };
         let mut out = String::new();
         for (name, value) in crate::SHADERS.constants.iter().chain(own).copied().flatten() {
             if words.contains(name) {

@@ -124,7 +124,7 @@ mod tests {
 
     const WGSL: &str = "
         struct Inner { at: vec2<f32>, sign: i32, rest: u32 }
-        struct All { turn: mat4x4<f32>, groups: array<u32, 3>, count: atomic<u32>, inner: Inner, scale: f32, more: u32 }
+        struct All { turn: mat4x4<f32>, groups: array<u32, 3>, count: atomic<u32>, inner: Inner, scale: f32, more: array<u32, 3> }
         @group(0) @binding(0) var<storage, read_write> all: array<All>;
         @compute @workgroup_size(1) fn main() { atomicAdd(&all[0].count, 1u); }";
 
@@ -146,7 +146,7 @@ mod tests {
                     count: $count,
                     inner: $inner,
                     scale: $scale,
-                    more: u32,
+                    more: [u32; 3],
                 }
             }
             let module = naga::front::wgsl::parse_str(WGSL).expect("valid WGSL");

@@ -465,7 +465,7 @@ pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) ->
 /// The passes of sorting and blending with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let stopping = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
-    let composed = |capacity| stopping().map(|v| resolve_variant(v, capacity)).collect();
+    let composed = |capacity: u32| stopping().map(|v| resolve_variant(v, capacity)).collect::<Vec<_>>();
     let ordered = Falloff::all().into_iter().flat_map(|falloff| STOPS.map(|stop| ordered_variant(falloff, stop)));
     vec![
         Shader::new::<Classify>([class_variant()]),

@@ -115,6 +115,6 @@ pub(super) fn shaders() -> Vec<Shader> {
         .flat_map(|(shape, later, size)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, size)))
         .collect();
     let kinds = || Kind::all().into_iter();
-    let accumulate = tiles.iter().flat_map(|tile| kinds().map(|kind| kind.of(tile.clone())));
+    let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.of(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
 }
