@@ -12,7 +12,7 @@ use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{Discs, Method};
+use pellucid_engine::scene::{Discs, Method, MethodChoice};
 use pellucid_lab::check::{self, Follows, Subject};
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
@@ -217,7 +217,7 @@ fn otherwise(device: &Device, all: &[Known], wrong: &mut Wrong) {
 fn the_ways_between_which_auto_chooses_have_the_same_bytes_but_in_long_lists() {
     with_device(|device| {
         let subjects = check::subjects();
-        let auto = subjects.iter().find(|s| matches!(s.frame.method, Method::Auto(_))).expect("one of `auto`");
+        let auto = subjects.iter().find(|s| matches!(s.choice, MethodChoice::Auto(_))).expect("one of `auto`");
         let render = |method| auto.with(Frame { method, ..auto.frame }).render(&mut fresh(device));
         let discs = Discs::default();
         let (sorted, abuffer) = match (render(Method::Sorted(discs)), render(Method::ABuffer(discs))) {

@@ -8,8 +8,8 @@ use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_engine::plan::{plan, resolve};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{
-    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, OneLayer, Peel, PeelLayers, Raster,
-    ScreenSplats, Soft, Stochastic,
+    BlendedSplats, DiscShape, Discs, Hybrid, ImageSpace, LongLists, Method, MethodChoice, OneLayer, Peel, PeelLayers,
+    Raster, ScreenSplats, Soft, Stochastic,
 };
 
 /// Six samples of each pixel, by the rasteriser.
@@ -37,7 +37,7 @@ fn half_soft(points: Points) -> Points {
 
 #[test]
 fn auto_takes_the_cheapest_method_that_is_exact() {
-    let (method, why) = resolve(Method::default(), &scene(&with_opacities(&[1.0, 1.0])));
+    let (method, why) = resolve(MethodChoice::default(), &scene(&with_opacities(&[1.0, 1.0])));
     // Not clamped: the image is that of the exact method.
     assert!(
         matches!(method, Method::Circles(ScreenSplats { size: 1.0, max_pixel_radius: f32::MAX, .. })),
@@ -46,7 +46,7 @@ fn auto_takes_the_cheapest_method_that_is_exact() {
     assert!(why.contains("every point is opaque"), "{why}");
     for opacities in [[1.0, 0.999], [0.0, 0.0], [0.5, 1.0]] {
         let transparent = opacities.iter().filter(|a| **a < 1.0).count();
-        let (method, why) = resolve(Method::default(), &scene(&with_opacities(&opacities)));
+        let (method, why) = resolve(MethodChoice::default(), &scene(&with_opacities(&opacities)));
         assert_eq!(method, Method::Sorted(Discs::default()));
         assert!(why.contains(&format!("{transparent} of 2 points")), "{why}");
     }
@@ -56,7 +56,7 @@ fn auto_takes_the_cheapest_method_that_is_exact() {
 fn a_method_that_was_asked_for_stays() {
     let oriented = Method::ABuffer(Discs { shape: DiscShape::Oriented, ..Discs::default() });
     for method in [Method::Points, Method::Squares(ScreenSplats::default()), oriented] {
-        let (taken, why) = resolve(method, &scene(&with_opacities(&[0.5])));
+        let (taken, why) = resolve(method.into(), &scene(&with_opacities(&[0.5])));
         assert_eq!(taken, method);
         assert!(why.contains(method.name()) && why.contains("asked for"), "{why}");
     }

@@ -40,7 +40,7 @@ fn overridden(text: &str, pairs: &[&str]) -> Result<Scene, Error> {
 fn defaults_are_those_of_the_contract() {
     let scene = read(CLOUD).unwrap();
     assert_eq!(scene.image, ImageSettings { size: [1024, 1024], background: Vec3::ZERO, color: ColorSpace::Linear });
-    assert_eq!(scene.method, Method::default());
+    assert_eq!(scene.method, MethodChoice::default());
     assert_eq!(scene.shading, Shading::default());
     let cloud = &scene.clouds[0];
     assert_eq!(cloud.path, PathBuf::from("dir/a.ply"), "relative to the scene file");
@@ -104,7 +104,7 @@ fn every_key_of_the_contract_is_read() {
         raster: Raster::Compute,
         long_lists: LongLists::InPlace,
     };
-    assert_eq!(scene.method, Method::ABuffer(discs));
+    assert_eq!(scene.method, Method::ABuffer(discs).into());
     assert_eq!(scene.warnings, [""; 0]);
 }
 
@@ -198,8 +198,8 @@ fn every_method_is_read_by_its_name() {
 #[test]
 fn filters_have_their_defaults_and_limits() {
     let of = |keys: &str| with_cloud(&format!("[method]\n{keys}")).method;
-    assert_eq!(of("name = \"image-space\""), Method::ImageSpace(ImageSpace::default()));
-    assert_eq!(of("name = \"peel-layers\""), Method::PeelLayers(PeelLayers::default()));
+    assert_eq!(of("name = \"image-space\""), Method::ImageSpace(ImageSpace::default()).into());
+    assert_eq!(of("name = \"peel-layers\""), Method::PeelLayers(PeelLayers::default()).into());
     let filters = ImageSpace {
         fill: 0,
         occlusion: 256,
@@ -211,9 +211,9 @@ fn filters_have_their_defaults_and_limits() {
     };
     let keys = "fill = 0\nocclusion = 256\nsmooth = 2\nantialias = false\nantialias_threshold = 0.5\n\
                 min_layer_distance = 0.25\ncull = true";
-    assert_eq!(of(&format!("name = \"image-space\"\n{keys}")), Method::ImageSpace(filters));
+    assert_eq!(of(&format!("name = \"image-space\"\n{keys}")), Method::ImageSpace(filters).into());
     let layers = format!("name = \"peel-layers\"\nlayers = 1024\n{keys}");
-    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024 }));
+    assert_eq!(of(&layers), Method::PeelLayers(PeelLayers { filters, layers: 1024 }).into());
     for wrong in ["fill = 257", "smooth = -1", "antialias_threshold = 1.5", "min_layer_distance = 0", "layers = 0"] {
         let message = refused(&format!("[method]\nname = \"peel-layers\"\n{wrong}\n{CLOUD}"));
         assert!(message.starts_with("dir/s.toml:3:"), "{wrong}: {message}");
@@ -224,8 +224,8 @@ fn filters_have_their_defaults_and_limits() {
 fn layers_to_peel_are_a_whole_number_within_the_limit() {
     let peel = |layers| with_cloud(&format!("[method]\nname = \"peel\"\nfalloff = \"gaussian\"{layers}")).method;
     let discs = Discs { falloff: Falloff::Gaussian, ..Discs::default() };
-    assert_eq!(peel(""), Method::Peel(Peel { discs, layers: 0 }));
-    assert_eq!(peel("\nlayers = 65536"), Method::Peel(Peel { discs, layers: 65_536 }));
+    assert_eq!(peel(""), Method::Peel(Peel { discs, layers: 0 }).into());
+    assert_eq!(peel("\nlayers = 65536"), Method::Peel(Peel { discs, layers: 65_536 }).into());
     for wrong in ["65537", "-1", "1.5"] {
         let message = refused(&format!("[method]\nname = \"peel\"\nlayers = {wrong}\n{CLOUD}"));
         assert!(message.contains("`method.layers` must be an integer from 0 to 65536"), "{message}");
@@ -235,7 +235,7 @@ fn layers_to_peel_are_a_whole_number_within_the_limit() {
 #[test]
 fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
     let scene = with_cloud("[method]\nname = \"circles\"\nsize = 2.0\nlayers = 4");
-    assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, ..ScreenSplats::default() }));
+    assert_eq!(scene.method, Method::Circles(ScreenSplats { size: 2.0, ..ScreenSplats::default() }).into());
     let [warning] = scene.warnings.as_slice() else { panic!("{:?}", scene.warnings) };
     assert!(
         warning.contains(":4:1: method \"circles\" does not use `layers` (a key of peel, peel-layers)"),
@@ -255,7 +255,8 @@ fn keys_of_other_methods_warn_and_keys_of_none_are_refused() {
 
 #[test]
 fn outlines_of_opaque_splats_are_read() {
-    let shape = |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method;
+    let shape =
+        |name: &str| with_cloud(&format!("[method]\nname = {name:?}\nshape = \"square\"")).method.representative();
     assert!(matches!(shape("hqs"), Method::Hqs(of) if of.shape == SplatShape::Square));
     assert!(matches!(shape("cone"), Method::Cone(of) if of.shape == SplatShape::Square));
     // Oriented splats and spheres are round.
@@ -375,7 +376,7 @@ fn options_win_over_the_file_and_are_checked_alike() {
     .unwrap();
     assert_eq!(scene.image.size, [64, 32]);
     assert_eq!(scene.clouds.iter().map(|cloud| cloud.opacity).collect::<Vec<_>>(), [0.5, 0.25]);
-    assert!(matches!(scene.method, Method::ABuffer(discs) if discs.shape == DiscShape::Oriented));
+    assert!(matches!(scene.method.fixed(), Some(Method::ABuffer(discs)) if discs.shape == DiscShape::Oriented));
     assert!(scene.settings.contains("\"size\":[64,32]"), "{}", scene.settings);
 
     let refused = |pair: &str| overridden(&text, &[pair]).expect_err(pair).to_string();

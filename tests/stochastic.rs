@@ -49,7 +49,7 @@ impl Stage {
     fn new(device: &Device, points: &Points, camera: Camera, size: [u32; 2]) -> Self {
         let renderer = Renderer::new(device).expect("a renderer");
         let cloud = renderer.upload(points).expect("fits");
-        Self { renderer, cloud, frame: frame(camera, size, Method::default()) }
+        Self { renderer, cloud, frame: frame(camera, size, Method::Stochastic(Stochastic::default())) }
     }
 
     fn image(&mut self, settings: Stochastic, seed: u64) -> Image {
@@ -478,7 +478,7 @@ fn same_input_same_bytes_whatever_order_budget_or_windows() {
                 shuffled.shuffle(&mut random(3));
                 let again = Stage::new(device, &scene(&shuffled), camera, size).image(settings, 5);
                 assert!(all(&again) == all(&first), "shuffled");
-                let frame = seeded(&frame(camera, size, Method::default()), settings, 5);
+                let frame = seeded(&frame(camera, size, Method::Stochastic(Stochastic::default())), settings, 5);
                 let budget = Frame { memory_budget: Some(3_000_000), ..frame };
                 let small = stage.renderer.render(&mut stage.cloud, &budget).expect("fits");
                 assert!(small.facts.windows > 1, "{:?}", small.facts);

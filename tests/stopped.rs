@@ -5,22 +5,8 @@ mod common;
 
 use common::with_device;
 use pellucid_engine::gpu::{self, Device};
-use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
-use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::plan;
-use pellucid_engine::prepare::Arranged;
+use pellucid_engine::methods::{Error, Renderer};
 use pellucid_lab::check::{self, Subject};
-
-/// Renders on what is there already.
-fn render(
-    subject: &Subject,
-    arranged: &Arranged,
-    renderer: &mut Renderer,
-    cloud: &mut DeviceCloud,
-) -> Result<Rendered, Error> {
-    let (method, _) = plan::resolve(subject.frame.method, arranged.points());
-    renderer.render(cloud, &Frame { method, ..subject.frame })
-}
 
 /// The first submissions one by one, then fewer and fewer of them.
 fn places() -> impl Iterator<Item = u64> {
@@ -39,14 +25,14 @@ fn stop_everywhere(device: &Device, renderer: &mut Renderer, subject: &Subject) 
         // A cloud of its own: what is found for it, axes and shadows, is found under way.
         let mut cloud = renderer.upload_arranged(&arranged).map_err(|error| format!("upload: {error}"))?;
         device.allow_submissions(Some(allowed));
-        let stopped = render(subject, &arranged, renderer, &mut cloud);
+        let stopped = renderer.render(&mut cloud, &subject.frame);
         device.allow_submissions(None);
         match &stopped {
             Ok(_) => {}
             Err(Error::Gpu(gpu::Error::Stopped { .. })) => {}
             Err(error) => return Err(format!("after {allowed} submissions: {error}")),
         }
-        let next = render(subject, &arranged, renderer, &mut cloud);
+        let next = renderer.render(&mut cloud, &subject.frame);
         let next = next.map_err(|error| format!("the frame after one of {allowed} submissions: {error}"))?;
         if let Some(difference) = check::difference(&first.image, &next.image) {
             return Err(format!("the frame after one of {allowed} submissions: {difference}"));

@@ -76,7 +76,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         20 => cloud.translate = one_of(r, &[DVec3::ZERO, DVec3::X, DVec3::splat(1e308)]),
         // What is beyond float64 then is dropped.
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
-        _ => scene.method = one_of(r, &methods),
+        _ => scene.method = one_of(r, &methods).into(),
     }
 }
 
@@ -220,13 +220,13 @@ fn what_a_cloud_lacks_changes_nothing() {
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
     let good = scene.clone();
-    scene.method = Method::SoftBase(Soft::default());
+    scene.method = Method::SoftBase(Soft::default()).into();
     scene.clouds[0].field = Some(Field::Intensity);
     scene.clouds[1].field = Some(Field::Property { name: "weight".into() });
     let error = tracked.follow(&scene, &clouds, &mut known, &hidden).unwrap_err().to_string();
     assert!(error.contains("weight") && error.contains("1.ply"), "{error}");
     assert!(*tracked.arranged() == before);
-    for scene in [&good, &Scene { method: Method::SoftBase(Soft::default()), ..good.clone() }] {
+    for scene in [&good, &Scene { method: Method::SoftBase(Soft::default()).into(), ..good.clone() }] {
         tracked.follow(scene, &clouds, &mut known, &hidden).unwrap().unwrap();
         assert!(*tracked.arranged() == scene::arrange(scene, clouds.clone(), SEED, &hidden).unwrap());
     }
@@ -238,7 +238,7 @@ fn who_is_dealt_and_who_is_not_is_another_arrangement() {
     let (mut scene, mut known, hidden) = (scene(1), vec![Known::default()], Progress::hidden());
     let mut tracked = Tracked::new(&scene, &clouds, &mut known, SEED, &hidden).unwrap();
     let before = tracked.arranged().clone();
-    scene.method = Method::Spbr(Spbr::default());
+    scene.method = Method::Spbr(Spbr::default()).into();
     assert_eq!(tracked.follow(&scene, &clouds, &mut known, &hidden).unwrap(), None);
     assert!(*tracked.arranged() == before && matches!(before, Arranged::Canonical(_)));
 }

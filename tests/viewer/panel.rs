@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{Density, Scene, Shadows, Shells, Soft};
+use pellucid_engine::scene::{Density, Method, Scene, Shadows, Shells, Soft};
 
 use super::display::Display;
 use super::garden::{garden, rendered, shoot, with_display};
@@ -64,7 +64,7 @@ fn soft_points_are_chosen_in_the_panel() {
         let text = "[method]\nname = 'soft-concentric'\nthreshold = 0.25\n[[cloud]]\npath = 'leaves.ply'\n\
             field = 'classification'\nsoft_classes = [3]\n";
         let mut desk = Desk::open(display, folder.path(), text);
-        let soft = |scene: &Scene| *scene.method.soft().unwrap();
+        let soft = |scene: &Scene| *scene.method.fixed().and_then(Method::soft).unwrap();
         let before = soft(&desk.saved());
         assert_eq!(before, Soft { threshold: 0.25, ..Soft::default() });
 

@@ -15,7 +15,9 @@ use crate::passes::tiles;
 use crate::points::Points;
 use crate::prepare::axes::Axis;
 use crate::random::STRATUM;
-use crate::scene::{DiscShape, Discs, Falloff, LongLists, Method, Raster, ScreenSplats, ShadingModel, Stochastic};
+use crate::scene::{
+    DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Raster, ScreenSplats, ShadingModel, Stochastic,
+};
 
 /// One pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -28,12 +30,15 @@ pub struct Step {
     pub reason: String,
 }
 
-/// The method in force for some points: `auto` replaced by one that is exact for them.
+/// The method in force for some points: `auto` is replaced by one that is exact for them.
 ///
 /// Opaque splats need no transparency: the nearest decides. Flat splats need only an order of splats, and where that is
 /// not asked of another method [`choose`] says which of two is cheaper. Splats that may cross need an order of fragments.
-pub fn resolve(method: Method, points: &Points) -> (Method, String) {
-    let Method::Auto(discs) = method else { return (method, format!("{} was asked for", method.name())) };
+pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
+    let discs = match choice {
+        MethodChoice::Auto(discs) => discs,
+        MethodChoice::Fixed(method) => return (method, format!("{} was asked for", method.name())),
+    };
     let transparent = points.opacities.iter().filter(|a| **a < 1.0).count();
     let oriented = discs.shape == DiscShape::Oriented && points.normals.is_some();
     if oriented {
@@ -53,15 +58,16 @@ pub fn resolve(method: Method, points: &Points) -> (Method, String) {
 }
 
 /// The method in force on a device: as [`resolve`], but for flat splats the cheaper of `sorted` and `abuffer`, by a model of
-/// what frames cost here (see [`crate::methods::cost`]).
+/// what frames cost here (see [`crate::methods::cost`]). The frame may be of any method.
 pub fn choose(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
     points: &Points,
+    choice: MethodChoice,
     frame: &Frame,
 ) -> Result<(Method, String), crate::methods::Error> {
-    match (frame.method, resolve(frame.method, points)) {
-        (Method::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
+    match (choice, resolve(choice, points)) {
+        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
         (_, resolved) => Ok(resolved),
     }
 }
@@ -83,7 +89,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         plan.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     }
     let filters = frame.method.filters();
-    let direct = matches!(frame.method, Method::Points | Method::Auto(_)) || filters.is_some();
+    let direct = matches!(frame.method, Method::Points) || filters.is_some();
     let project = if direct || frame.method.is_dealt() {
         "a point is one pixel or a square: no splats".to_owned()
     } else {
@@ -108,7 +114,7 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
         Method::Weighted(_) => plan.tiled("weighted/accumulate", device, frame, facts, why),
         Method::Average(_) => plan.tiled("average/accumulate", device, frame, facts, why),
         Method::Unsorted(_) => plan.tiled("unsorted/accumulate", device, frame, facts, why),
-        Method::Points | Method::Auto(_) => {
+        Method::Points => {
             plan.add("points/resolve", true, format!("index of the nearest point to color; {shading}"));
         }
         Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => plan.splatted(device, frame, facts, why),

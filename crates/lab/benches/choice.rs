@@ -69,7 +69,7 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
         size: scene.image.size,
         shading: scene.shading,
         color: scene.image.color,
-        method: scene.method,
+        method: scene.method.representative(),
         memory_budget: None,
         fragments: false,
         stop: Stop::Exact,

@@ -81,8 +81,8 @@ impl Renderer {
         let mut renderer = methods::Renderer::new(&self.device)?;
         renderer.progress = self.progress.clone();
         let mut cloud = renderer.upload_lit(&arranged, texture.as_ref())?;
-        let mut frame = Frame::of(&settings, camera, scene.seed);
-        let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), &frame)?;
+        let mut frame = Frame::of_scene(&settings, camera, scene.seed);
+        let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), settings.method, &frame)?;
         frame.method = method;
         let radius = arranged.points().radii.iter().copied().fold(0.0, f32::max);
         let bounds = arranged.points().bounds();

@@ -195,10 +195,7 @@ fn of_words(method: &Method, key: &str) -> Option<(Control, Setting)> {
     let word = |words: &'static [&'static str], at: usize| {
         Some((Control::Choice(words), Setting::Word((*words.get(at)?).to_owned())))
     };
-    let discs = method.discs().or(match method {
-        Method::Auto(discs) => Some(discs),
-        _ => None,
-    });
+    let discs = method.discs();
     let outline = match method {
         Method::Paraboloid(Interpolated { shape, .. }) | Method::Cone(Interpolated { shape, .. }) => Some(shape),
         Method::Hqs(BlendedSplats { shape, .. }) => Some(shape),

@@ -17,7 +17,7 @@ use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
-use pellucid_engine::scene::{self, CameraSettings, Method, Scene, View};
+use pellucid_engine::scene::{self, CameraSettings, Method, MethodChoice, Scene, View};
 use pellucid_engine::{Result, plan};
 
 /// Share of the whole picture's work from which a picture at rest is the whole one.
@@ -84,7 +84,7 @@ pub struct Stage {
     costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
     /// What `auto` stood for when it was last asked, and why.
-    chosen: Option<(Method, Method, String)>,
+    chosen: Option<(MethodChoice, Method, String)>,
 }
 
 impl Stage {
@@ -132,10 +132,12 @@ impl Stage {
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
-        let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of(scene, camera, seed) };
+        let mut frame = Frame { memory_budget, stop, spread: true, ..Frame::of_scene(scene, camera, seed) };
         let (method, why) = match known {
             Some((_, method, why)) => (method, why),
-            None => plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), &frame)?,
+            None => {
+                plan::choose(&mut self.renderer, &mut placed.cloud, placed.arranged.points(), scene.method, &frame)?
+            }
         };
         self.chosen = Some((scene.method, method, why.clone()));
         frame.method = method;

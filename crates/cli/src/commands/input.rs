@@ -245,9 +245,9 @@ impl Loaded {
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
     pub fn resolve_with_radii(mut self, talk: Talk, progress: &Bar) -> Result<Resolved> {
         let method = self.scene.method;
-        if matches!(method, Method::Points | Method::ImageSpace(_)) {
+        if matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
             // Like these two it wants the points in canonical order, and nothing else of them.
-            self.scene.method = Method::Circles(ScreenSplats::default());
+            self.scene.method = Method::Circles(ScreenSplats::default()).into();
         }
         let mut resolved = self.resolve(None, talk, progress)?;
         resolved.scene.method = method;

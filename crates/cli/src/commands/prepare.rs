@@ -145,7 +145,7 @@ impl PrepareArgs {
             shading: scene.shading,
             shadows: scene.shadows,
             color: scene.image.color,
-            method: scene.method,
+            method: scene.method.representative(),
             memory_budget: self.device.memory_budget.map(|budget| budget.as_u64()),
             fragments: false,
             stop: Stop::Exact,

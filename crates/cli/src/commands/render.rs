@@ -102,7 +102,7 @@ impl ChoiceArgs {
             ));
             return None;
         }
-        if wish.is_any() && formation(&method, resolved.points()).is_err() {
+        if wish.is_any() && formation(&method.representative(), resolved.points()).is_err() {
             talk.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
                 method.name()

@@ -34,12 +34,13 @@ impl Session {
         // On a device that was not met before, `auto` measures it first.
         progress.stage("choosing the method");
         let Self { renderer, cloud, frame, .. } = &mut session;
-        (session.frame.method, session.why) = plan::choose(renderer, cloud, resolved.points(), frame)?;
+        (session.frame.method, session.why) =
+            plan::choose(renderer, cloud, resolved.points(), resolved.scene.method, frame)?;
         progress.stage("rendering");
         Ok(session)
     }
 
-    /// Opens the device and uploads the points; the method is still the scene's.
+    /// Opens the device and uploads the points; the method is the scene's, or for `auto` one of the same image.
     pub fn upload(args: &DeviceArgs, resolved: &Resolved, fragments: bool, stop: Stop, progress: &Bar) -> Result<Self> {
         progress.stage("uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
@@ -48,7 +49,7 @@ impl Session {
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
             stop,
-            ..Frame::of(&resolved.scene, resolved.camera, resolved.seed)
+            ..Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed)
         };
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;

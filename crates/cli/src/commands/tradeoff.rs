@@ -112,7 +112,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     output::check_report_folder(&args.output)?;
     let progress = talk.progress();
     let resolved = read(&args.input, None, talk, &progress)?.resolve_with_radii(talk, &progress)?;
-    let formation = settings::compared(&resolved.scene.method, resolved.points())?;
+    let formation = settings::compared(&resolved.scene.method.representative(), resolved.points())?;
     progress.stage("uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -122,7 +122,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
         size: resolved.scene.image.size,
         shading: resolved.scene.shading,
         color: resolved.scene.image.color,
-        method: resolved.scene.method,
+        method: resolved.scene.method.representative(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),
         fragments: false,
         stop: Stop::Exact,

@@ -7,7 +7,7 @@ use crate::prepare::layer_distance;
 /// Says if the default of `method.min_layer_distance`, where that is in force, differs from what the points' spacing suggests
 /// ([`layer_distance::suggest`]) by a factor of more than 3.
 pub fn note_of_layers(scene: &Scene, points: &Points) -> Option<String> {
-    scene.method.filters().filter(|filters| filters.min_layer_distance.is_none())?;
+    scene.method.fixed()?.filters().filter(|filters| filters.min_layer_distance.is_none())?;
     let default = 0.01 * points.bounds()?.diagonal();
     let suggested = layer_distance::suggest(points)?;
     let is_near = (suggested / 3.0..=suggested * 3.0).contains(&default);

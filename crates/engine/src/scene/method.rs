@@ -4,15 +4,16 @@ use super::error::Error;
 use super::keys::{METHODS, all_method_keys, belongs, owners};
 use super::settings::{
     BlendedSplats, Brightness, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, LongLists,
-    MAX_ENSEMBLES, MAX_ITERATIONS, MAX_K, MAX_LAYERS, MAX_POINT_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, OneLayer,
-    Peel, PeelLayers, Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
+    MAX_ENSEMBLES, MAX_ITERATIONS, MAX_K, MAX_LAYERS, MAX_POINT_LAYERS, MAX_SAMPLES, MAX_SHELLS, Method, MethodChoice,
+    OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape,
+    Stochastic,
 };
 use super::table::{Range, Table};
 use super::tree::Value;
 use crate::words::nearest;
 
 /// Reads the table; keys of other methods become warnings.
-pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Method, Error> {
+pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<MethodChoice, Error> {
     table.refuse_unknown(&all_method_keys())?;
     let name = name(table)?;
     if let (Some(softness), true) = (table.get("softness"), table.get("lambda").is_some()) {
@@ -49,15 +50,19 @@ pub(super) fn read(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Meth
         "peel-layers" => Method::PeelLayers(peel_layers(table)?),
         "spbr" => Method::Spbr(spbr(table)?),
         "spbr-simplified" => Method::SpbrSimplified(spbr_simplified(table)?),
-        _ => Method::Auto(discs(table)?),
+        _ => {
+            let choice = MethodChoice::Auto(discs(table)?);
+            warn_of_shape(table, &choice, warnings);
+            return Ok(choice);
+        }
     };
-    warn_of_shape(table, &method, warnings);
+    warn_of_shape(table, &method.into(), warnings);
     let in_vain = method.raster() == Raster::Hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
     if let (true, Some(node)) = (in_vain, table.get("raster")) {
         let place = &node.place;
         warnings.push(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));
     }
-    Ok(method)
+    Ok(method.into())
 }
 
 fn name<'a>(table: &Table<'a>) -> Result<&'a str, Error> {
@@ -111,12 +116,13 @@ fn is_word<T>(table: &Table<'_>, words: &[(&str, T)]) -> bool {
 }
 
 /// Warns of a shape that only others have.
-fn warn_of_shape(table: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {
+fn warn_of_shape(table: &Table<'_>, choice: &MethodChoice, warnings: &mut Vec<String>) {
+    let method = choice.representative();
     let outlined = matches!(method, Method::Paraboloid(_) | Method::Cone(_) | Method::Hqs(_));
-    let discs = method.discs().is_some() || matches!(method, Method::Auto(_));
+    let discs = method.discs().is_some();
     let foreign = (outlined && is_word(table, &DISC_SHAPES)) || (discs && is_word(table, &OUTLINES));
     if let (true, Some(node)) = (foreign, table.get("shape")) {
-        let (place, name) = (&node.place, method.name());
+        let (place, name) = (&node.place, choice.name());
         let own = if outlined { "\"circle\" and \"square\"" } else { "\"flat\" and \"oriented\"" };
         warnings.push(format!("{place}: this `shape` is of other methods: {name:?} has {own}, and takes the first"));
     }

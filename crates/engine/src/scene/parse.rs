@@ -222,7 +222,7 @@ fn columns(table: &Table<'_>) -> Result<Option<ColumnNames>, Error> {
         .map_err(|problem| table.error("columns", node, format!("names columns: {problem}")))
 }
 
-fn warn_of_fields(cloud: &Table<'_>, method: &Method, warnings: &mut Vec<String>) {
+fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice, warnings: &mut Vec<String>) {
     for node in FIELD_KEYS.into_iter().filter_map(|key| Some((key, cloud.get(key)?))) {
         let (key, Node { place, .. }) = node;
         let name = method.name();
@@ -281,7 +281,7 @@ fn field(table: &Table<'_>, warnings: &mut Vec<String>) -> Result<Option<Field>,
 fn shadows(
     root: &Table<'_>,
     shading: &Shading,
-    method: &Method,
+    method: &MethodChoice,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Shadows>, Error> {
     let table = root.table("shadows")?;
@@ -302,7 +302,7 @@ fn shadows(
     }
     let why = if root.get("shadows").is_none() {
         return Ok(None);
-    } else if !method.takes_shadows() && !matches!(method, Method::Auto(_)) {
+    } else if !method.may_take_shadows() {
         format!("method {:?} takes no shadows: points, squares, circles and other opaque methods do", method.name())
     } else if shading.model == ShadingModel::None {
         "without shading there are no shadows: shading.model = \"lambert\" or \"phong\" has some".to_owned()

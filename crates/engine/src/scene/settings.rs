@@ -120,7 +120,7 @@ pub struct Scene {
     /// `[[cloud]]`, at least one.
     pub clouds: Vec<CloudSettings>,
     /// `[method]`.
-    pub method: Method,
+    pub method: MethodChoice,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
     pub shadows: Option<Shadows>,
     /// What was given but has no effect, one sentence each.
@@ -539,11 +539,76 @@ pub enum Brightness {
 /// Most ensembles.
 pub const MAX_ENSEMBLES: u32 = 65_536;
 
-/// `[method]`: the methods of this version.
+/// `[method]`: what a scene asks for. [`crate::plan::choose`] makes a [`Method`] of it once points and device are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MethodChoice {
+    /// The cheapest method that is exact for the points, for these discs.
+    Auto(Discs),
+    /// This method.
+    Fixed(Method),
+}
+
+impl Default for MethodChoice {
+    fn default() -> Self {
+        Self::Auto(Discs::default())
+    }
+}
+
+impl From<Method> for MethodChoice {
+    fn from(method: Method) -> Self {
+        Self::Fixed(method)
+    }
+}
+
+impl MethodChoice {
+    /// The name a scene file gives it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Auto(_) => "auto",
+            Self::Fixed(method) => method.name(),
+        }
+    }
+
+    /// The method that was asked for; `None` for `auto`.
+    pub fn fixed(&self) -> Option<&Method> {
+        match self {
+            Self::Auto(_) => None,
+            Self::Fixed(method) => Some(method),
+        }
+    }
+
+    /// A method that shows the image asked for, whatever the points and the device: of `auto` the A-buffer.
+    pub fn representative(&self) -> Method {
+        match *self {
+            Self::Auto(discs) => Method::ABuffer(discs),
+            Self::Fixed(method) => method,
+        }
+    }
+
+    /// As [`Method::needs_radii`].
+    pub fn needs_radii(&self) -> bool {
+        self.representative().needs_radii()
+    }
+
+    /// As [`Method::needs_field`].
+    pub fn needs_field(&self) -> bool {
+        self.representative().needs_field()
+    }
+
+    /// As [`Method::is_dealt`].
+    pub fn is_dealt(&self) -> bool {
+        self.representative().is_dealt()
+    }
+
+    /// Whether `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
+    pub fn may_take_shadows(&self) -> bool {
+        self.fixed().is_none_or(Method::takes_shadows)
+    }
+}
+
+/// The methods of this version.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The cheapest exact one for the scene, for these discs.
-    Auto(Discs),
     /// 1-pixel opaque points.
     Points,
     /// Opaque screen-aligned squares.
@@ -597,12 +662,6 @@ pub enum Method {
     SpbrSimplified(SpbrSimplified),
 }
 
-impl Default for Method {
-    fn default() -> Self {
-        Self::Auto(Discs::default())
-    }
-}
-
 impl Method {
     /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
     pub fn transparent() -> Vec<Self> {
@@ -617,7 +676,6 @@ impl Method {
     /// The name a scene file gives it.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Auto(_) => "auto",
             Self::Points => "points",
             Self::Squares(_) => "squares",
             Self::Circles(_) => "circles",
@@ -658,8 +716,7 @@ impl Method {
             | Self::Weighted(discs)
             | Self::Average(discs)
             | Self::Unsorted(discs) => Some(discs),
-            Self::Auto(_)
-            | Self::Points
+            Self::Points
             | Self::Squares(_)
             | Self::Circles(_)
             | Self::Paraboloid(_)

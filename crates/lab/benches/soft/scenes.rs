@@ -41,7 +41,7 @@ impl Subject {
         let up = scene::up_axis(&clouds);
         let points = scene::assemble(scene, clouds, true, &Progress::hidden())?;
         let (camera, _) = scene::camera(scene, &points, up)?;
-        let given = scene.method.soft().copied().unwrap_or_default();
+        let given = scene.method.fixed().and_then(Method::soft).copied().unwrap_or_default();
         let is_default = given == Soft::default();
         let soft = if is_default { Soft { threshold: middle(&points.fields), ..given } } else { given };
         let frame = Frame {

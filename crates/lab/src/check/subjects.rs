@@ -18,8 +18,8 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
     BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, Light, LongLists,
-    Method, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells, Soft, SoftLayout,
-    Spbr, SpbrSimplified, SplatShape, Stochastic,
+    Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells,
+    Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
 };
 
 /// A scene for a method.
@@ -29,7 +29,10 @@ pub struct Subject {
     pub name: String,
     /// The clouds, each as a file might hold it: in no particular order.
     pub clouds: Vec<Points>,
-    /// What is rendered of them, list lengths and standard errors included.
+    /// What a scene file would ask for.
+    pub choice: MethodChoice,
+    /// What is rendered of them, list lengths and standard errors included. Of `auto` the method that is exact for the points,
+    /// without a look at what is cheaper on the device.
     pub frame: Frame,
 }
 
@@ -61,11 +64,7 @@ impl Subject {
             let hidden = Progress::hidden();
             return Arranged::Dealt(ensembles::deal(self.clouds.clone(), self.frame.seed, &hidden));
         }
-        let mut all = Points::default();
-        for cloud in &self.clouds {
-            all.append(cloud.clone());
-        }
-        Arranged::Canonical(order::canonical(all))
+        Arranged::Canonical(order::canonical(joined(&self.clouds)))
     }
 
     /// Renders it from the beginning: orders and uploads the points, too.
@@ -76,15 +75,13 @@ impl Subject {
         self.render_arranged(renderer, &self.arranged())
     }
 
-    /// Renders it from what [`Self::arranged`] returned. `auto` takes what is exact for the scene, without a look at what is
-    /// cheaper on the device.
+    /// Renders it from what [`Self::arranged`] returned.
     ///
     /// # Errors
     /// As of [`Renderer::render`].
     pub fn render_arranged(&self, renderer: &mut Renderer, arranged: &Arranged) -> Result<Rendered, Error> {
-        let (method, _) = plan::resolve(self.frame.method, arranged.points());
         let mut cloud = renderer.upload_arranged(arranged)?;
-        renderer.render(&mut cloud, &Frame { method, ..self.frame })
+        renderer.render(&mut cloud, &self.frame)
     }
 
     /// The same with each cloud's points in another order.
@@ -114,7 +111,22 @@ pub fn subjects() -> Vec<Subject> {
 /// Columns and rows of the images: no multiple of a tile.
 const SIZE: [u32; 2] = [56, 40];
 
-fn subject(method: Method, special: &str, clouds: Vec<Points>, change: impl FnOnce(&mut Frame)) -> Subject {
+fn joined(clouds: &[Points]) -> Points {
+    let mut all = Points::default();
+    for cloud in clouds {
+        all.append(cloud.clone());
+    }
+    all
+}
+
+fn subject(
+    choice: impl Into<MethodChoice>,
+    special: &str,
+    clouds: Vec<Points>,
+    change: impl FnOnce(&mut Frame),
+) -> Subject {
+    let choice = choice.into();
+    let (method, _why) = plan::resolve(choice, &joined(&clouds));
     let fov_y = 0.8;
     let eye = DVec3::new(0.75, 1.0, 3.5);
     let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
@@ -122,7 +134,7 @@ fn subject(method: Method, special: &str, clouds: Vec<Points>, change: impl FnOn
     let mut frame = Frame { fragments: true, ..stage::frame(camera, SIZE, method) };
     change(&mut frame);
     let comma = if special.is_empty() { "" } else { ", " };
-    Subject { name: format!("{}{comma}{special}", method.name()), clouds, frame }
+    Subject { name: format!("{}{comma}{special}", choice.name()), clouds, choice, frame }
 }
 
 fn as_it_is(_: &mut Frame) {}
@@ -160,7 +172,7 @@ fn discs() -> Vec<Subject> {
     let sampled = |discs| Stochastic { discs, samples: 24, alpha_correction: true };
     let (few, many) = (clouds::few, clouds::many);
     vec![
-        subject(Method::Auto(flat), "", many(), as_it_is),
+        subject(MethodChoice::Auto(flat), "", many(), as_it_is),
         subject(Method::ABuffer(flat), "", many(), as_it_is),
         subject(Method::ABuffer(soft_edged), "Gaussian, encoded", many(), lit_and_encoded),
         subject(Method::ABuffer(oriented), "oriented", many(), orthographic),
@@ -259,7 +271,7 @@ mod tests {
     fn there_is_one_for_every_method_and_no_two_of_a_name() {
         let subjects = subjects();
         for method in METHODS {
-            assert!(subjects.iter().any(|s| s.frame.method.name() == *method), "{method} has none");
+            assert!(subjects.iter().any(|s| s.choice.name() == *method), "{method} has none");
         }
         let names: HashSet<&String> = subjects.iter().map(|s| &s.name).collect();
         assert_eq!(names.len(), subjects.len());

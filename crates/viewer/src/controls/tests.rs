@@ -2,7 +2,7 @@
 
 use super::*;
 use pellucid_engine::scene::{
-    Change, Document, Light, METHODS, Overrides, SHADING_KEYS, SHADOW_KEYS, Scene, method_keys,
+    Change, Document, Light, METHODS, Method, Overrides, SHADING_KEYS, SHADOW_KEYS, Scene, method_keys,
 };
 
 const EXTENT: Extent = Extent { diagonal: 250.0, median_radius: 0.125 };
@@ -74,12 +74,13 @@ fn every_key_of_every_method_has_a_control_with_its_value() {
         let document = document(name);
         for key in method_keys(name) {
             let entry = |scene: &Scene| {
-                control(&scene.method, key, EXTENT).unwrap_or_else(|| panic!("{name}: {key} has no control"))
+                control(&scene.method.representative(), key, EXTENT)
+                    .unwrap_or_else(|| panic!("{name}: {key} has no control"))
             };
-            let method = document.scene().unwrap().method;
+            let method = document.scene().unwrap().method.representative();
             moves(&document, &format!("method.{key}"), &entry, &|value| method_changes(&method, key, value));
         }
-        assert_eq!(control(&document.scene().unwrap().method, "nonsense", EXTENT), None);
+        assert_eq!(control(&document.scene().unwrap().method.representative(), "nonsense", EXTENT), None);
     }
 }
 
@@ -129,9 +130,9 @@ fn clouds_have_their_controls() {
 fn threshold_and_modulation_stop_at_each_other() {
     let mut document = document("soft-express");
     let mut set = |key: &str, value: Option<f64>| {
-        let method = document.scene().unwrap().method;
+        let method = document.scene().unwrap().method.representative();
         let scene = document.change(&method_changes(&method, key, value.map(Setting::Number))).unwrap();
-        let soft = *scene.method.soft().unwrap();
+        let soft = *scene.method.fixed().and_then(Method::soft).unwrap();
         (soft.threshold, soft.modulation)
     };
     assert_eq!(set("modulation", Some(0.75)), (0.5, Some(0.75)));
@@ -148,8 +149,8 @@ fn threshold_and_modulation_stop_at_each_other() {
 fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
     let mut document = document("soft-base");
     let mut set = |key: &str, value: Setting| {
-        let method = document.scene().unwrap().method;
-        document.change(&method_changes(&method, key, Some(value))).unwrap().method
+        let method = document.scene().unwrap().method.representative();
+        document.change(&method_changes(&method, key, Some(value))).unwrap().method.representative()
     };
     // In whichever order: what the other slider begins with is the same density.
     let lambda = control(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();

@@ -17,9 +17,8 @@ const ROOM: f32 = 330.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    let method = model.scene().method;
-    let blended =
-        method.discs().is_some() || method.is_dealt() || matches!(method, Method::Auto(_) | Method::PeelLayers(_));
+    let method = model.scene().method.representative();
+    let blended = method.discs().is_some() || method.is_dealt() || matches!(method, Method::PeelLayers(_));
     let clouds = model.scene().clouds.clone();
     if blended && clouds.len() > 1 {
         all(ui, model, &clouds);

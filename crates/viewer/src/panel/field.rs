@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         ui.weak("for all clouds; each has its own under Clouds");
     }
     let facts = model.picture().and_then(|picture| picture.field.clone());
-    if let (Some(facts), Some(threshold)) = (facts, model.scene().method.threshold()) {
+    if let (Some(facts), Some(threshold)) = (facts, model.scene().method.representative().threshold()) {
         histogram(ui, &facts, rounded(threshold));
     }
 }

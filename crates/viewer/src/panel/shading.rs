@@ -7,7 +7,7 @@ use super::row::{choice, name, note, row, takes_out, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Method, Scene, Setting, ShadingModel, Shadows, View};
+use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View};
 
 /// From where a light comes that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -147,7 +147,7 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
 
 /// Whether the section on shadows is there.
 pub fn has_shadows(scene: &Scene) -> bool {
-    scene.method.takes_shadows() || matches!(scene.method, Method::Auto(_))
+    scene.method.may_take_shadows()
 }
 
 /// Draws the section on shadows.

@@ -8,15 +8,16 @@ use crate::prepare::Arranged;
 use crate::scene::Scene;
 
 impl Frame {
-    /// A frame of a scene by a camera and a seed, to the last bit, with all memory that there is.
-    pub fn of(scene: &Scene, camera: Camera, seed: u64) -> Self {
+    /// A frame of a scene by a camera and a seed, to the last bit, with all memory that there is. In place of `auto` it has
+    /// the A-buffer; [`crate::plan::choose`] says what is cheaper.
+    pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
         Self {
             camera,
             size: scene.image.size,
             shading: scene.shading,
             shadows: scene.shadows,
             color: scene.image.color,
-            method: scene.method,
+            method: scene.method.representative(),
             memory_budget: None,
             fragments: false,
             stop: Stop::Exact,

@@ -59,7 +59,7 @@ pub struct Frame {
     pub shadows: Option<Shadows>,
     /// In which space colors are blended.
     pub color: ColorSpace,
-    /// The method; [`Method::Auto`] must have been resolved (see [`crate::plan::resolve`]).
+    /// The method.
     pub method: Method,
     /// Device bytes beside cloud and image; `None`: what the device has, less a reserve. A cloud that was dealt and takes more
     /// than that is not kept on the device: what there is of it at a time counts.
@@ -618,7 +618,7 @@ impl Renderer {
     /// Renders a window, or only counts it.
     fn work(&mut self, cloud: &mut DeviceCloud, frame: &Frame, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let window = work.window;
-        if matches!(frame.method, Method::Points | Method::Auto(_)) && !work.survey {
+        if matches!(frame.method, Method::Points) && !work.survey {
             return self.points(cloud, frame, work);
         }
         match frame.method {
@@ -674,8 +674,7 @@ impl Renderer {
             Method::Hqs(_) | Method::Splats(_) | Method::OneLayer(_) => unreachable!("rendered in three passes"),
             Method::Spbr(_) | Method::SpbrSimplified(_) => unreachable!("rendered by ensembles"),
             Method::ImageSpace(_) | Method::PeelLayers(_) => unreachable!("rendered in layers"),
-            Method::Auto(_)
-            | Method::Points
+            Method::Points
             | Method::Squares(_)
             | Method::Circles(_)
             | Method::Paraboloid(_)

@@ -208,7 +208,6 @@ pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::E
         });
     }
     let discs = match method {
-        Method::Auto(discs) => *discs,
         Method::Spbr(spbr) => {
             return Ok(Formation::Ensembles(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));
         }
@@ -397,6 +396,7 @@ fn approximate(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pellucid_engine::scene::MethodChoice;
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());
@@ -446,7 +446,7 @@ mod tests {
         let gaussian = Discs { falloff: Falloff::Gaussian, raster: Raster::Hardware, ..Discs::default() };
         let plain = Formation::Discs(Discs { raster: Raster::Auto, ..gaussian });
         let of = |method: Method| formation(&method, &Points::default());
-        assert_eq!(of(Method::Auto(gaussian)).unwrap(), plain);
+        assert_eq!(of(MethodChoice::Auto(gaussian).representative()).unwrap(), plain);
         assert_eq!(of(Method::Peel(Peel { discs: gaussian, layers: 3 })).unwrap(), plain);
         let own = [
             Method::Points,

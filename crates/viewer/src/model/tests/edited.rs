@@ -14,16 +14,16 @@ fn word(word: &str) -> Setting {
 #[test]
 fn every_change_asks_for_a_picture() {
     let (mut model, _) = settled();
-    let asks = |model: &mut Model| asked(model, Instant::now()).map(|request| request.scene.method);
+    let asks = |model: &mut Model| asked(model, Instant::now()).map(|request| request.scene.method.representative());
     model.set("method.name", word("soft-express"));
     assert!(asks(&mut model).is_some_and(|method| method.soft().is_some()));
     let give = |model: &mut Model, key: &str, value| {
         let method = model.scene().method;
-        model.change(&controls::method_changes(&method, key, value));
+        model.change(&controls::method_changes(&method.representative(), key, value));
     };
     for (key, value) in [("lambda", 0.25), ("softness", 0.5), ("modulation", 0.75), ("threshold", 0.25)] {
         give(&mut model, key, Some(Setting::Number(value)));
-        assert_eq!((asks(&mut model), &model.message), (Some(model.scene().method), &None), "{key}");
+        assert_eq!((asks(&mut model), &model.message), (Some(model.scene().method.representative()), &None), "{key}");
     }
     give(&mut model, "shells", Some(Setting::Integer(9)));
     assert!(asks(&mut model).is_some_and(|method| method.soft().unwrap().shells == Shells::Fixed(9)));
@@ -58,8 +58,8 @@ fn every_method_can_be_chosen_from_every_other() {
             model.set_method(first);
             for key in method_keys(first) {
                 let method = model.scene().method;
-                let control = controls::control(&method, key, model.extent()).unwrap().control;
-                model.change(&controls::method_changes(&method, key, Some(end(control, last))));
+                let control = controls::control(&method.representative(), key, model.extent()).unwrap().control;
+                model.change(&controls::method_changes(&method.representative(), key, Some(end(control, last))));
             }
             let edited = model.document.clone();
             for second in METHODS {
@@ -80,10 +80,15 @@ fn values_of_another_method_make_room() {
     model.set("method.shape", word("oriented"));
     // Peeling points has no "all layers"; what both have stays.
     model.set_method("peel-layers");
-    assert!(matches!(model.scene().method, Method::PeelLayers(layers) if layers.layers == 4));
+    assert!(matches!(model.scene().method.fixed(), Some(Method::PeelLayers(layers)) if layers.layers == 4));
     model.set_method("sorted");
     assert!(
-        model.scene().method.discs().is_some_and(|discs| discs.shape == pellucid_engine::scene::DiscShape::Oriented)
+        model
+            .scene()
+            .method
+            .representative()
+            .discs()
+            .is_some_and(|discs| discs.shape == pellucid_engine::scene::DiscShape::Oriented)
     );
     model.set_method("nonsense");
     assert!(model.message.as_ref().is_some_and(|(text, wrong)| *wrong && text.contains("nonsense")));

@@ -104,7 +104,11 @@ mod tests {
         assert!(matches!(hqs.reference(), Method::Hqs(BlendedSplats { blend_depth: 0.5, .. })), "{hqs:?}");
         let filters = ImageSpace { min_layer_distance: Some(0.25), ..ImageSpace::default() };
         assert_eq!(of(Method::ImageSpace(filters)).filters, filters);
-        for other in [Method::default(), Method::PeelLayers(Default::default()), Method::OneLayer(Default::default())] {
+        for other in [
+            Method::ABuffer(Default::default()),
+            Method::PeelLayers(Default::default()),
+            Method::OneLayer(Default::default()),
+        ] {
             assert_eq!(Surfaces::of(&other, &points), None);
         }
     }
