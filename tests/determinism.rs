@@ -8,7 +8,7 @@ mod common;
 use std::collections::HashSet;
 
 use common::{with_device, with_device_that_binds};
-use pellucid_engine::gpu::Device;
+use pellucid_engine::gpu::{Device, Variant};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
@@ -69,6 +69,35 @@ impl Wrong {
     fn assert_none(&self) {
         assert!(self.0.is_empty(), "{} differ:\n{}", self.0.len(), self.0.join("\n"));
     }
+}
+
+/// Overrides whose values a frame decides, be they whatever they may.
+const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
+
+/// What every stage lists is what the tests of shaders go through: nothing else may run.
+#[test]
+fn every_variant_that_runs_is_on_the_list_of_its_stage() {
+    with_device(|device| {
+        known(device);
+        let mut listed = pellucid_engine::shaders();
+        listed.extend(pellucid_engine::gpu::shaders());
+        let text = |v: &Variant| Variant { overrides: Vec::new(), ..v.clone() };
+        let mut missing = Vec::new();
+        for (stem, variant) in device.variants() {
+            let alike: Vec<&Variant> = listed
+                .iter()
+                .filter(|shader| shader.stem == stem)
+                .flat_map(|shader| &shader.variants)
+                .filter(|v| text(v) == text(&variant))
+                .collect();
+            let is_listed =
+                |set: &(&'static str, f64)| NUMBERS.contains(&set.0) || alike.iter().any(|v| v.overrides.contains(set));
+            if alike.is_empty() || !variant.overrides.iter().all(is_listed) {
+                missing.push(format!("{stem}: {variant:?}"));
+            }
+        }
+        assert!(missing.is_empty(), "{} of {}:\n{}", missing.len(), device.variants().len(), missing.join("\n"));
+    });
 }
 
 /// Runs on a renderer that has rendered all the others before, in both directions, and on fresh ones.

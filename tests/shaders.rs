@@ -1,6 +1,6 @@
 //! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 use pellucid_engine::gpu::shader::{self, Shader, ShaderStage, WORKGROUP};
 use pellucid_engine::gpu::{Pass, Variant};
@@ -65,35 +65,49 @@ fn every_compute_shader_has_the_common_workgroup_or_a_subgroup() {
 }
 
 /// Numbers that a stage sets once and for all, or that a frame decides: not choices.
-const NUMBERS: [&str; 0] = [];
+const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
-/// Choices that a shader's imports have, and that it makes in one way alone.
-const FIXED: [(&str, &[&str]); 0] = [];
+/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
+/// out of order, spheres and opaque splats without a falloff.
+const FIXED: [(&str, &str); 13] = [
+    ("abuffer/count_tiles", "SHAPE"),
+    ("abuffer/resolve_ordered", "SHAPE"),
+    ("abuffer/store_tiles", "SHAPE"),
+    ("approximate/hybrid", "SHAPE"),
+    ("approximate/hybrid_oriented", "SHAPE"),
+    ("soft/blend_runs", "FALLOFF"),
+    ("soft/express", "SHAPE"),
+    ("soft/resolve_merge", "FALLOFF"),
+    ("soft/resolve_network", "FALLOFF"),
+    ("soft/segments", "FALLOFF"),
+    ("soft/sum_runs", "FALLOFF"),
+    ("splats/attributes", "FALLOFF"),
+    ("splats/visibility", "FALLOFF"),
+];
 
-/// An override that no variant sets, or all to the same value, is a choice that the list of variants forgot.
+/// A choice that no variant makes, or that all variants of a shader make alike, is one that their list forgot.
 #[test]
 fn variants_make_every_choice_in_more_than_one_way() {
-    let mut forgotten = BTreeSet::new();
+    let (mut declared, mut made, mut alike) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     for shader in shaders() {
-        let mut values: BTreeMap<String, HashSet<Option<u64>>> = BTreeMap::new();
         for variant in texts(&shader) {
-            let overrides = shader.reflection(variant).expect("a valid shader").overrides;
-            let same = |v: &&Variant| v.walker == variant.walker;
-            for name in overrides {
+            let of_walker = || shader.variants.iter().filter(|v| v.walker == variant.walker);
+            for name in shader.reflection(variant).expect("a valid shader").overrides {
                 let value =
                     |v: &Variant| v.overrides.iter().find(|(n, _)| *n == name).map(|(_, value)| value.to_bits());
-                values.entry(name.clone()).or_default().extend(shader.variants.iter().filter(same).map(value));
-            }
-        }
-        let fixed = FIXED.iter().find(|(stem, _)| *stem == shader.stem).map_or(&[][..], |(_, names)| names);
-        for (name, values) in values {
-            let known = NUMBERS.contains(&name.as_str()) || fixed.contains(&name.as_str());
-            if known == (values.len() > 1) && !(known && NUMBERS.contains(&name.as_str())) {
-                forgotten.insert(format!("{}: {name}", shader.stem));
+                let values: HashSet<Option<u64>> = of_walker().map(value).collect();
+                if values.iter().any(Option::is_some) {
+                    made.insert(name.clone());
+                    if values.len() == 1 && !NUMBERS.contains(&name.as_str()) {
+                        alike.insert((shader.stem, name.clone()));
+                    }
+                }
+                declared.insert(name);
             }
         }
     }
-    assert_eq!(forgotten, BTreeSet::new());
+    assert_eq!(declared.difference(&made).collect::<Vec<_>>(), Vec::<&String>::new());
+    assert_eq!(alike, BTreeSet::from(FIXED.map(|(stem, name)| (stem, name.to_owned()))));
 }
 
 /// Every WGSL file of the engine and of the device layer, with its path.
@@ -120,7 +134,8 @@ fn files() -> Vec<(std::path::PathBuf, String)> {
 fn every_constant_of_rust_is_mentioned_by_a_shader() {
     let files = files();
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let words: HashSet<&str> = files.iter().flat_map(|(_, text)| text.split(|c: char| !part(c))).collect();
+    let code = files.iter().flat_map(|(_, text)| text.lines()).map(|line| line.split("//").next().unwrap_or_default());
+    let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !part(c))).collect();
     for (name, _) in SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten() {
         assert!(words.contains(name), "{name}");
     }

@@ -53,7 +53,7 @@ const WORDS: u32 = 0;
 const BELOW: u32 = 1;
 const VALUE: u32 = 2;
 /// The constants of debug/agree.
-pub const CONSTANTS: [(&str, u32); 3] = [("TOLD", TOLD as u32), ("WORDS", WORDS), ("BELOW", BELOW)];
+pub const CONSTANTS: [(&str, u32); 2] = [("TOLD", TOLD as u32), ("BELOW", BELOW)];
 
 /// A comparison whose outcome the device writes: number of differences, and element, stored and counted of some of them.
 pub struct Agreement {

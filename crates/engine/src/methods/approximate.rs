@@ -6,12 +6,12 @@ use super::abuffer::record_nothing;
 use super::bands::{self, Budget};
 use super::renderer::{Facts, Target, Timeline};
 use super::{Error, Outcome};
-use crate::gpu::shader::{SUBGROUPS, Shader};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
-use crate::passes::project::Footprint;
-use crate::scene::{DiscShape, Discs, Hybrid, Method};
+use crate::passes::project::{DISCS, Footprint};
+use crate::scene::{DiscShape, Discs, Falloff, Hybrid, Method};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -366,14 +366,15 @@ pub fn least_bytes(name: &str, facts: &Facts, method: &Method, tilted: bool, pix
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
 }
 
-/// The variants of a pass: shapes and falloffs with one run, and the first and second of two.
-fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+/// The variants of a pass: a footprint and all falloffs with one run, and the first and second of two.
+fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
     let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
         .into_iter()
         .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
         .collect();
     let mut all = Vec::new();
-    for shape in compose::shape_variants() {
+    for falloff in Falloff::all() {
+        let shape = compose::shape_variant(footprint, falloff);
         runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
     }
     all
@@ -381,16 +382,21 @@ fn variants(of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    let sums = || variants(|shape, run| vec![sum_variant(shape, run)]);
-    // Rounds of one and of several; slots are what the rest of k leaves.
-    let rounds = [(1, false, true), (MOST_SLOTS, false, false), (MOST_SLOTS, true, false), (3, true, true)];
-    let rounds = rounds.map(|(slots, behind, tail)| Round { slots, behind, tail });
-    let oriented = variants(|shape, run| rounds.map(|round| round_variant(shape.clone(), run, round)).to_vec());
+    let sums = |footprint| variants(footprint, |shape, run| vec![sum_variant(shape, run)]);
+    let both = || DISCS.iter().flat_map(|disc| sums(*disc)).collect::<Vec<_>>();
+    // One round; the first and the middle ones of several, and the last one, which has the slots that are left.
+    let round = |slots, behind, tail| Round { slots, behind, tail };
+    let last = (1..=MOST_SLOTS).flat_map(|slots| [round(slots, false, true), round(slots, true, true)]);
+    let rounds: Vec<Round> =
+        [round(MOST_SLOTS, false, false), round(MOST_SLOTS, true, false)].into_iter().chain(last).collect();
+    let oriented = variants(Footprint::Oriented, |shape, run| {
+        rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect()
+    });
     vec![
-        Shader::new::<Weighted>(sums()),
-        Shader::new::<Average>(sums()),
-        Shader::new::<Unsorted>(sums()),
-        Shader::new::<HybridFlat>(sums()),
+        Shader::new::<Weighted>(both()),
+        Shader::new::<Average>(both()),
+        Shader::new::<Unsorted>(both()),
+        Shader::new::<HybridFlat>(sums(Footprint::Disc)),
         Shader::new::<HybridOriented>(oriented),
     ]
 }

@@ -213,19 +213,16 @@ const PART_SOFT: u32 = 2;
 const PART_MARKED: u32 = 3;
 
 /// What shaders know of this module.
-pub(crate) const CONSTANTS: [(&str, u32); 13] = [
-    ("SHAPE_DISC", Footprint::Disc as u32),
+pub(crate) const CONSTANTS: [(&str, u32); 10] = [
     ("SHAPE_ORIENTED", Footprint::Oriented as u32),
     ("SHAPE_SQUARE", Footprint::Square as u32),
     ("SHAPE_POINT", Footprint::Point as u32),
     ("SHAPE_SPHERE", Footprint::Sphere as u32),
     ("SHAPE_EXACT_SPHERE", Footprint::ExactSphere as u32),
-    ("PART_ALL", PART_ALL),
     ("PART_SOLID", PART_SOLID),
     ("PART_SOFT", PART_SOFT),
     ("PART_MARKED", PART_MARKED),
     ("SHADING_NONE", ShadingModel::None as u32),
-    ("SHADING_LAMBERT", ShadingModel::Lambert as u32),
     ("SHADING_PHONG", ShadingModel::Phong as u32),
 ];
 

@@ -8,7 +8,7 @@ struct Push {
     stored_first: u32,
     ends_first: u32,
     counts_first: u32,
-    // WORDS: the same as ends; BELOW: as much below ends as counts says; else: value.
+    // Below BELOW: the same as ends; BELOW: as much below ends as counts says; above: value.
     mode: u32,
     value: u32,
     // Words from one that counts to the next.

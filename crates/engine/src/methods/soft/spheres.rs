@@ -181,8 +181,7 @@ pub const SPHERES_BYTES: u64 = 4;
 const MODEL_BASE: u32 = 0;
 const MODEL_CONCENTRIC: u32 = 1;
 /// What shaders know of this module.
-pub(crate) const CONSTANTS: [(&str, u32); 3] =
-    [("MODEL_BASE", MODEL_BASE), ("MODEL_CONCENTRIC", MODEL_CONCENTRIC), ("MOST_SHELLS", MAX_SHELLS)];
+pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MOST_SHELLS", MAX_SHELLS)];
 
 /// What a sphere is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
