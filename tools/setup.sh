@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what pellucid needs beside Rust: a Vulkan loader, a Vulkan driver, a C compiler; with --tests the validation
-# layers, a browser, jq and a display without a screen with a window manager as well. On Debian and Ubuntu missing packages
-# are installed with apt, elsewhere they are named. Does nothing, at once, where nothing is missing.
+# layers, a browser, jq and a display without a screen with a window manager as well; in CI (CI=true) also a Wayland
+# compositor, which takes 95 MB. On Debian and Ubuntu missing packages are installed with apt, elsewhere they are named. Does
+# nothing, at once, where nothing is missing.
 set -euo pipefail
 
 usage="usage: tools/setup.sh [--tests]"
@@ -80,7 +81,7 @@ has_layers() {
     return 1
 }
 
-# The names that tests/tradeoff_page/browser.rs looks for.
+# The names that crates/lab/tests/lab/tradeoff_page/browser.rs looks for.
 has_browser() {
     [[ -n ${CHROME:-} ]] || command -v google-chrome || command -v chromium || command -v chromium-browser
 } >/dev/null
@@ -113,6 +114,9 @@ find_missing() {
     fi
     if $for_tests && ! command -v ctwm >/dev/null; then
         names+=("ctwm, a window manager for the tests of the window") packages+=(ctwm)
+    fi
+    if $for_tests && [[ ${CI:-} == true ]] && ! command -v weston >/dev/null; then
+        names+=("weston, a Wayland compositor for a test of the window") packages+=(weston)
     fi
     if $for_tests && ! has_x11; then
         names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)

@@ -1,4 +1,4 @@
-//! What the fuzz targets share; `tests/fuzz.rs` of the main package uses the same files. CONTRIBUTING.md says how to fuzz.
+//! What the fuzz targets share; `crates/cli/tests/fuzz.rs` of the main package uses the same files. CONTRIBUTING.md says how to fuzz.
 
 pub mod bodies;
 pub mod harness;

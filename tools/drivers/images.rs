@@ -5,7 +5,7 @@ use std::path::Path;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Facts, Renderer};
-use pellucid_lab::check::{self, Subject};
+use pellucid_lab::check::{self, Lack, Subject};
 use serde_json::{Value, json};
 
 /// What one driver made of the subjects.
@@ -49,7 +49,7 @@ pub fn render(folder: &Path, only: Option<&str>) -> Result<(), String> {
                 let counted = rendered.image.fragments.is_some();
                 json!({ "width": width, "height": height, "counted": counted, "longest": longest(subject, &rendered.facts) })
             }
-            Err(error) if check::is_lack(&error) => json!({ "lacks": error.to_string() }),
+            Err(error) if Lack::in_error(&error).is_some() => json!({ "lacks": error.to_string() }),
             Err(error) => json!({ "failed": error.to_string() }),
         };
         eprintln!("{:6.0} ms  {}", start.elapsed().as_secs_f64() * 1e3, subject.name);

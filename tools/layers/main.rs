@@ -152,7 +152,7 @@ impl Stage {
                 times.push(rendered.profile.gpu().as_secs_f64() * 1e3);
             }
         }
-        Ok(Spread::of(times).median)
+        Ok(Spread::from_values(times).median)
     }
 
     /// How time grows with layers and with points, of the tori.

@@ -1,4 +1,4 @@
-//! What ends a command, and the exit status that it stands for.
+//! Errors that end a command, and their exit status.
 
 /// Anything that keeps a command from its result.
 #[derive(Debug, thiserror::Error)]

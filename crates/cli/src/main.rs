@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     commands::run().unwrap_or_else(|error| {
-        // Without a standard error there is nobody to tell.
+        // Without a standard error the message is lost, which is fine.
         let _ = writeln!(std::io::stderr(), "error: {}", with_causes(&error));
         ExitCode::from(error.exit_status())
     })

@@ -35,7 +35,8 @@
 //! let (camera, _warnings) = scene::camera(&scene, &points, up)?;
 //! let (method, _why) = plan::resolve(scene.method, &points);
 //!
-//! # if Device::open(&DeviceOptions::from_env()).is_err() {
+//! # if let Err(error) = Device::open(&DeviceOptions::from_env()) {
+//! #     pellucid_testing::skip::skip(pellucid_testing::skip::NO_DEVICE, &error.to_string());
 //! #     return Ok(());
 //! # }
 //! let device = Device::open(&DeviceOptions::from_env())?;

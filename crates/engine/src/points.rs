@@ -43,7 +43,7 @@ impl Points {
 
     /// The scene's box; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.positions.iter().copied())
+        Bounds::enclosing(self.positions.iter().copied())
     }
 
     /// The same points in another order: place i gets the point that stands at `from(i)`. Column by column, each freed as

@@ -1,24 +1,25 @@
-//! Stored = counted: in debug builds, after a pass that relies on what another one counted, a small pass compares where each
-//! of its cursors ended with where the next one's places begin. Release builds record none of it.
+//! Debug builds check that stored equals counted: after a pass that relies on another one's counts, a small pass
+//! compares the end of each of its cursors with the start of the next one's range. Release builds record none of this.
 
 use std::sync::Arc;
 
 use super::{Buffer, Context, Dispatch, Error, Memory, Recorder, Run, Slice};
 use crate::{gpu_struct, pass};
 
-/// What the words that a pass left must be.
+/// The expected words after a pass.
 #[derive(Debug, Clone, Copy)]
 pub enum Expected<'a> {
     /// The same as these.
     Words(Slice<'a, u32>),
-    /// As much below each of `ends` as `counts` says: cursors against the next ones, where no copy of their starts is left.
+    /// Each of `ends` minus its count: used to compare cursors with the next ranges where no copy of their starts is
+    /// left.
     Below {
         /// The next ends.
         ends: Slice<'a, u32>,
-        /// What lies between.
+        /// The counts to subtract.
         counts: Slice<'a, u32>,
     },
-    /// This number, all of them.
+    /// This number in every word.
     Value(u32),
 }
 
@@ -83,8 +84,8 @@ impl Agreement {
 }
 
 impl<'a> Recorder<'a> {
-    /// In debug builds: after the submission, an error that names `pass` if a word of `stored`, of which there is one for each
-    /// `item`, is not what is expected. Slices are of one length. Costs one untimed pass, and nothing in release builds.
+    /// In debug builds: after the submission, an error that names `pass` if a word of `stored`, one per `item`, differs
+    /// from the expectation. Slices are of equal length. Costs one untimed pass, and nothing in release builds.
     pub fn agree(
         &mut self,
         pass: &'static str,
@@ -95,7 +96,7 @@ impl<'a> Recorder<'a> {
         self.agree_every(1, pass, item, stored, expected)
     }
 
-    /// As [`Self::agree`], of the first of every `stride` words alone.
+    /// Like [`Self::agree`], for the first of every `stride` words only.
     pub fn agree_every(
         &mut self,
         stride: u32,

@@ -14,7 +14,7 @@ use super::{Context, Error, GpuType, Recorder, guard};
 /// Bytes of the staging buffer that uploads and read-backs pass through.
 const STAGING_BYTES: u64 = 16 << 20;
 
-/// Where a buffer lies.
+/// The memory of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Memory {
     /// Fast for the device; reached by copies.

@@ -1,6 +1,6 @@
 //! Small blobs kept on disk between runs: SPIR-V and the driver's pipeline cache.
 //!
-//! A cache never fails a run: what cannot be read, is corrupt or cannot be written counts as absent.
+//! A cache never fails a run: a blob that is unreadable, corrupt or can't be written counts as absent.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ fn folder(kind: &str) -> Option<PathBuf> {
     Some(base.join(kind))
 }
 
-/// The blob stored under a key; `None` if there is none or its checksum does not match.
+/// The blob stored under a key; `None` if it is absent or its checksum does not match.
 pub fn load(kind: &str, key: &str) -> Option<Vec<u8>> {
     let data = std::fs::read(folder(kind)?.join(key)).ok()?;
     let (hash, blob) = data.split_at_checked(HASH_BYTES)?;

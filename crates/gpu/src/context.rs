@@ -16,21 +16,29 @@ use super::{Error, Variant, cache, guard};
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
 
+/// A command buffer and its pool. Recording uses the pool, and a pool must not be used from two threads at once, so that each
+/// recorder has one.
+#[derive(Clone, Copy)]
+pub struct Commands {
+    pool: vk::CommandPool,
+    pub buffer: vk::CommandBuffer,
+}
+
 pub struct Context {
     pub device: ash::Device,
     #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
-    #[cfg(feature = "window")]
     pub queue_family: u32,
     pub queue: vk::Queue,
-    pub command_pool: vk::CommandPool,
     pub info: DeviceInfo,
     pub limits: Limits,
     pub debug: Option<ext::debug_utils::Device>,
     pub pipeline_cache: vk::PipelineCache,
     pub instance: Instance,
-    /// Held for every submission: a queue and a command pool must not be used from two threads at once.
+    /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
+    /// Command buffers that nobody records, each with a pool of its own.
+    idle_commands: Mutex<Vec<Commands>>,
     allocator: Mutex<Option<Allocator>>,
     /// Names and sizes by kind and handle: handles of different kinds may be equal.
     live: Mutex<HashMap<(vk::ObjectType, u64), (String, u64)>>,
@@ -59,12 +67,6 @@ impl Context {
         let device = create_device(&instance, physical, family, &info, robust)?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
-        let pool_info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        // SAFETY: a live device; destroyed in drop.
-        let command_pool =
-            unsafe { device.create_command_pool(&pool_info, None) }.map_err(Error::call("vkCreateCommandPool"))?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: device.clone(),
@@ -78,7 +80,7 @@ impl Context {
         let (limits, cache_key) = limits(&instance, physical);
         let initial = cache::load("pipelines", &cache_key).unwrap_or_default();
         let cache_info = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
-        // What an earlier run left is a help, no condition.
+        // The cache of an earlier run is optional.
         let (filled, empty) = (cache_info, vk::PipelineCacheCreateInfo::default());
         // SAFETY: the data carry a checksum of ours and the driver checks its own header.
         let pipeline_cache = unsafe {
@@ -90,16 +92,15 @@ impl Context {
             device,
             #[cfg(feature = "window")]
             physical,
-            #[cfg(feature = "window")]
             queue_family: family,
             queue,
-            command_pool,
             info,
             limits,
             debug,
             pipeline_cache,
             instance,
             submission: Mutex::new(()),
+            idle_commands: Mutex::default(),
             allocator: Mutex::new(Some(allocator)),
             live: Mutex::default(),
             peak: AtomicU64::new(0),
@@ -157,6 +158,42 @@ impl Context {
         list
     }
 
+    /// A command buffer to record, used again if one is idle.
+    pub fn take_commands(&self) -> Result<Commands, Error> {
+        if let Some(commands) = lock(&self.idle_commands).pop() {
+            return Ok(commands);
+        }
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
+        // SAFETY: a live device; the pool is destroyed here, by `give_commands_back` or in drop.
+        unsafe {
+            let pool = self.device.create_command_pool(&info, None).map_err(Error::call("vkCreateCommandPool"))?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            match self.device.allocate_command_buffers(&info) {
+                Ok(buffers) => Ok(Commands { pool, buffer: buffers[0] }),
+                Err(result) => {
+                    self.device.destroy_command_pool(pool, None);
+                    Err(Error::call("vkAllocateCommandBuffers")(result))
+                }
+            }
+        }
+    }
+
+    /// Command buffers that nobody records at the moment.
+    pub fn idle_commands(&self) -> usize {
+        lock(&self.idle_commands).len()
+    }
+
+    /// Keeps a command buffer for the next recording. It must not be pending.
+    pub fn give_commands_back(&self, commands: Commands) {
+        // SAFETY: the caller has waited for the submission, or made none, and holds the only copy of these handles.
+        unsafe {
+            match self.device.reset_command_pool(commands.pool, vk::CommandPoolResetFlags::empty()) {
+                Ok(()) => lock(&self.idle_commands).push(commands),
+                Err(_) => self.device.destroy_command_pool(commands.pool, None),
+            }
+        }
+    }
+
     /// The pipeline of a key, built at its first use.
     pub fn pipeline(
         &self,
@@ -177,7 +214,7 @@ impl Drop for Context {
         for (name, bytes) in self.live_allocations() {
             eprintln!("warning: device memory leaked: {name}, {bytes} bytes");
         }
-        // SAFETY: buffers and recorders hold an Arc of this context, so none is left; the queue is idle after the wait.
+        // SAFETY: buffers and recorders hold an Arc of this context, so all are gone; the queue is idle after the wait.
         unsafe {
             // A lost device cannot be waited for; destroying is all that is left then.
             let _ = self.device.device_wait_idle();
@@ -188,7 +225,9 @@ impl Drop for Context {
                 cache::store("pipelines", &self.cache_key, &data);
             }
             self.device.destroy_pipeline_cache(self.pipeline_cache, None);
-            self.device.destroy_command_pool(self.command_pool, None);
+            for commands in lock(&self.idle_commands).drain(..) {
+                self.device.destroy_command_pool(commands.pool, None);
+            }
             drop(lock(&self.allocator).take());
             self.device.destroy_device(None);
         }
@@ -238,7 +277,7 @@ fn create_device(
     unsafe { instance.raw.create_device(physical, &create, None) }.map_err(Error::call("vkCreateDevice"))
 }
 
-/// What a device has to keep accesses within bounds, besides robustBufferAccess.
+/// The device's features for keeping accesses within bounds, besides robustBufferAccess.
 #[derive(Default)]
 struct Robustness {
     images: bool,
@@ -287,7 +326,7 @@ fn limits(instance: &Instance, physical: vk::PhysicalDevice) -> (Limits, String)
     let limits = Limits {
         binding_bytes: u64::from(basic.limits.max_storage_buffer_range),
         range_bytes: u64::from(basic.limits.max_storage_buffer_range),
-        // What is allocated has its guard besides.
+        // The guard is part of each allocation.
         allocation_bytes: maintenance3.max_memory_allocation_size.saturating_sub(guard::BYTES),
         offset_alignment: basic.limits.min_storage_buffer_offset_alignment.max(16),
         groups_x: basic.limits.max_compute_work_group_count[0],

@@ -1,4 +1,4 @@
-//! Which device is taken, what it must have, and what it allows.
+//! Selection of the device, its required features, and its limits.
 
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -11,14 +11,14 @@ use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
 use super::{Buffer, Error, GpuType, Memory, Recorder};
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceOptions {
     /// Part of a device's name (case does not matter) or its index; the best one if `None`.
     pub device: Option<String>,
     /// Switch validation and synchronization validation on.
     pub validation: bool,
-    /// Validate what shaders do as well, in place of synchronization: slow.
+    /// Validate memory accesses of shaders instead of synchronization: slow.
     pub gpu_assisted: bool,
     /// Keep accesses of shaders within what is bound, as far as the device can: robustBufferAccess, robustImageAccess,
     /// robustBufferAccess2 and robustImageAccess2.
@@ -33,13 +33,14 @@ impl DeviceOptions {
     pub fn from_env() -> Self {
         match std::env::var("PELLUCID_VALIDATION").as_deref() {
             Ok("1") => Self { validation: true, robust: true, ..Self::default() },
-            // Robust access would make a wrong index a right one, of which nothing is said.
+            // Robust access would silently correct wrong indices, which this validation should report.
             Ok("gpu") => Self { validation: true, gpu_assisted: true, ..Self::default() },
             _ => Self::default(),
         }
     }
 
-    /// As [`Self::from_env`], but with validation and robust access unless that asks for another kind: for tests.
+    /// Like [`Self::from_env`], but with validation and robust access unless the environment asks for another kind: for
+    /// tests.
     pub fn validated() -> Self {
         let asked = Self::from_env();
         if asked.validation { asked } else { Self { validation: true, robust: true, ..asked } }
@@ -93,7 +94,7 @@ pub struct DeviceInfo {
     /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
     /// their size is known beforehand.
     pub subgroup: Option<u32>,
-    /// How many sequential pieces work is cut into so that the device is busy: few on CPUs, where more only cost.
+    /// The number of sequential pieces that work is cut into to occupy the device: few on CPUs, where more only cost.
     pub concurrent_runs: u64,
     rank: u32,
 }
@@ -158,7 +159,8 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         instance.raw.get_physical_device_features2(physical, &mut features);
         let core = features.features;
         if modern {
-            // Some drivers report 64-bit atomics only in the stand-alone struct, which may not share a chain with the 1.2 struct.
+            // Some drivers report 64-bit atomics only in the stand-alone struct, which may not share a chain with the
+            // 1.2 struct.
             let mut alone = vk::PhysicalDeviceFeatures2::default().push_next(&mut atomics);
             instance.raw.get_physical_device_features2(physical, &mut alone);
         }
@@ -230,7 +232,8 @@ fn subgroup_size(
         && subgroups.supported_stages.contains(compute)
         && sizes.required_subgroup_size_stages.contains(compute);
     let size = sizes.max_subgroup_size.min(32);
-    // With fewer than 8, kernels hold so many pixels per invocation that they compile for minutes (SwiftShader has 4).
+    // With fewer than 8, kernels hold so many pixels per invocation that they take minutes to compile (SwiftShader has
+    // 4).
     (able && size >= sizes.min_subgroup_size.max(8)).then_some(size)
 }
 
@@ -275,12 +278,12 @@ impl Device {
         Ok(Self(Arc::new(context)))
     }
 
-    /// What was opened.
+    /// Properties of the opened device.
     pub fn info(&self) -> &DeviceInfo {
         &self.0.info
     }
 
-    /// What it allows.
+    /// Limits of the device.
     pub fn limits(&self) -> &Limits {
         &self.0.limits
     }
@@ -307,6 +310,12 @@ impl Device {
         Recorder::new(&self.0)
     }
 
+    /// Command buffers that wait for the next [`Self::recorder`]: as many as there were recorders at one time, less those
+    /// that there are now.
+    pub fn idle_command_buffers(&self) -> usize {
+        self.0.idle_commands()
+    }
+
     /// Largest number of bytes that was reserved on the device at any time since [`Self::reset_peak`].
     pub fn peak_bytes(&self) -> u64 {
         self.0.peak_bytes()
@@ -317,15 +326,15 @@ impl Device {
         self.0.reset_peak()
     }
 
-    /// Lets so many further submissions through, `None` all of them; what is submitted beyond fails with [`Error::Stopped`].
-    /// Any thread may call this: `Some(0)` ends a frame that nobody wants any more at its next submission. What shows pictures
-    /// in a window is not counted.
+    /// Allows `count` further submissions, with `None` all of them; later ones fail with [`Error::Stopped`]. Any thread
+    /// may call this: `Some(0)` ends an obsolete frame at its next submission. Submissions that show pictures in a
+    /// window are not counted.
     pub fn allow_submissions(&self, count: Option<u64>) {
         self.0.allowed.store(count.unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
-    /// Bytes that were uploaded so far, but for the view that every frame writes: what another threshold, softness or radius
-    /// adds nothing to.
+    /// Bytes uploaded so far, without the view that every frame writes. Changing the threshold, softness or radius
+    /// factor adds nothing.
     pub fn uploaded_bytes(&self) -> u64 {
         self.0.uploaded.load(Ordering::Relaxed)
     }
@@ -336,7 +345,7 @@ impl Device {
     }
 
     /// Every shader that ran so far by its stem, with the variant; in no order.
-    pub fn variants(&self) -> Vec<(&'static str, Variant)> {
+    pub fn variants(&self) -> Vec<(&'static str, super::Variant)> {
         self.0.variants()
     }
 
@@ -345,7 +354,7 @@ impl Device {
         self.0.instance.messages.snapshot()
     }
 
-    /// What the validation layers say, to be read when the device is gone.
+    /// Messages of the validation layers, to be read after the device is gone.
     pub fn validation_log(&self) -> ValidationLog {
         ValidationLog(self.0.instance.messages.clone())
     }

@@ -13,10 +13,10 @@ pub enum Error {
     /// The loader finds no driver.
     #[error("no Vulkan device; install a driver (without a GPU: mesa-vulkan-drivers) or run tools/setup.sh")]
     NoDevice,
-    /// `--device` names none of those present.
+    /// `--device` matches none of the present devices.
     #[error("no Vulkan device matches {wanted:?}; there are: {present}")]
     NoSuchDevice {
-        /// What was asked for.
+        /// The requested name.
         wanted: String,
         /// Index and name of each device.
         present: String,
@@ -26,10 +26,10 @@ pub enum Error {
     Lacks {
         /// The device's name.
         device: String,
-        /// What is missing, separated by commas.
+        /// The missing features, separated by commas.
         missing: String,
     },
-    /// Nothing can be shown in a window here.
+    /// Windows can't be shown here.
     #[error("no picture can be shown in a window: {0}; `pellucid render` writes it to a file")]
     NoSurface(String),
     /// Validation was asked for, but its layer is not installed.
@@ -59,7 +59,7 @@ pub enum Error {
         /// The limit's name in Vulkan.
         limit_name: &'static str,
     },
-    /// An image or a draw has more pixels on a side than the device draws, or none.
+    /// An image or a draw is larger than the device supports on a side, or empty.
     #[error(
         "{name}: {} × {} pixels, but this device draws 1 to {} × 1 to {}", size[0], size[1], limit[0], limit[1]
     )]
@@ -100,7 +100,7 @@ pub enum Error {
     Shader {
         /// Stem of the file.
         name: String,
-        /// What is wrong.
+        /// The cause.
         message: String,
     },
     /// A shader wrote behind a range that it was given: found in debug builds alone.
@@ -116,7 +116,7 @@ pub enum Error {
         passes: String,
         /// Bytes between the end of the range and the first wrong word.
         bytes: u64,
-        /// What stands there.
+        /// The word found there.
         word: u32,
     },
     /// A pass did not store what another one had counted: found in debug builds alone.
@@ -127,17 +127,17 @@ pub enum Error {
     Miscounted {
         /// The pass that stored.
         pass: &'static str,
-        /// What the counts are of.
+        /// The item that each count belongs to.
         item: &'static str,
-        /// One that is wrong.
+        /// The index of a wrong element.
         element: u64,
-        /// Where it ended.
+        /// The end of its cursor.
         stored: u32,
-        /// Where it should have.
+        /// The expected end.
         counted: u32,
-        /// How many are wrong.
+        /// The number of wrong elements.
         differing: u32,
-        /// How many there are.
+        /// The number of elements.
         of: u64,
     },
     /// The validation layers complained.
@@ -145,7 +145,7 @@ pub enum Error {
     Validation(Vec<String>),
 }
 
-/// What would help, as the end of a message.
+/// Advice to end an error message with.
 fn help(result: vk::Result) -> &'static str {
     match result {
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
@@ -157,7 +157,7 @@ fn help(result: vk::Result) -> &'static str {
 }
 
 impl Error {
-    /// Whether the device or the host had no memory left, so that the same may do at another time.
+    /// True if the device or the host ran out of memory, so that a later attempt may succeed.
     pub fn is_out_of_memory(&self) -> bool {
         let none_left = [vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, vk::Result::ERROR_OUT_OF_HOST_MEMORY];
         match self {
@@ -167,7 +167,7 @@ impl Error {
         }
     }
 
-    /// For `map_err`: a failed call by name.
+    /// For `map_err`: an error that names the failed call.
     pub(crate) fn call(call: &'static str) -> impl FnOnce(vk::Result) -> Self {
         move |result| match result {
             vk::Result::ERROR_DEVICE_LOST => Self::Lost { during: call.to_owned() },

@@ -21,7 +21,7 @@ pub use armed::{bytes, file, strike, vulkan};
 #[cfg(not(debug_assertions))]
 pub use disarmed::{bytes, file, strike, vulkan};
 
-/// What a release build has: nothing.
+/// Release builds contain no faults.
 #[cfg(not(debug_assertions))]
 mod disarmed {
     use std::io;
@@ -60,7 +60,7 @@ mod armed {
 
     const VARIABLE: &str = "PELLUCID_FAULT";
 
-    /// How long somebody who hangs waits for a signal.
+    /// How long a hanging program waits for a signal.
     const PATIENCE: Duration = Duration::from_secs(120);
 
     const POINTS: [&str; 9] = [
@@ -113,7 +113,7 @@ mod armed {
             POINTS.contains(&point).then(|| Self { action, point: point.to_owned(), at, passed: AtomicU64::new(0) })
         }
 
-        /// How many of the next `units` of a point come before the fault, if it is among them.
+        /// The number of the next `units` of a point that precede the fault, if it is among them.
         fn due(&self, point: &str, units: u64) -> Option<u64> {
             if self.point != point {
                 return None;
@@ -124,7 +124,7 @@ mod armed {
         }
     }
 
-    /// What the environment asks for. Whoever misspells it is told so, since their test would pass otherwise.
+    /// The plan given by the environment. A misspelled plan is an error, because its test would pass otherwise.
     fn plan() -> Option<&'static Plan> {
         static PLAN: OnceLock<Option<Plan>> = OnceLock::new();
         let read = || {
@@ -137,7 +137,7 @@ mod armed {
         PLAN.get_or_init(read).as_ref()
     }
 
-    /// What Vulkan answers at a point.
+    /// The Vulkan error due at a point.
     pub fn vulkan(point: &str) -> Result<(), vk::Result> {
         let Some(plan) = plan().filter(|plan| plan.due(point, 1).is_some()) else { return Ok(()) };
         match plan.action {
@@ -147,13 +147,13 @@ mod armed {
         }
     }
 
-    /// What the system answers at a point.
+    /// The system error due at a point.
     pub fn file(point: &str) -> io::Result<()> {
         if plan().is_some_and(|plan| plan.due(point, 1).is_some()) { strike() } else { Ok(()) }
     }
 
-    /// Of the next `len` bytes at a point, how many come before the fault, if it is among them: they are to be written before
-    /// [`strike`].
+    /// The number of the next `len` bytes at a point that precede the fault, if it is among them; they must be written
+    /// before [`strike`].
     pub fn bytes(point: &str, len: usize) -> Option<usize> {
         plan()?.due(point, len as u64).map(|before| before as usize)
     }

@@ -1,12 +1,12 @@
-//! Guard words: in debug builds every buffer goes on behind its content, shaders may write there, and each submission looks
-//! whether one did.
+//! Guard words: in debug builds every buffer extends beyond its content, shaders may write there, and each submission
+//! checks if one did.
 //!
-//! Drivers may drop what is written behind a bound range: with robustBufferAccess all do, and lavapipe always does. So the
-//! range that is bound takes in the guard, and [`super::spirv`] takes its elements off what `arrayLength` says, so that
-//! shaders don't know of it. What lies behind a range that ends within a buffer's content belongs to others: it must be what
-//! it was, unless a pass of the same submission may write there.
+//! Drivers may drop writes beyond a bound range: with robustBufferAccess all do, and lavapipe always does. So the bound
+//! range includes the guard, and [`super::spirv`] subtracts its elements from `arrayLength`, so that shaders don't see
+//! it. The words behind a range that ends within a buffer's content belong to others: they must stay unchanged, unless
+//! a pass of the same submission may write there.
 //!
-//! Nothing is guarded before a buffer: indices have no sign, so that a shader reaches nothing before its binding.
+//! No guard precedes a buffer: indices are unsigned, so a shader can't reach anything before its binding.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use super::{Buffer, Context, Error, Memory, RawSlice};
 
 /// Bytes behind each buffer, and behind each bound range of one: more than three of the largest elements. None in release builds.
 pub const BYTES: u64 = if cfg!(debug_assertions) { 256 } else { 0 };
-/// What they hold: no count, no float of a scene, no index.
+/// The guard's content, which is unlike any count, float of a scene, or index.
 const WORD: u32 = 0xfade_d0c5;
 /// Guards whose words one buffer on the host takes.
 const PAGE: u64 = 32;
@@ -40,7 +40,7 @@ pub struct Guards {
     guards: Vec<Guard>,
     /// The words of each guard, before and after.
     pages: Vec<Buffer<u32>>,
-    /// What the recording's commands may write to.
+    /// The ranges that the recording's commands may write to.
     written: Vec<RawSlice>,
 }
 
@@ -103,7 +103,7 @@ impl Guards {
         let page = &self.pages[page as usize];
         let to = (2 * place + after) * BYTES;
         let region = [vk::BufferCopy { src_offset: guard.start, dst_offset: to, size: guard.bytes }];
-        // SAFETY: the words lie within their buffer, and there is room for two guards' for each place of a page.
+        // SAFETY: the words lie within their buffer, and each place of a page has room for two guards.
         unsafe { context.device.cmd_copy_buffer(commands, guard.buffer, page.all().raw().buffer, &region) };
     }
 

@@ -1,6 +1,7 @@
 //! Images that one pass draws into and later ones read: depths, numbers and colors, with one or more samples per pixel.
 //!
-//! Between passes an attachment lies in the layout for reading; the recorder takes it to that for drawing and back.
+//! Between passes an attachment is in the layout for reading; the recorder transitions it to the layout for drawing and
+//! back.
 
 use std::sync::Arc;
 
@@ -11,10 +12,10 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use super::instance::Instance;
 use super::{Context, Device, Error, Resource};
 
-/// Samples per pixel of the attachments that have several: what every device with such attachments has.
+/// Samples per pixel of multisampled attachments: the number that every device with such attachments supports.
 pub const SAMPLES: u32 = 4;
 
-/// What a pixel, or a sample of one, holds.
+/// The format of a pixel or sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
     /// A depth for the depth test: a float in [0, 1].
@@ -172,7 +173,7 @@ impl Attachment {
         Ok(())
     }
 
-    /// What a sample holds.
+    /// The format of a sample.
     pub fn format(&self) -> Format {
         self.format
     }
@@ -187,7 +188,7 @@ impl Attachment {
         self.size
     }
 
-    /// For binding it to a pass that reads it.
+    /// A resource for binding it to a pass that reads it.
     pub fn texture(&self) -> Resource {
         Resource::Texture(self.view)
     }
@@ -231,12 +232,12 @@ pub struct KeptAttachment {
 }
 
 impl KeptAttachment {
-    /// Nothing yet.
+    /// Not allocated yet.
     pub fn new(name: &'static str, format: Format, samples: u32) -> Self {
         Self { name, format, samples, image: None }
     }
 
-    /// Makes sure it has exactly this size, so that it never takes more than the budget; what was there before may be lost.
+    /// Makes sure it has exactly this size, so that it never exceeds the budget; earlier content may be lost.
     pub fn reserve(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
         if self.image.as_ref().is_none_or(|image| image.size() != size) {
             // Freed first, so that old and new never exist together.
@@ -257,7 +258,7 @@ impl KeptAttachment {
     }
 }
 
-/// How a shader sees a texture: the types that stand for WGSL's in the declaration of a pass.
+/// A texture type of shaders: stands for WGSL's type in the declaration of a pass.
 pub trait Texture {
     /// Its type in WGSL.
     const WGSL: &'static str;

@@ -14,7 +14,7 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 #[derive(Default)]
 pub struct Messages {
     all: Mutex<Vec<String>>,
-    /// How many of them somebody was given.
+    /// The number of messages that were returned already.
     given: AtomicUsize,
 }
 
@@ -29,7 +29,7 @@ impl Messages {
         all
     }
 
-    /// Those that came since [`Messages::snapshot`], as at the end, when nobody asks for them any more.
+    /// The messages since [`Messages::snapshot`], for the end, when they are no longer requested.
     fn late(&self) -> Vec<String> {
         let given = self.given.load(Ordering::Relaxed);
         self.snapshot().split_off(given)
@@ -40,9 +40,9 @@ impl Messages {
 pub struct Instance {
     pub raw: ash::Instance,
     pub messages: Arc<Messages>,
-    /// Whether VK_EXT_debug_utils is enabled: labels and names need it.
+    /// True if VK_EXT_debug_utils is enabled, which labels and names need.
     pub debug_utils: bool,
-    /// What frames are shown on, if there is a window.
+    /// The surface that shows frames, if a window exists.
     #[cfg(feature = "window")]
     pub surface: Option<super::window::Surface>,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
@@ -56,7 +56,7 @@ impl Instance {
         Self::with_extensions(validation, gpu_assisted, &[])
     }
 
-    /// As [`Instance::new`], with the surface of a window.
+    /// Like [`Instance::new`], with the surface of a window.
     #[cfg(feature = "window")]
     pub fn for_window(validation: bool, gpu_assisted: bool, window: super::window::Handle) -> Result<Self, Error> {
         let wanted = super::window::extensions(&window)?;
@@ -67,7 +67,7 @@ impl Instance {
 
     /// `wanted` are names of further extensions.
     fn with_extensions(validation: bool, gpu_assisted: bool, wanted: &[*const c_char]) -> Result<Self, Error> {
-        // SAFETY: loading the system's Vulkan loader runs its initialisers; there is no other way to reach Vulkan.
+        // SAFETY: loading the system's Vulkan loader runs its initialisers; this is the only way to reach Vulkan.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| Error::NoLoader(e.to_string()))?;
         // SAFETY: plain queries on a loaded entry.
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();
@@ -170,8 +170,8 @@ unsafe extern "system" fn collect(
         let text = data.as_ref().and_then(|d| d.message_as_c_str());
         (user.cast::<Messages>().as_ref(), text.map(|t| t.to_string_lossy().into_owned()))
     };
-    // What GPU-assisted validation says of its own setting up (features that it switches on, checks that the device lacks)
-    // is no message about us.
+    // GPU-assisted validation reports on its own setup (features that it switches on, checks that the device lacks),
+    // which doesn't concern this program.
     if let (Some(messages), Some(text)) = (messages, text.filter(|text| !text.contains("Internal Warning: "))) {
         messages.push(text);
     }

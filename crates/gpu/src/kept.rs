@@ -8,17 +8,17 @@ pub struct Kept<T> {
 }
 
 impl<T: GpuType> Kept<T> {
-    /// Nothing yet.
+    /// Not allocated yet.
     pub fn new(name: &'static str, memory: Memory) -> Self {
         Self { name, memory, buffer: None }
     }
 
-    /// Makes sure there is room for `len` elements; what was there before may be lost.
+    /// Makes sure it has room for `len` elements; earlier content may be lost.
     pub fn reserve(&mut self, device: &Device, len: u64) -> Result<(), Error> {
         self.reserve_within(device, len, u64::MAX)
     }
 
-    /// Makes sure there is room for `len` elements, but not for more than `limit`; what was there before may be lost.
+    /// Makes sure it has room for `len` elements, but not for more than `limit`; earlier content may be lost.
     pub fn reserve_within(&mut self, device: &Device, len: u64, limit: u64) -> Result<(), Error> {
         if self.buffer.as_ref().is_none_or(|b| b.len() < len || b.len() > limit) {
             // Freed first, so that old and new never exist together.

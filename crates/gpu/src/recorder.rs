@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::agree::Agreement;
-use super::context::lock;
+use super::context::{Commands, lock};
 use super::guard::{self, Guards};
 use super::pipeline::{Blend, Outputs, Pipeline};
 use super::shader::WORKGROUP;
@@ -152,6 +152,7 @@ struct Queries {
 pub struct Recorder<'a> {
     context: Arc<Context>,
     commands: vk::CommandBuffer,
+    taken: Commands,
     pipelines: Vec<Arc<Pipeline>>,
     pools: Vec<vk::DescriptorPool>,
     sets_left: u32,
@@ -166,15 +167,11 @@ pub struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     pub(super) fn new(context: &Arc<Context>) -> Result<Self, Error> {
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(context.command_pool).command_buffer_count(1);
-        let guard = lock(&context.submission);
-        // SAFETY: the pool is only touched under the submission lock.
-        let commands = unsafe { context.device.allocate_command_buffers(&info) }
-            .map_err(Error::call("vkAllocateCommandBuffers"))?[0];
-        drop(guard);
+        let commands = context.take_commands()?;
         let recorder = Self {
             context: context.clone(),
-            commands,
+            commands: commands.buffer,
+            taken: commands,
             pipelines: Vec::new(),
             pools: Vec::new(),
             sets_left: 0,
@@ -186,8 +183,8 @@ impl<'a> Recorder<'a> {
             buffers: PhantomData,
         };
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: a fresh command buffer.
-        unsafe { context.device.begin_command_buffer(commands, &begin) }
+        // SAFETY: a command buffer that is fresh or was reset.
+        unsafe { context.device.begin_command_buffer(recorder.commands, &begin) }
             .map_err(Error::call("vkBeginCommandBuffer"))?;
         Ok(recorder)
     }
@@ -712,11 +709,9 @@ impl<'a> Recorder<'a> {
 
 impl Drop for Recorder<'_> {
     fn drop(&mut self) {
-        let guard = lock(&self.context.submission);
         let device = &self.context.device;
         // SAFETY: either never submitted or waited for in `submit`.
         unsafe {
-            device.free_command_buffers(self.context.command_pool, &[self.commands]);
             for pool in &self.pools {
                 device.destroy_descriptor_pool(*pool, None);
             }
@@ -727,7 +722,8 @@ impl Drop for Recorder<'_> {
                 }
             }
         }
-        drop(guard);
+        // Kept and not freed: validation layers before 1.3.243 race with whoever frees one (CONTRIBUTING.md).
+        self.context.give_commands_back(self.taken);
     }
 }
 

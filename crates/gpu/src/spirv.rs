@@ -28,7 +28,7 @@ const FLOAT_ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143
 /// Index of the id bound in the header.
 const BOUND: usize = 3;
 
-/// One instruction: its opcode and all its words, the first included.
+/// Instructions, each as its opcode and all its words, including the first.
 fn instructions(words: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
     let mut rest = words.get(HEADER_WORDS..).unwrap_or_default();
     std::iter::from_fn(move || {
@@ -50,7 +50,8 @@ pub fn correct(words: &[u32]) -> Vec<u32> {
     if guard::BYTES > 0 { hide_bytes(&words, guard::BYTES) } else { words }
 }
 
-/// Takes so many bytes off the length of every runtime-sized array: what is bound ends with a guard of which shaders know nothing.
+/// Subtracts `bytes` from the length of every runtime-sized array: bound ranges end with a guard that is invisible to
+/// shaders.
 fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
     let lengths: Vec<&[u32]> = instructions(words).filter(|(op, _)| *op == OP_ARRAY_LENGTH).map(|(_, i)| i).collect();
     let mut next = words[BOUND];
@@ -58,7 +59,7 @@ fn hide_bytes(words: &[u32], bytes: u64) -> Vec<u32> {
         next += 1;
         next - 1
     };
-    // Of each length: its instruction, what it was, and the constant that is taken off.
+    // For each length: its instruction, its old id, and the constant to subtract.
     let hidden: Vec<(&[u32], u32, u32, u32)> = lengths
         .into_iter()
         .map(|i| (i, fresh(), fresh(), array_stride(words, i).map_or(0, |stride| (bytes / u64::from(stride)) as u32)))
@@ -252,7 +253,7 @@ mod tests {
         let fixed = correct_sample_mask(&words);
         assert_eq!(count(&words, |op, _| op == OP_TYPE_ARRAY), 0);
         assert_eq!(count(&fixed, |op, _| op == OP_TYPE_ARRAY), 1);
-        // One load of the input and one store of the output go through an access chain each.
+        // One load of the input and one store of the output, each through an access chain.
         let chains = |w: &[u32]| count(w, |op, _| op == OP_ACCESS_CHAIN);
         assert_eq!(chains(&fixed), chains(&words) + 2);
     }
@@ -280,7 +281,7 @@ mod tests {
         assert_eq!(constants, [25, 3, 25]);
     }
 
-    /// What the validation layers say of a shader module.
+    /// The number of the validation layers' messages about a shader module.
     fn messages(device: &crate::Device, words: &[u32]) -> usize {
         let before = device.validation_messages().len();
         let info = ash::vk::ShaderModuleCreateInfo::default().code(words);
@@ -298,10 +299,7 @@ mod tests {
         let options = crate::DeviceOptions::validated();
         let device = match crate::Device::open(&options) {
             Ok(device) => device,
-            Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => {
-                panic!("a device is required: {e}")
-            }
-            Err(e) => return eprintln!("skipped, no device: {e}"),
+            Err(e) => return pellucid_testing::skip::skip(pellucid_testing::skip::NO_DEVICE, &e.to_string()),
         };
         for source in [ARRAY, MASK, LENGTHS] {
             assert_eq!(messages(&device, &correct(&compiled(source))), 0, "{:?}", device.validation_messages());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::stage::Pose;
 use pellucid_engine::metrics;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{DiscShape, Method, Peel, Scene};
+use pellucid_engine::scene::{DiscShape, Method, Scene};
 use pellucid_lab::report::tradeoff::settings::{self, Formation};
 
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
@@ -28,13 +28,8 @@ pub enum Standing {
 impl Standing {
     /// Of a method that is in force for these points.
     pub fn of(method: &Method, points: &Points) -> Self {
-        let oriented = |shape| shape == DiscShape::Oriented && points.normals.is_some();
-        let exact = match method {
-            Method::ABuffer(_) | Method::LinkedList(_) | Method::Peel(Peel { layers: 0, .. }) => true,
-            Method::Sorted(discs) => !oriented(discs.shape),
-            Method::SoftBase(_) => true,
-            _ => false,
-        };
+        let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
+        let exact = method.is_exact(oriented && points.normals.is_some());
         match settings::formation(method, points) {
             _ if exact => Self::Exact,
             Ok(Formation::Ensembles(_)) => Self::Sampled,
@@ -135,7 +130,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use pellucid_engine::scene::{Discs, Document, Overrides, PeelLayers, Soft, Spbr, Stochastic};
+    use pellucid_engine::scene::{Discs, Document, Overrides, Peel, PeelLayers, Soft, Spbr, Stochastic};
 
     fn points(normals: bool) -> Points {
         let normals = normals.then(|| vec![Vec3::Z]);

@@ -1,4 +1,5 @@
-//! The window: its events to egui, egui's drawing and the last picture to the screen, the worker's news to the model.
+//! The window: passes its events to egui, draws egui and the last picture on the screen, and hands the worker's news to
+//! the model.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,9 +16,9 @@ use winit::window::{Fullscreen, Window, WindowId};
 use super::graphics::{Graphics, Opening};
 use super::loss::{self, Losses, Lost};
 use super::model::Model;
-use super::said::Said;
+use super::status_log::StatusLog;
 use super::visibility::Visibility;
-use super::worker::{Held, News, Setup, Task};
+use super::worker::{News, Setup, Task, Workload};
 use super::{Options, ui};
 use crate::Result;
 use pellucid_engine::gpu::ValidationLog;
@@ -33,20 +34,21 @@ const RETRY: Duration = Duration::from_millis(50);
 /// The same, if memory was lacking.
 const RETRY_MEMORY: Duration = Duration::from_secs(1);
 
-/// How often to look whether a minimized window is back.
+/// How often to check whether a minimized window has been restored.
 const LOOK: Duration = Duration::from_millis(250);
 
-/// How long the screen may stay as it is while a picture is on its way: what is drawn takes the device's only queue from it, and on
-/// a CPU the same cores.
+/// How long the screen may stay unchanged while a picture is being rendered. Drawing the window takes the device's only
+/// queue away from the picture and, on a CPU, the same cores.
 const UNCHANGED: Duration = Duration::from_millis(50);
 
 /// The worker has news.
 #[derive(Debug)]
 pub struct Wake;
 
-/// What runs while the window is there. The fields go in this order: what belongs to a device before the window.
+/// Everything that lives as long as the window. Field order matters: fields are dropped in this order, and whatever
+/// belongs to a device must go before the window.
 struct Running {
-    /// `None` only while a device takes another one's place.
+    /// `None` only while one device replaces another.
     graphics: Option<Graphics>,
     losses: Losses,
     model: Model,
@@ -56,30 +58,30 @@ struct Running {
     dropped_at: Instant,
     /// When the screen was last drawn.
     drawn_at: Instant,
-    /// What egui's textures need before it is drawn again.
+    /// Texture changes egui must upload before it is drawn again.
     textures: TexturesDelta,
-    /// When to draw again, whatever happens.
+    /// When to draw again at the latest.
     again_at: Option<Instant>,
     visibility: Visibility,
-    /// Whether something else covers the window.
+    /// True if another window covers this one.
     covered: bool,
-    /// The picture that waits until somebody can see it.
+    /// A picture request that waits until the window is visible.
     held_back: Option<Task>,
     /// The picture that is on the screen.
     shown: Option<u64>,
-    said: Said,
+    status_log: StatusLog,
 }
 
 /// The application as the event loop sees it.
 pub struct App {
-    /// What to open; taken when the window is made.
+    /// The scene to open; taken when the window is created.
     options: Option<Options>,
     opening: Opening,
     say: Box<dyn Fn(&str)>,
     running: Option<Running>,
-    /// Of each device that was opened.
+    /// One log per device that was opened.
     logs: Vec<ValidationLog>,
-    /// What ended it.
+    /// Why the application ended.
     outcome: Result<()>,
 }
 
@@ -90,7 +92,7 @@ impl App {
         Self { options: Some(options), opening, say, running: None, logs: Vec::new(), outcome: Ok(()) }
     }
 
-    /// Ends all that runs, and says what went wrong, validation messages included.
+    /// Ends everything that runs and returns the error, if any, including validation messages.
     pub fn finish(mut self) -> Result<()> {
         self.running = None;
         self.outcome?;
@@ -117,10 +119,10 @@ impl App {
         if let Some((file, source)) = options.path {
             model.take_path(file, source);
         }
-        let held = Held { clouds, generated, tasks: Vec::new() };
-        let graphics = Graphics::open(&self.opening, &window, held, Textures::default(), &mut self.logs)?;
+        let workload = Workload { clouds, generated, tasks: Vec::new() };
+        let graphics = Graphics::open(&self.opening, &window, workload, Textures::default(), &mut self.logs)?;
         model.progress = graphics.worker.progress.clone();
-        let visibility = Visibility::of(&window);
+        let visibility = Visibility::for_window(&window);
         let ctx = egui::Context::default();
         ui::style(&ctx);
         let scale = Some(window.scale_factor() as f32);
@@ -141,11 +143,11 @@ impl App {
             covered: false,
             held_back: None,
             shown: None,
-            said: Said::default(),
+            status_log: StatusLog::default(),
         })
     }
 
-    /// Runs `step` on what runs; an error ends it.
+    /// Runs `step` on the running window; an error ends it.
     fn with_running(
         &mut self,
         event_loop: &ActiveEventLoop,
@@ -161,8 +163,8 @@ impl App {
                     None => Err(error),
                 };
                 match begun_anew {
-                    // At once: a control that is being moved takes the message back.
-                    Ok(()) => running.said.tell(&self.say, &running.model),
+                    // Printed at once, because the next movement of a control clears the message.
+                    Ok(()) => running.status_log.tell(&self.say, &running.model),
                     Err(error) => self.end(event_loop, Err(error)),
                 }
             }
@@ -214,7 +216,8 @@ impl ApplicationHandler<Wake> for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // Before the connection to the display goes. A frame that is under way is waited for: nobody need look at that.
+        // The device must go before the connection to the display. This waits for the frame in flight, which needs no
+        // window to look at.
         if let Some(running) = self.running.take() {
             running.window.set_visible(false);
         }
@@ -222,27 +225,27 @@ impl ApplicationHandler<Wake> for App {
 }
 
 impl Running {
-    /// Opens the lost device again and goes on with all that the window holds.
+    /// Opens the lost device again and continues with everything the window workload.
     ///
     /// # Errors
-    /// [`Lost`] if that is no use.
+    /// [`Lost`] if reopening doesn't help.
     fn begin_anew(&mut self, opening: &Opening, during: &str, logs: &mut Vec<ValidationLog>) -> Result<()> {
         let Some(graphics) = self.graphics.take() else { return Ok(()) };
         let (device, during) = (graphics.device.info().name.clone(), during.to_owned());
-        // The new device takes over the window, which the old one must have left.
-        let Some((held, news, textures)) = graphics.end() else {
+        // The new device takes over the window, so the old one must have released it.
+        let Some((workload, news, textures)) = graphics.end() else {
             let why = "the renderer has panicked".to_owned();
             return Err(Lost::Gone { device, during, why }.into());
         };
         if !self.losses.allow(Instant::now(), self.shown) {
             return Err(Lost::Again { device, during }.into());
         }
-        // What was done before is still worth telling.
+        // News that arrived before the loss is still worth reporting.
         self.model.message = None;
         news.into_iter().filter(|news| !matches!(news, News::Lost(_))).try_for_each(|news| self.model.take_in(news))?;
         let before = self.model.message.take().map(|(text, _)| format!("{text}; ")).unwrap_or_default();
-        let busy = !held.tasks.is_empty();
-        let opened = Graphics::open(opening, &self.window, held, textures, logs);
+        let busy = !workload.tasks.is_empty();
+        let opened = Graphics::open(opening, &self.window, workload, textures, logs);
         let graphics = match opened {
             Ok(graphics) => graphics,
             Err(error) => return Err(Lost::Gone { device, during, why: error.to_string() }.into()),
@@ -258,7 +261,7 @@ impl Running {
         Ok(())
     }
 
-    /// Takes in an event; whether the window is to be closed.
+    /// Handles an event and returns true if the window should close.
     fn react(&mut self, event: &WindowEvent) -> Result<bool> {
         match event {
             WindowEvent::RedrawRequested => return self.draw(),
@@ -291,16 +294,16 @@ impl Running {
         Ok(false)
     }
 
-    /// A button goes down or up: a frame of its own, after one with all that came before, since a drag that began and ended
-    /// between two frames would be none.
+    /// Handles a mouse button that goes down or up. It gets its own frame, after one with all earlier events: a drag
+    /// that begins and ends between two frames would be lost otherwise.
     fn press(&mut self, event: &WindowEvent) -> Result<bool> {
         let before = self.draw()?;
-        // What it asks for is drawn now.
+        // Draw the response now.
         let _ = self.input.on_window_event(&self.window, event);
         Ok(self.draw()? || before)
     }
 
-    /// What is due before the loop waits, and until when it may.
+    /// Does the work that is due before the loop waits, and returns until when it may wait.
     fn wait(&mut self, say: &dyn Fn(&str)) -> Option<Instant> {
         let now = Instant::now();
         if !self.dropped.is_empty() && now >= self.dropped_at + DROP {
@@ -313,17 +316,17 @@ impl Running {
             self.again_at = None;
             self.window.request_redraw();
         }
-        self.said.tell(say, &self.model);
+        self.status_log.tell(say, &self.model);
         if self.model.is_at_rest(now)
             && let Some(graphics) = &self.graphics
         {
-            self.said.tell_at_rest(say, &self.model, self.shown, &graphics.device);
+            self.status_log.tell_at_rest(say, &self.model, self.shown, &graphics.device);
         }
         let drop_at = (!self.dropped.is_empty()).then(|| self.dropped_at + DROP);
         [self.again_at, self.model.due_at(now), drop_at].into_iter().flatten().min()
     }
 
-    /// Whether nobody can see the window.
+    /// True if the window can't be seen.
     fn is_hidden(&self) -> bool {
         self.covered || self.is_minimized()
     }
@@ -332,7 +335,7 @@ impl Running {
         self.visibility.is_minimized(&self.window)
     }
 
-    /// Asks the worker for what is due; for pictures only if somebody can see them.
+    /// Sends the worker the tasks that are due; pictures only while the window is visible.
     fn ask(&mut self, now: Instant, say: &dyn Fn(&str)) {
         let Some(graphics) = &self.graphics else { return };
         while let Some(task) = self.model.next_task(now) {
@@ -348,17 +351,17 @@ impl Running {
         if hidden {
             self.again_at = self.again_at.or(Some(now + LOOK));
         }
-        self.said.tell_hidden(say, hidden);
+        self.status_log.tell_hidden(say, hidden);
     }
 
-    /// Until when the screen may stay as it is, if a picture is on its way that would replace what is drawn now.
+    /// Until when the screen may stay unchanged because a picture in progress would replace the current one.
     fn unchanged_until(&self) -> Option<Instant> {
         let seen = self.shown == self.model.picture().map(|picture| picture.serial);
         let until = self.drawn_at + UNCHANGED;
         (seen && self.model.is_waiting() && Instant::now() < until).then_some(until)
     }
 
-    /// Draws the panel and shows it with the picture; whether the window is to be closed.
+    /// Draws the panel together with the picture. Returns true if the window should close.
     fn draw(&mut self) -> Result<bool> {
         let size: [u32; 2] = self.window.inner_size().into();
         if self.covered || size.contains(&0) {
@@ -384,7 +387,8 @@ impl Running {
         let picture = self.model.picture().map(|picture| Picture { size: picture.size, at, rgba: &picture.rgba });
         let Some(graphics) = &mut self.graphics else { return Ok(close) };
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
-        // Wayland's compositors then ask for the next frame when they have a use for it: not for a window that nobody sees.
+        // Wayland compositors then ask for the next frame when they can use it, and never for a window that is not
+        // visible.
         let window = &self.window;
         let shown = graphics.screen.show(size, picture.as_ref(), &drawing, &|| window.pre_present_notify());
         let (shown, delay) = match shown {

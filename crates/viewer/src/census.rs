@@ -1,4 +1,4 @@
-//! What is known of the clouds: their columns, classes and ranges; and of the points that are shown: how F is spread.
+//! Statistics of the clouds (columns, classes, ranges) and of the shown points (the distribution of F).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,33 +14,34 @@ use pellucid_engine::scene::{CloudSettings, Scene};
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
 
-/// What is known of a cloud.
+/// Statistics of one cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Census {
     /// Finite points.
     pub points: usize,
-    /// Whether the file has colors.
+    /// True if the file has colors.
     pub colors: bool,
-    /// Whether it has normals.
+    /// True if the file has normals.
     pub normals: bool,
-    /// Whether the points have radii of their own, not estimated ones.
+    /// True if the points have radii of their own rather than estimated ones.
     pub own_radii: bool,
     /// Points of each class; empty without classes.
     pub classes: BTreeMap<u8, usize>,
-    /// What a field can be made of, by name, with the smallest and the largest finite value: intensity, scalar properties,
-    /// radius, coordinates. Classes are not among them.
+    /// Columns that a field can be made from, by name, each with its smallest and largest finite value: intensity,
+    /// scalar properties, radius, coordinates. Classes are listed separately.
     pub scalars: Vec<(String, [f64; 2])>,
     /// K and field of a prepared file.
     pub prepared: Option<(usize, Field)>,
 }
 
 impl Census {
-    /// Looks at all points of a cloud.
-    pub fn of(cloud: &Cloud) -> Self {
+    /// Gathers the statistics of all points of a cloud.
+    pub fn from_cloud(cloud: &Cloud) -> Self {
         let names = field::names(cloud).into_iter().filter(|name| !name.is_empty() && name != "classification");
         let mut scalars: Vec<(String, [f64; 2])> = Vec::new();
         for name in names {
-            // Of two properties of one name the first is taken; the words of other fields mean these.
+            // If two properties share a name, the first one counts. These two names always mean the fields of other
+            // definitions.
             let is_taken = name == "uncertainty" || name == "distance-to-axis";
             if !is_taken && !scalars.iter().any(|(other, _)| *other == name) {
                 let range = range(cloud, &name);
@@ -86,16 +87,16 @@ fn classes(codes: &[u8]) -> BTreeMap<u8, usize> {
     (0u8..=255).zip(counts).filter(|(_, count)| *count > 0).collect()
 }
 
-/// The smallest and the largest finite value of what `field` calls so; 0 and 0 if there is none.
+/// The smallest and the largest finite value of the column called `name`; 0 and 0 if it has none.
 fn range(cloud: &Cloud, name: &str) -> [f64; 2] {
-    let of = |values: &[f32]| ends(values.par_iter().map(|value| f64::from(*value)));
+    let range_of = |values: &[f32]| ends(values.par_iter().map(|value| f64::from(*value)));
     if let Some((_, values)) = cloud.scalars.iter().find(|(other, _)| other == name) {
-        return of(values);
+        return range_of(values);
     }
     let axis = |axis: usize| ends(cloud.positions.par_iter().map(move |p| p[axis]));
     match name {
-        "intensity" => of(cloud.intensity.as_deref().unwrap_or_default()),
-        "radius" => of(cloud.own_radii().unwrap_or_default()),
+        "intensity" => range_of(cloud.intensity.as_deref().unwrap_or_default()),
+        "radius" => range_of(cloud.own_radii().unwrap_or_default()),
         "x" => axis(0),
         "y" => axis(1),
         _ => axis(2),
@@ -109,7 +110,7 @@ fn ends(values: impl ParallelIterator<Item = f64>) -> [f64; 2] {
     if least <= most { [least, most] } else { [0.0; 2] }
 }
 
-/// The name of a class of LAS 1.4 (ASPRS, table 17); `None` for those that are reserved or free for users.
+/// The name of a class of LAS 1.4 (ASPRS, table 17); `None` for reserved and user-defined codes.
 pub fn class_name(code: u8) -> Option<&'static str> {
     const NAMES: [&str; 23] = [
         "never classified",
@@ -139,25 +140,25 @@ pub fn class_name(code: u8) -> Option<&'static str> {
     NAMES.get(usize::from(code)).copied()
 }
 
-/// How F of the points that are shown is spread.
+/// The distribution of F over the shown points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldFacts {
-    /// Points of each of [`BINS`] equal parts of [0, 1].
+    /// Number of points in each of [`BINS`] equal parts of [0, 1].
     pub histogram: Arc<[u64]>,
-    /// What the threshold makes of them.
+    /// How many points lie on each side of the threshold.
     pub parts: Parts,
 }
 
-/// What F depends on, of each cloud: K, what F is, scale and translation, which may drop points.
+/// Everything F depends on, per cloud: K, the definition of F, scale and translation (which may drop points).
 type Origins = Vec<(Option<usize>, Option<Field>, f64, DVec3)>;
 
-/// The histogram that was made last, so that it is made only for other points.
+/// The last histogram, kept so that it is recomputed only when the points change.
 #[derive(Default)]
 pub struct Histograms(Option<(Origins, Arc<[u64]>)>);
 
 impl Histograms {
-    /// The histogram of `fields`, which are F of the points of `scene` in [0, 1].
-    pub fn of(&mut self, scene: &Scene, fields: &[f32]) -> Arc<[u64]> {
+    /// The histogram of `fields`: F of the points of `scene`, in [0, 1].
+    pub fn for_scene(&mut self, scene: &Scene, fields: &[f32]) -> Arc<[u64]> {
         let origin = |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.scale, cloud.translate);
         let origins: Origins = scene.clouds.iter().map(origin).collect();
         match &self.0 {
@@ -178,7 +179,7 @@ fn histogram(fields: &[f32]) -> Arc<[u64]> {
     };
     let of_chunk = |fields: &[f32]| {
         let mut counts = [0; BINS];
-        // The cast stops at both ends, and 1 belongs to the last bin.
+        // The cast clamps at both ends; 1 belongs to the last bin.
         fields.iter().for_each(|f| counts[((f * BINS as f32) as usize).min(BINS - 1)] += 1);
         counts
     };
@@ -207,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_census_counts_what_is_there() {
-        let census = Census::of(&cloud());
+        let census = Census::from_cloud(&cloud());
         assert_eq!((census.points, census.colors, census.normals, census.own_radii), (100_000, false, false, false));
         assert_eq!(census.classes, [(2, 90_000), (5, 10_000)].into());
         let scalars = [
@@ -219,15 +220,15 @@ mod tests {
             ("z", [4.5e6, 4.5e6]),
         ];
         assert_eq!(census.scalars, scalars.map(|(name, range)| (name.to_owned(), range)));
-        let plain = Census::of(&Cloud::default());
+        let plain = Census::from_cloud(&Cloud::default());
         assert_eq!(plain.fields(), ["uncertainty", "distance-to-axis", "x", "y", "z"]);
     }
 
-    /// Whatever the chooser offers is a field of the cloud, found by its name.
+    /// Every name the chooser offers is a field of the cloud.
     #[test]
     fn every_field_that_is_offered_can_be_had() {
         let cloud = cloud();
-        let census = Census::of(&cloud);
+        let census = Census::from_cloud(&cloud);
         assert_eq!(census.fields().len(), 9);
         for name in census.fields() {
             let mut document = Document::from_clouds(["a.ply"], &Overrides::default()).unwrap();
@@ -238,7 +239,7 @@ mod tests {
             let scene = document.change(&changes).unwrap();
             let field = census.field(&scene.clouds[0]);
             assert_eq!(field.name(), name);
-            let values = field.of(&cloud).unwrap();
+            let values = field.values(&cloud).unwrap();
             assert_eq!(values.is_none(), name == "uncertainty");
             assert!(values.is_none_or(|values| values.len() == cloud.len()));
         }
@@ -261,12 +262,12 @@ mod tests {
             Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap().scene().unwrap()
         };
         let mut histograms = Histograms::default();
-        let first = histograms.of(&scene(""), &[0.0]);
-        // What doesn't tell F changes nothing: the other points are not looked at.
-        assert!(Arc::ptr_eq(&first, &histograms.of(&scene("opacity = 0.5\nradius = 2.0"), &[1.0])));
+        let first = histograms.for_scene(&scene(""), &[0.0]);
+        // Settings that don't affect F change nothing: the other points are not examined.
+        assert!(Arc::ptr_eq(&first, &histograms.for_scene(&scene("opacity = 0.5\nradius = 2.0"), &[1.0])));
         for text in ["field = 'z'", "neighbors = 7", "scale = 2.0", ""] {
-            assert_eq!(histograms.of(&scene(text), &[1.0])[63], 1, "{text}");
-            assert_eq!(histograms.of(&scene("field = 'x'"), &[0.0])[63], 0);
+            assert_eq!(histograms.for_scene(&scene(text), &[1.0])[63], 1, "{text}");
+            assert_eq!(histograms.for_scene(&scene("field = 'x'"), &[0.0])[63], 0);
         }
     }
 

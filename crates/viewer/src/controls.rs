@@ -1,19 +1,15 @@
 //! Which control a key of the scene file gets, the value that it has now, and what a change of it brings along.
 
 mod beside;
-mod optional;
+mod clouds;
 #[cfg(test)]
 mod tests;
 
 pub use beside::{changes, light_changes, method_changes};
-pub use optional::{cloud, shading, shadows};
+pub use clouds::cloud;
 
 use pellucid_engine::methods::soft::SoftModel;
-use pellucid_engine::scene::{
-    BlendedSplats, Brightness, Density, DiscShape, Falloff, Hybrid, ImageSpace, Interpolated, LongLists, MAX_K, Method,
-    OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Setting, Shells, Soft, SoftLayout, Spbr, SpbrSimplified,
-    SplatShape, Stochastic,
-};
+use pellucid_engine::scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
 
 /// What changes a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +23,7 @@ pub enum Control {
     /// A check box.
     Flag,
     /// One of some words.
-    Choice(&'static [&'static str]),
+    Choice(&'static [Word]),
     /// A color, linear.
     Color,
 }
@@ -52,6 +48,8 @@ pub struct Entry {
     pub value: Setting,
     /// Whether it has one.
     pub presence: Presence,
+    /// What the key does.
+    pub about: &'static str,
 }
 
 /// What ranges of controls depend on, of the points that are shown.
@@ -69,69 +67,93 @@ impl Default for Extent {
     }
 }
 
-impl Entry {
-    fn always((control, value): (Control, Setting)) -> Self {
-        Self { control, value, presence: Presence::Always }
-    }
+/// The control of a key; `None` for values that no control here stands for, as those of cameras and lights.
+pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
+    let control = control(key.kind, key.slider, extent)?;
+    let start = match (control, key.slider) {
+        (Control::Color, _) => Setting::Numbers(vec![1.0; 3]),
+        (Control::Count(..), _) => Setting::Integer(key.start as u32),
+        (_, Slider::Lengths(..)) => Setting::Number(significant(key.start * extent.diagonal)),
+        _ => Setting::Number(key.start),
+    };
+    let on = key.value.is_some();
+    let presence = match (key.without, key.rival) {
+        ("", _) => Presence::Always,
+        (_, Some(_)) => Presence::Rival { on },
+        (without, None) => Presence::Optional { on, without: without.to_owned() },
+    };
+    Some(Entry { control, value: key.value.clone().unwrap_or(start), presence, about: key.about })
+}
 
-    fn optional<T>(
-        control: Control,
-        value: Option<T>,
-        start: T,
-        setting: impl Fn(T) -> Setting,
-        without: &str,
-    ) -> Self {
-        let presence = Presence::Optional { on: value.is_some(), without: without.to_owned() };
-        Self { control, value: setting(value.unwrap_or(start)), presence }
-    }
+fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
+    let length = |share: f64| significant(share * extent.diagonal);
+    Some(match (kind, slider) {
+        (Kind::WordOr(_, other), slider) => return control(*other, slider, extent),
+        (Kind::Number(_), Slider::Linear(from, to)) => Control::Slider(from, to),
+        (Kind::Number(_), Slider::Powers(from, to)) => Control::Powers(from, to),
+        (Kind::Number(_), Slider::Lengths(from, to)) => Control::Powers(length(from), length(to)),
+        (Kind::Number(range), Slider::Whole) if range == Range::UNIT => Control::Slider(0.0, 1.0),
+        (Kind::Integer(..), Slider::Count(from, to)) | (Kind::Integer(from, to), Slider::Whole) => {
+            Control::Count(from, to)
+        }
+        (Kind::Flag, _) => Control::Flag,
+        (Kind::Words(words), _) => Control::Choice(words),
+        (Kind::Color, _) => Control::Color,
+        _ => return None,
+    })
 }
 
 /// The control of a method's key; `None` for keys of other methods.
-pub fn control(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
-    let always = of_numbers(method, key).or_else(|| of_words(method, key)).map(Entry::always);
-    always.or_else(|| of_alternatives(method, key, extent))
-}
-
-/// Keys that are left out as often as not, or stand for one another.
-fn of_alternatives(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
-    let number = |x: f32| Setting::Number(rounded(x));
-    let factor = |p| Entry::optional(Control::Powers(0.1, 100.0), p, 1.0, number, "auto");
-    match (key, method) {
-        ("softness" | "lambda", _) => Some(density(method, method.soft()?, key, extent)),
-        ("modulation", _) => {
-            let Soft { threshold, modulation, .. } = method.soft()?;
+pub fn method(method: &Method, key: &str, extent: Extent) -> Option<Entry> {
+    let mut key = method.key(key)?;
+    match (key.name, method.soft()) {
+        ("softness" | "lambda", Some(soft)) => Some(density(method, soft, &key, extent)),
+        ("modulation", Some(soft)) => {
             // Half-way, so that both have room to move.
-            let start = 0.5 + 0.5 * *threshold;
-            Some(Entry::optional(Control::Slider(0.0, 1.0), *modulation, start, number, "off"))
+            key.start = 0.5 + 0.5 * f64::from(soft.threshold);
+            entry(&key, extent)
         }
-        ("shells", _) => {
-            let fixed = match method.soft()?.shells {
-                Shells::Fixed(shells) => Some(shells),
-                Shells::Adaptive => None,
-            };
-            let control = Control::Count(1, pellucid_engine::scene::MAX_SHELLS);
-            Some(Entry::optional(control, fixed, 8, Setting::Integer, "adaptive"))
-        }
-        ("min_layer_distance", _) => Some(optional::layer_distance(method.filters()?.min_layer_distance, extent)),
-        ("brightness", Method::SpbrSimplified(SpbrSimplified { brightness, .. })) => Some(factor(match brightness {
-            Brightness::Factor(p) => Some(*p),
-            Brightness::Auto => None,
-        })),
-        _ => None,
+        _ => shortened(&key, extent),
     }
 }
 
+/// The control of a key with a default that depends on the scene, which it shows.
+fn shortened(key: &Key, extent: Extent) -> Option<Entry> {
+    let mut entry = entry(key, extent)?;
+    if let (Presence::Optional { without, .. }, Slider::Lengths(..)) = (&mut entry.presence, key.slider) {
+        *without = format!("{}%: {}", significant(100.0 * key.start), significant(key.start * extent.diagonal));
+    }
+    Some(entry)
+}
+
+/// The control of a key of `[shadows]`; `None` for `method`, which is the table's switch.
+pub fn shadows(shadows: &Shadows, light: Light, key: &str, extent: Extent) -> Option<Entry> {
+    let mut key = find(shadows.keys(), key)?;
+    if let ("light_radius", Light::Direction(_)) = (key.name, light) {
+        // Degrees, and no length.
+        key.slider = Slider::Linear(0.0, 45.0);
+    }
+    shortened(&key, extent)
+}
+
+/// The key of this name.
+pub fn find(keys: Vec<Key>, name: &str) -> Option<Key> {
+    keys.into_iter().find(|key| key.name == name)
+}
+
 /// `softness` or `lambda`: the one that was not chosen begins where the picture stays the same.
-fn density(method: &Method, soft: &Soft, key: &str, extent: Extent) -> Entry {
+fn density(method: &Method, soft: &Soft, key: &Key, extent: Extent) -> Entry {
     let radius = if extent.median_radius > 0.0 { extent.median_radius } else { (0.003 * extent.diagonal) as f32 };
     let model = SoftModel::new(method, soft, radius);
-    if key == "softness" {
+    let about = key.about;
+    if key.name == "softness" {
         let on = matches!(soft.density, Density::Softness(_));
         let value = if on { rounded(model.peak) } else { thousandths(model.peak.into()) };
         return Entry {
             control: Control::Slider(0.0, 1.0),
             value: Setting::Number(value),
             presence: Presence::Rival { on },
+            about,
         };
     }
     let on = matches!(soft.density, Density::Lambda(_));
@@ -147,87 +169,12 @@ fn density(method: &Method, soft: &Soft, key: &str, extent: Extent) -> Entry {
         Density::Lambda(lambda) => rounded(lambda),
         Density::Softness(_) => significant(model.lambda.into()),
     };
-    Entry { control: Control::Powers(0.0, most), value: Setting::Number(value), presence: Presence::Rival { on } }
-}
-
-fn of_numbers(method: &Method, key: &str) -> Option<(Control, Setting)> {
-    use Control::{Count, Flag, Slider};
-    let (number, count) = (|x: f32| Setting::Number(rounded(x)), Setting::Integer);
-    let soft = method.soft();
-    Some(match (key, method) {
-        ("threshold", _) => (Slider(0.0, 1.0), number(method.threshold()?)),
-        ("softness", Method::OneLayer(OneLayer { softness, .. })) => (Slider(0.0, 1.0), number(*softness)),
-        ("pixels_per_shell", _) => (Slider(1.0, 16.0), number(soft?.pixels_per_shell)),
-        ("size", _) => (Slider(0.0, 4.0), number(splats(method)?.size)),
-        ("max_pixel_radius", _) => (Slider(0.0, 100.0), number(splats(method)?.max_pixel_radius)),
-        (
-            "blend_depth",
-            Method::Hqs(BlendedSplats { blend_depth, .. }) | Method::Splats(BlendedSplats { blend_depth, .. }),
-        ) => (Slider(0.0, 4.0), number(*blend_depth)),
-        ("samples", Method::Stochastic(Stochastic { samples, .. })) => (Count(1, 1024), count(*samples)),
-        ("alpha_correction", Method::Stochastic(Stochastic { alpha_correction, .. })) => {
-            (Flag, Setting::Flag(*alpha_correction))
-        }
-        ("k", Method::Hybrid(Hybrid { k, .. })) => (Count(1, MAX_K), count(*k)),
-        ("layers", Method::Peel(Peel { layers, .. })) => (Count(0, 256), count(*layers)),
-        ("layers", Method::PeelLayers(PeelLayers { layers, .. })) => (Count(1, 32), count(*layers)),
-        ("ensembles", _) => (Count(1, 1000), count(method.ensembles()?)),
-        ("cos_theta", Method::Spbr(Spbr { cos_theta, .. })) => (Flag, Setting::Flag(*cos_theta)),
-        ("brighten", Method::Spbr(Spbr { brighten, .. })) => (Flag, Setting::Flag(*brighten)),
-        _ => return of_filters(method.filters()?, key),
-    })
-}
-
-fn of_filters(filters: &ImageSpace, key: &str) -> Option<(Control, Setting)> {
-    use Control::{Count, Flag, Slider};
-    Some(match key {
-        "fill" => (Count(0, 16), Setting::Integer(filters.fill)),
-        "occlusion" => (Count(0, 16), Setting::Integer(filters.occlusion)),
-        "smooth" => (Count(0, 16), Setting::Integer(filters.smooth)),
-        "antialias" => (Flag, Setting::Flag(filters.antialias)),
-        "antialias_threshold" => (Slider(0.0, 1.0), Setting::Number(rounded(filters.antialias_threshold))),
-        "cull" => (Flag, Setting::Flag(filters.cull)),
-        _ => return None,
-    })
-}
-
-fn of_words(method: &Method, key: &str) -> Option<(Control, Setting)> {
-    let word = |words: &'static [&'static str], at: usize| {
-        Some((Control::Choice(words), Setting::Word((*words.get(at)?).to_owned())))
-    };
-    let discs = method.discs();
-    let outline = match method {
-        Method::Paraboloid(Interpolated { shape, .. }) | Method::Cone(Interpolated { shape, .. }) => Some(shape),
-        Method::Hqs(BlendedSplats { shape, .. }) => Some(shape),
-        _ => None,
-    };
-    let drawn = discs.map(|discs| discs.raster).or(method.nearest_splats().map(|splats| splats.raster));
-    match (key, discs, outline) {
-        ("shape", Some(discs), _) => word(&["flat", "oriented"], usize::from(discs.shape == DiscShape::Oriented)),
-        ("shape", _, Some(shape)) => word(&["circle", "square"], usize::from(*shape == SplatShape::Square)),
-        ("falloff", Some(discs), _) => word(&["flat", "gaussian"], usize::from(discs.falloff == Falloff::Gaussian)),
-        ("long_lists", ..) => {
-            word(&["merge", "in-place"], usize::from(method.lists()?.long_lists == LongLists::InPlace))
-        }
-        ("layout", ..) => word(&["precise", "paper"], usize::from(method.soft()?.layout == SoftLayout::Paper)),
-        ("raster", ..) => word(
-            &["auto", "compute", "hardware"],
-            [Raster::Auto, Raster::Compute, Raster::Hardware].iter().position(|raster| Some(*raster) == drawn)?,
-        ),
-        _ => None,
+    Entry {
+        control: Control::Powers(0.0, most),
+        value: Setting::Number(value),
+        presence: Presence::Rival { on },
+        about,
     }
-}
-
-fn splats(method: &Method) -> Option<&ScreenSplats> {
-    match method {
-        Method::Hqs(BlendedSplats { splats, .. }) | Method::Splats(BlendedSplats { splats, .. }) => Some(splats),
-        _ => method.nearest_splats(),
-    }
-}
-
-/// The shortest number that is this one in float32: 0.17 and not 0.17000000178813934.
-pub fn rounded(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or(f64::from(x))
 }
 
 /// A number to three decimals.

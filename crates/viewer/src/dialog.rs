@@ -1,4 +1,4 @@
-//! The dialog for files: which ones to open, or where to save the scene.
+//! The file dialog: chooses files to open, or where to save the scene.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use egui_file_dialog::{DialogState, FileDialog};
 use pellucid_engine::camera::import::is_cameras;
 use pellucid_engine::io;
 
-/// What was chosen.
+/// The user's choice.
 pub enum Chosen {
-    /// To be opened: at least one.
+    /// Files to open: at least one.
     Files(Vec<PathBuf>),
-    /// Where the scene goes.
+    /// Where to save the scene.
     Scene(PathBuf),
 }
 
@@ -22,7 +22,7 @@ pub enum Chosen {
 pub struct Dialog(Option<FileDialog>);
 
 impl Dialog {
-    /// Whether it is open.
+    /// True while the dialog is open.
     pub fn is_open(&self) -> bool {
         self.0.is_some()
     }
@@ -41,7 +41,7 @@ impl Dialog {
         self.0 = Some(dialog);
     }
 
-    /// Asks where to save the scene; `name` is what is proposed.
+    /// Asks where to save the scene; `name` is the proposal.
     pub fn save(&mut self, name: &str) {
         let dialog = dialog().title("Save the scene as").default_file_name(name);
         let mut dialog = dialog.add_save_extension("scene", "toml").default_save_extension("scene");
@@ -49,7 +49,7 @@ impl Dialog {
         self.0 = Some(dialog);
     }
 
-    /// Draws it; what was chosen, once.
+    /// Draws the dialog and returns the choice, once.
     pub fn show(&mut self, ctx: &Context) -> Option<Chosen> {
         let dialog = self.0.as_mut()?;
         let room = ctx.content_rect().size() - vec2(80.0, 120.0);
@@ -65,19 +65,19 @@ impl Dialog {
     }
 }
 
-/// What both have in common: neither makes folders or remembers any.
+/// Settings shared by both dialogs: neither creates folders nor remembers any.
 fn dialog() -> FileDialog {
     let dialog = FileDialog::new().default_size([720.0, 420.0]).anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]);
     dialog.show_pinned_folders(false).show_system_files_option(false)
 }
 
-/// The name of a file as one would type it: from the current folder on, if it is below that.
+/// The name of a file as one would type it: relative to the current folder if the file is inside it.
 fn from_here(file: &Path) -> PathBuf {
     let here = std::env::current_dir().and_then(|here| here.canonicalize()).unwrap_or_default();
     file.strip_prefix(here).unwrap_or(file).to_owned()
 }
 
-/// What files are, by name.
+/// Kinds of files, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Scene,
@@ -88,12 +88,12 @@ enum Kind {
 const KINDS: [(&str, Kind); 3] =
     [("scenes (.toml)", Kind::Scene), ("point clouds", Kind::Cloud), ("camera paths (.json)", Kind::Cameras)];
 
-/// What a file is by its name, if it can be opened.
+/// The kind of a file, judged by its name, if it can be opened.
 fn kind(path: &Path) -> Option<Kind> {
-    let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    let has_extension = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     match path {
-        _ if is("toml") => Some(Kind::Scene),
-        _ if is("json") || is_cameras(path) => Some(Kind::Cameras),
+        _ if has_extension("toml") => Some(Kind::Scene),
+        _ if has_extension("json") || is_cameras(path) => Some(Kind::Cameras),
         _ => io::is_cloud(path).then_some(Kind::Cloud),
     }
 }

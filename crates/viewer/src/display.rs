@@ -1,4 +1,4 @@
-//! From an image to the bytes on the screen: those that its PNG has.
+//! Converts an image to the bytes on the screen, which equal those of its PNG.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,13 +8,13 @@ use pellucid_engine::image::Image;
 use pellucid_engine::output::to_byte;
 use pellucid_engine::scene::ColorSpace;
 
-/// Cells of the table that says where to begin.
+/// Cells of the table of first guesses.
 const CELLS: usize = 4096;
 
-/// sRGB bytes of linear values.
+/// Converts linear values to sRGB bytes.
 ///
-/// A byte is the number of steps below a value, so that 255 comparisons with the least value of each would do; a table leaves
-/// one or two of them.
+/// A byte is the number of steps below a value. Comparing with all 255 steps would do; the table of first guesses
+/// leaves one or two comparisons.
 pub struct Display {
     /// The least value that becomes this byte.
     steps: [f32; 256],
@@ -74,8 +74,8 @@ pub fn compose(image: &Image, background: Vec3, color: ColorSpace) -> Vec<[f32; 
     image.rgba.par_iter().map(|rgba| Image::over(*rgba, background)).collect()
 }
 
-/// From the pixels of the screen to those of a coarser picture with the same camera: the middles of both lie on each other, and a
-/// row of one is `from[1] / to[1]` rows of the other.
+/// Maps pixels of the screen to those of a coarser picture with the same camera. The centres of both coincide, and a row of the
+/// screen is `from[1] / to[1]` rows of the picture.
 #[derive(Debug, Clone, Copy)]
 struct Scaling {
     from: [usize; 2],
@@ -83,13 +83,13 @@ struct Scaling {
 }
 
 impl Scaling {
-    /// Where the centre of a pixel lies, in pixels from the centre of the first one.
+    /// The position of a pixel centre, in pixels from the centre of the first one.
     fn place(&self, axis: usize, at: usize) -> f64 {
         let scale = self.from[1] as f64 / self.to[1] as f64;
         (at as f64 + 0.5 - 0.5 * self.to[axis] as f64) * scale + 0.5 * self.from[axis] as f64 - 0.5
     }
 
-    /// The two pixels that this place lies between, and the share of the second one.
+    /// The two pixels on either side of this position, and the weight of the second one.
     fn between(&self, axis: usize, at: usize) -> (usize, usize, f32) {
         let last = self.from[axis].saturating_sub(1);
         let place = self.place(axis, at).clamp(0.0, last as f64);
@@ -104,7 +104,7 @@ impl Scaling {
     }
 }
 
-/// A coarser picture at the size of the screen, between pixels interpolated (bilinear). Sizes are columns and rows.
+/// Enlarges a coarser picture to the size of the screen by bilinear interpolation. Sizes are columns and rows.
 pub fn enlarge(pixels: &[[f32; 3]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
     let scaling = Scaling { from: from.map(|n| n as usize), to: to.map(|n| n as usize) };
     let width = scaling.to[0];
@@ -122,7 +122,8 @@ pub fn enlarge(pixels: &[[f32; 3]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3
     out
 }
 
-/// Its depths: each those of the nearest pixel, since nothing lies between a surface and what is behind it.
+/// Enlarges depths by taking the nearest pixel: no surface lies between a foreground depth and the background behind
+/// it.
 pub fn enlarge_depths(depths: &[f32], from: [u32; 2], to: [u32; 2]) -> Vec<f32> {
     let scaling = Scaling { from: from.map(|n| n as usize), to: to.map(|n| n as usize) };
     let columns: Vec<_> = (0..scaling.to[0]).map(|x| scaling.nearest(0, x)).collect();
@@ -155,12 +156,12 @@ mod tests {
 
     #[test]
     fn a_coarser_picture_lies_where_the_finer_one_would() {
-        // A ramp is the same at any size, but for the border, where nothing lies beyond the last pixel.
+        // A ramp is the same at any size except at the border, where no data lies beyond the last pixel.
         let ramp = |[w, h]: [u32; 2], step: f32| -> Vec<[f32; 3]> {
             let value = |i: u32, n: u32| (i as f32 + 0.5 - 0.5 * n as f32) * step;
             (0..w * h).map(|i| [value(i % w, w), value(i / w, h), 1.0]).collect()
         };
-        // 17 rows are 1.882 of each of 9: 31 columns take 16.47 of them.
+        // 9 rows become 17, a factor of 1.889, so that 31 columns span 16.41 of the 16.
         for (from, to) in [([15, 11], [30, 22]), ([16, 9], [31, 17]), ([8, 6], [8, 6]), ([6, 4], [41, 29])] {
             let step = to[1] as f32 / from[1] as f32;
             let (enlarged, fine) = (enlarge(&ramp(from, step), from, to), ramp(to, 1.0));

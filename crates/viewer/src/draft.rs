@@ -5,7 +5,7 @@
 //! radius: what lies on a pixel stays the same, and all work shrinks alike, whether pixels or points make it. So one number
 //! tells from the last frame what another one will take.
 
-use pellucid_engine::scene::{Method, PeelLayers, Stochastic};
+use pellucid_engine::scene::{Method, Setting};
 
 /// Samples, ensembles or layers of a frame whose cost nobody knows yet, and the fewest of any frame: with less, larger pixels show
 /// more.
@@ -103,13 +103,15 @@ fn apart(a: Cost, b: Cost) -> bool {
     a.work > 2.0 * b.work || b.work > 2.0 * a.work
 }
 
+/// The key of a method whose image only gets better with its number: samples, ensembles, layers; and that number.
+fn refined(method: &Method) -> Option<(&'static str, u32)> {
+    let key = method.keys().into_iter().find(|key| key.refines)?;
+    if let Some(Setting::Integer(steps)) = key.value { Some((key.name, steps)) } else { None }
+}
+
 /// How many samples, ensembles or layers a method takes, if its image only gets better with their number.
 fn steps(method: &Method) -> Option<u32> {
-    match method {
-        Method::Stochastic(Stochastic { samples, .. }) => Some(*samples),
-        Method::PeelLayers(PeelLayers { layers, .. }) => Some(*layers),
-        method => method.ensembles(),
-    }
+    refined(method).map(|(_, steps)| steps)
 }
 
 impl Draft {
@@ -145,10 +147,11 @@ impl Draft {
 
     /// The method with so many samples or layers. Ensembles stay those that L makes of the points, of which fewer are drawn.
     pub fn method(&self, whole: Method) -> Method {
-        match (whole, self.steps) {
-            (Method::Stochastic(settings), Some(samples)) => Method::Stochastic(Stochastic { samples, ..settings }),
-            (Method::PeelLayers(settings), Some(layers)) => Method::PeelLayers(PeelLayers { layers, ..settings }),
-            (other, _) => other,
+        match (refined(&whole), self.steps) {
+            (Some((key, _)), Some(steps)) if !whole.is_dealt() => {
+                whole.with(key, Setting::Integer(steps)).unwrap_or(whole)
+            }
+            _ => whole,
         }
     }
 
@@ -164,11 +167,8 @@ impl Draft {
 
     /// What it is called beside others of the method: `16 samples`, `4 × 4 pixels as one`.
     pub fn name(&self, method: &Method) -> String {
-        let steps = self.steps.map(|steps| match method {
-            Method::Stochastic(_) => format!("{steps} samples"),
-            Method::PeelLayers(_) => format!("{steps} layers"),
-            _ => format!("{steps} ensembles"),
-        });
+        let key = refined(method).map_or("", |(key, _)| key);
+        let steps = self.steps.map(|steps| format!("{steps} {key}"));
         let coarse = (self.coarse > 1).then(|| format!("{0} × {0} pixels as one", self.coarse));
         let parts: Vec<_> = [steps, coarse].into_iter().flatten().collect();
         if parts.is_empty() { "whole".to_owned() } else { parts.join(", ") }
@@ -184,7 +184,7 @@ fn coarse(share: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::Spbr;
+    use pellucid_engine::scene::{Spbr, Stochastic};
 
     fn stochastic() -> Method {
         Method::Stochastic(Stochastic { samples: 64, ..Default::default() })

@@ -1,15 +1,15 @@
-//! Why a window can't show something.
+//! Errors that keep the window from showing a picture.
 
 use super::{Lost, NoDisplay};
 
-/// Anything that keeps a window from its pictures.
+/// Any error of the window.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The scene can't be read or rendered, or its files can't be written.
     #[error(transparent)]
     Engine(#[from] pellucid_engine::Error),
-    /// There is no window to show anything in.
+    /// No display to open a window on.
     #[error(transparent)]
     NoDisplay(#[from] NoDisplay),
     /// The window had to be closed.

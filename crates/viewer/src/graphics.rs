@@ -1,4 +1,4 @@
-//! What goes with a device when it is lost: the worker and the screen.
+//! The parts that are lost together with a device: the worker and the screen.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use winit::event_loop::EventLoopProxy;
 use winit::window::Window;
 
 use super::app::Wake;
-use super::worker::{Held, News, Setup, Worker};
+use super::worker::{News, Setup, Worker, Workload};
 use pellucid_engine::Result;
 use pellucid_engine::gpu::window::{Screen, Textures};
 use pellucid_engine::gpu::{Device, DeviceOptions, ValidationLog};
@@ -26,15 +26,15 @@ pub struct Graphics {
 }
 
 impl Graphics {
-    /// Opens a device for a window that no other device shows pictures in, with what an earlier one has left. `log` gets what the
-    /// validation layers will say.
+    /// Opens a device for a window that no other device presents to, and continues with the state an earlier device
+    /// left. `log` receives the validation layers' messages.
     ///
     /// # Errors
-    /// Whatever keeps it from being opened.
+    /// No device can be opened.
     pub fn open(
         opening: &Opening,
         window: &Arc<Window>,
-        held: Held,
+        workload: Workload,
         textures: Textures,
         log: &mut Vec<ValidationLog>,
     ) -> Result<Self> {
@@ -44,18 +44,18 @@ impl Graphics {
         let proxy = opening.proxy.clone();
         // A loop that is gone needs no news.
         let wake = move || drop(proxy.send_event(Wake));
-        let worker = Worker::start(&device, held, opening.setup, wake)?;
+        let worker = Worker::start(&device, workload, opening.setup, wake)?;
         Ok(Self { worker, screen, device })
     }
 
-    /// Lets go of the device, to the last handle. What is to go on: what the worker held, the news that nobody has seen, and egui's
-    /// textures. `None` after a panic of the worker.
-    pub fn end(self) -> Option<(Held, Vec<News>, Textures)> {
+    /// Releases the device down to the last handle. Returns the state needed to continue: the worker's workload, unread
+    /// news, and egui's textures. `None` after the worker has panicked.
+    pub fn end(self) -> Option<(Workload, Vec<News>, Textures)> {
         let Self { worker, mut screen, device } = self;
         let ended = worker.end();
         let textures = screen.take_textures();
         drop(screen);
         drop(device);
-        ended.map(|(held, news)| (held, news, textures))
+        ended.map(|(workload, news)| (workload, news, textures))
     }
 }

@@ -1,15 +1,16 @@
-//! The window of `pellucid view`: what `render` makes, live.
+//! The window of `pellucid view`: live pictures of the scene that `render` renders.
 //!
-//! - `navigate`: where the camera is and how it moves; `pointer` has what the pointer and the keys do.
-//! - `model`: the scene as it is edited ([`Document`](pellucid_engine::scene::Document)), the last picture and when the next one is due.
-//! - `route`: key frames that are made here, and the motion through them; `dialog`: which files to open, where to save.
-//! - `worker`, a thread, keeps a `stage`: the points on the device (`placed`) and the same renderer that `render` has; `draft` says
-//!   what is left out while things move, samples, pixels and points (`thin`); `accuracy` how far off that was, `times` what it took; `save` writes scene and
-//!   picture; `display` makes bytes of pixels.
-//! - `graphics`: the worker and the screen of one device; `loss`: when a device that was lost is opened again.
-//! - `visibility`: whether the window is minimized; `said`: what `-v` tells.
-//! - `app` has the window: events to egui, the drawing of `ui` (`panel` with its `controls`, `overlay`) and the picture to the
-//!   [`Screen`](pellucid_engine::gpu::window::Screen).
+//! - `navigate`: the camera and its movements; `pointer`: the actions of pointer and keys.
+//! - `model`: the scene being edited ([`Document`](pellucid_engine::scene::Document)), the last picture, and when the next one is
+//!   due.
+//! - `route`: key frames and the motion through them; `dialog`: chooses files to open or to save to.
+//! - `worker`, a thread, owns a `stage`: the points on the device (`placed`) and the renderer that `render` uses, too. `draft`
+//!   decides what is left out while things move: samples, pixels and points (`thinned`). `accuracy` measures the error of
+//!   drafts and approximations, `times` keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
+//! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
+//! - `visibility`: detects a minimized window; `status_log`: the lines that `-v` prints.
+//! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`) and hands the picture to
+//!   the [`Screen`](pellucid_engine::gpu::window::Screen).
 
 mod accuracy;
 mod app;
@@ -29,10 +30,10 @@ mod panel;
 mod placed;
 mod pointer;
 mod route;
-mod said;
 mod save;
 mod stage;
-mod thin;
+mod status_log;
+mod thinned;
 mod times;
 mod ui;
 mod visibility;

@@ -1,4 +1,4 @@
-//! A device that is lost: whether it is worth opening again.
+//! Decides if a lost device is worth opening again.
 
 use std::time::{Duration, Instant};
 
@@ -20,10 +20,10 @@ pub enum Lost {
     Again {
         /// The device's name.
         device: String,
-        /// What was being done.
+        /// The operation that was running.
         during: String,
     },
-    /// It could not be opened again.
+    /// The device could not be opened again.
     #[error(
         "{device} was lost during {during} and can't be opened again: {why}; `pellucid devices` lists what is there, --device takes \
          another one, `pellucid render` writes a picture without a window"
@@ -31,9 +31,9 @@ pub enum Lost {
     Gone {
         /// The device's name.
         device: String,
-        /// What was being done.
+        /// The operation that was running.
         during: String,
-        /// What became of opening it.
+        /// Why it could not be opened.
         why: String,
     },
     /// The renderer has a defect.
@@ -46,7 +46,7 @@ pub enum Lost {
     Display(String),
 }
 
-/// What was being done when the device was lost, if that is what an error says.
+/// The operation during which the device was lost, if the error says that it was.
 pub fn during(error: &Error) -> Option<&str> {
     match error {
         Error::Gpu(gpu::Error::Lost { during }) => Some(during),
@@ -63,13 +63,13 @@ pub struct Losses {
 }
 
 impl Losses {
-    /// Whether to open a device again that is lost now, while the picture of this serial is on the screen: not if it lasted only a
-    /// moment or showed no new picture.
+    /// Decides if a device that is lost now is opened again; `shown` is the serial of the picture on the screen. It is
+    /// not if the device lasted only a moment or showed no new picture.
     pub fn allow(&self, now: Instant, shown: Option<u64>) -> bool {
         self.last.is_none_or(|(at, before)| now >= at + PATIENCE && shown != before)
     }
 
-    /// It was opened again.
+    /// Records that the device was opened again.
     pub fn opened(&mut self, now: Instant, shown: Option<u64>) {
         self.last = Some((now, shown));
     }

@@ -1,4 +1,5 @@
-//! What the viewer knows: the scene, the camera, the last picture, and when the next one is due. No window, no device.
+//! The viewer's state: the scene, the camera, the last picture, and when the next one is due. Independent of window and
+//! device.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ use pellucid_engine::scene::{Document, Scene, Setting, View};
 mod due;
 mod edit;
 
-/// How long nothing may move for a picture without omissions to be due.
+/// How long nothing may move before a complete picture is due.
 const REST: Duration = Duration::from_millis(150);
 
 /// Pixels around the pointer in which a depth is looked for.
@@ -39,7 +40,7 @@ pub struct Viewport {
     pub size: [u32; 2],
 }
 
-/// What is shown beside the picture.
+/// Parts of the window that are visible beside the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shows {
     /// The panel.
@@ -50,16 +51,16 @@ pub struct Shows {
     pub help: bool,
 }
 
-/// Whether a picture is on its way.
+/// How far the shown picture is from the one that is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Way {
-    /// None is; what is shown is as it should be.
-    Rest,
+enum PictureState {
+    /// The shown picture is complete and current.
+    Current,
     /// Something changed since the last request.
-    Changed,
-    /// The one of this serial was asked for; how often it will have been refined.
-    Asked(u64, u32),
-    /// It came, but something was left out: so many were refined since things came to rest.
+    Stale,
+    /// The picture with this serial was requested; the second number is its refinement count.
+    Requested(u64, u32),
+    /// The picture arrived but is a draft; the number is its refinement count since movement stopped.
     Draft(u32),
 }
 
@@ -71,21 +72,21 @@ pub struct Model {
     scene: Arc<Scene>,
     navigator: Option<Navigator>,
     pose: Pose,
-    /// Whether the next pose that the scene gives becomes orthographic.
+    /// True if the next pose the scene gives becomes orthographic.
     flatten: bool,
     viewport: Viewport,
     picture: Option<Box<Picture>>,
     census: Arc<[Census]>,
-    way: Way,
+    picture_state: PictureState,
     serial: u64,
     changed_at: Instant,
-    /// The picture that was held against the exact one, or is about to be.
+    /// The serial of the picture that was compared with the exact one, or is about to be.
     measured: Option<u64>,
     budget_ms: f64,
     tasks: VecDeque<Task>,
-    /// What is to be told, and whether something went wrong.
+    /// The message to show; true marks an error.
     pub message: Option<(String, bool)>,
-    /// Why the last picture failed, until there is one again.
+    /// Why the last picture failed; cleared by the next picture.
     failed: Option<String>,
     /// The path of key frames.
     pub route: Route,
@@ -95,17 +96,17 @@ pub struct Model {
     pub dialog: Dialog,
     /// Files that are being read or written.
     pub busy: bool,
-    /// What they were asked for, in that order, in which the answers come: whether it is another scene.
+    /// Requests whose answers are due, in the order of the requests; true if the request opens another scene.
     pending: VecDeque<bool>,
-    /// What keeps the next picture waiting.
+    /// Progress of the work the next picture waits for.
     pub progress: Progress,
     /// The last frames.
     pub times: Times,
-    /// What is shown.
+    /// Visible parts.
     pub shows: Shows,
-    /// Where the pointer was, in points, when it last turned or moved the picture in a drag.
+    /// Position of the pointer, in points, when it last turned or moved the picture in a drag.
     pub grabbed: Option<[f32; 2]>,
-    /// Where controls are in the window, in physical pixels: left, top, width, height.
+    /// Position of each control in the window, in physical pixels: left, top, width, height.
     pub controls: BTreeMap<String, [i32; 4]>,
 }
 
@@ -126,7 +127,7 @@ impl Model {
             viewport: Viewport::default(),
             picture: None,
             census: Arc::default(),
-            way: Way::Changed,
+            picture_state: PictureState::Stale,
             serial: 0,
             changed_at: Instant::now(),
             measured: None,
@@ -157,28 +158,28 @@ impl Model {
         self.picture.as_deref()
     }
 
-    /// Where the picture is.
+    /// The part of the window that shows the picture.
     pub fn viewport(&self) -> Viewport {
         self.viewport
     }
 
-    /// Whether the last picture is as it should be, with nothing left out, and nothing has moved for a moment.
+    /// True if the last picture is complete and current, and nothing has moved for a moment.
     pub fn is_at_rest(&self, now: Instant) -> bool {
-        self.way == Way::Rest && !self.busy && self.tasks.is_empty() && now >= self.rest_at()
+        self.picture_state == PictureState::Current && !self.busy && self.tasks.is_empty() && now >= self.rest_at()
     }
 
     fn rest_at(&self) -> Instant {
         self.changed_at + REST
     }
 
-    /// Whether the projection has no perspective.
+    /// True if the projection is orthographic.
     pub fn is_orthographic(&self) -> bool {
         self.navigator.map_or(self.flatten, |navigator| navigator.is_orthographic())
     }
 
-    /// Something is to be shown otherwise.
+    /// Marks the picture as stale.
     fn touch(&mut self) {
-        self.way = Way::Changed;
+        self.picture_state = PictureState::Stale;
         self.changed_at = Instant::now();
     }
 
@@ -192,7 +193,7 @@ impl Model {
         }
     }
 
-    /// Moves the camera, once there is one.
+    /// Moves the camera, once it is known.
     pub fn navigate(&mut self, movement: impl FnOnce(&mut Navigator)) {
         let Some(navigator) = &mut self.navigator else { return };
         let before = *navigator;
@@ -205,8 +206,8 @@ impl Model {
         }
     }
 
-    /// Shows everything from a side, in the projection that is in force. Until that picture is there nothing moves the camera,
-    /// since nobody knows yet where it is.
+    /// Shows everything from a side, in the current projection. The camera can't be moved until that picture arrives,
+    /// because its position is not known before.
     pub fn look_from(&mut self, view: View) {
         self.flatten = self.is_orthographic();
         self.route.stop();
@@ -215,14 +216,14 @@ impl Model {
         self.touch();
     }
 
-    /// Whether the worker has something to do.
+    /// True if the worker is busy.
     pub fn is_waiting(&self) -> bool {
-        self.busy || matches!(self.way, Way::Asked(..))
+        self.busy || matches!(self.picture_state, PictureState::Requested(..))
     }
 
-    /// What is said in place of the picture as long as there is none.
+    /// The line shown in place of the picture until the first one arrives.
     pub fn line_without_picture(&self) -> Option<&'static str> {
-        let line = if self.way == Way::Rest {
+        let line = if self.picture_state == PictureState::Current {
             "there is no picture: the panel (H) says why"
         } else {
             "the first picture is on its way"
@@ -230,7 +231,7 @@ impl Model {
         self.picture.is_none().then_some(line)
     }
 
-    /// What keeps the next picture waiting, and how much of that is done.
+    /// The work that the next picture waits for, and its progress.
     pub fn progress_line(&self) -> Option<String> {
         let message = Some(self.progress.message()).filter(|message| !message.is_empty() && self.is_waiting())?;
         let share = self.progress.length().and_then(|length| (100 * self.progress.position()).checked_div(length));
@@ -265,10 +266,10 @@ impl Model {
         }
     }
 
-    /// Takes in what the worker says.
+    /// Handles news from the worker.
     ///
     /// # Errors
-    /// What ends the viewer.
+    /// Errors that end the viewer.
     pub fn take_in(&mut self, news: News) -> Result<(), Error> {
         match news {
             News::Picture(picture) => self.show(picture),
@@ -287,12 +288,12 @@ impl Model {
                     self.take_answer();
                 }
                 if self.is_asked(serial) {
-                    self.way = Way::Rest;
+                    self.picture_state = PictureState::Current;
                     self.failed = Some(message.clone());
                 }
                 self.message = Some((message, true));
             }
-            News::Stopped(serial) if self.is_asked(serial) => self.way = Way::Changed,
+            News::Stopped(serial) if self.is_asked(serial) => self.picture_state = PictureState::Stale,
             News::Stopped(serial) => self.measured = self.measured.filter(|measured| *measured != serial),
             News::Measured(serial, accuracy) => {
                 if let Some(picture) = self.picture.as_mut().filter(|picture| picture.serial == serial) {
@@ -305,10 +306,10 @@ impl Model {
         Ok(())
     }
 
-    /// Asks anew for a picture, and tells why: whoever was asked for one is gone, and so are files that were on their way unless
+    /// Requests the picture again and says why: the worker that was asked is gone, and so are files in transit unless
     /// `busy`.
     pub fn start_anew(&mut self, why: String, busy: bool) {
-        self.way = Way::Changed;
+        self.picture_state = PictureState::Stale;
         if !busy {
             self.pending = self.tasks.iter().map(|task| matches!(task, Task::Open(_))).collect();
         }
@@ -322,7 +323,7 @@ impl Model {
         // Files that were asked for after these are still on their way.
         let (busy, pending, tasks) = (self.busy, std::mem::take(&mut self.pending), std::mem::take(&mut self.tasks));
         let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
-        // Keys are places in the world, which another scene may show as well.
+        // Keys are positions in the world, which another scene may share.
         let mut route = std::mem::take(&mut self.route);
         route.invalidate();
         let new = Self::new(name, document, View::default(), self.budget_ms)?;
@@ -332,16 +333,16 @@ impl Model {
     }
 
     fn is_asked(&self, serial: u64) -> bool {
-        matches!(self.way, Way::Asked(asked, _) if asked == serial)
+        matches!(self.picture_state, PictureState::Requested(asked, _) if asked == serial)
     }
 
     fn show(&mut self, picture: Box<Picture>) {
-        if let Way::Asked(serial, refined) = self.way
+        if let PictureState::Requested(serial, refined) = self.picture_state
             && serial == picture.serial
         {
-            self.way = if picture.whole { Way::Rest } else { Way::Draft(refined) };
+            self.picture_state = if picture.whole { PictureState::Current } else { PictureState::Draft(refined) };
         }
-        // What was wrong with the one before is no longer true.
+        // The error of the previous picture no longer applies.
         let failed = self.failed.take();
         self.message.take_if(|(message, _)| failed.as_ref() == Some(message));
         self.times.add(&picture);

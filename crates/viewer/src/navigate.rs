@@ -1,7 +1,7 @@
-//! Where the camera is and how it moves, in float64, without a window.
+//! The camera's position and movements, in float64, independent of the window.
 //!
-//! The camera turns about a pivot as on a turntable: around the vertical, and up and down to straight above and below, where it
-//! stops. Its axes come from the two angles, so that there is no place at which they turn over.
+//! The camera turns about a pivot as on a turntable: around the vertical, and up and down until it looks straight down
+//! or up, where it stops. Its axes follow from the two angles, so they never flip.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,21 +15,21 @@ use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at};
 /// Distances in this range, in reaches of the scene, are as far as one gets.
 const DISTANCES: [f64; 2] = [1e-6, 1e3];
 
-/// Cosine of the elevation above which the vertical says what is up: nearer to straight views that would magnify rounding.
+/// Cosine of the elevation above which the vertical defines up. Closer to straight views that would magnify rounding.
 const LEVEL: f64 = 0.05;
 
-/// What the camera turns around.
+/// The axes the camera turns around.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turntable {
     vertical: DVec3,
-    /// Where an azimuth of 0 looks from.
+    /// The direction of azimuth 0.
     front: DVec3,
-    /// Where an azimuth of 90° looks from.
+    /// The direction of azimuth 90°.
     side: DVec3,
 }
 
 impl Turntable {
-    fn of(up: UpAxis) -> Self {
+    fn with_vertical(up: UpAxis) -> Self {
         match up {
             UpAxis::Z => Self { vertical: DVec3::Z, front: -DVec3::Y, side: DVec3::X },
             UpAxis::Y => Self { vertical: DVec3::Y, front: DVec3::Z, side: DVec3::X },
@@ -42,11 +42,11 @@ impl Turntable {
         let level =
             |table: &Self| camera.right.dot(table.vertical).abs() < 1e-6 && camera.up.dot(table.vertical) > -1e-9;
         let own = Self { vertical: camera.up, front: -camera.forward, side: camera.right };
-        [Self::of(up), Self::of(other)].into_iter().find(level).unwrap_or(own)
+        [Self::with_vertical(up), Self::with_vertical(other)].into_iter().find(level).unwrap_or(own)
     }
 }
 
-/// What is looked at.
+/// The extent of the scene the camera looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Subject {
     /// The box around all points.
@@ -58,7 +58,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// How far it reaches from its centre, above 0.
+    /// The distance from its centre to its farthest part, above 0.
     pub fn reach(&self) -> f64 {
         let reach = 0.5 * self.bounds.diagonal() + self.radius;
         if reach > 0.0 && reach.is_finite() { reach } else { 1.0 }
@@ -83,15 +83,15 @@ pub struct Navigator {
 }
 
 impl Navigator {
-    /// The navigator that a camera of the scene starts from. Its pivot lies in the middle of the picture, as far away as the
-    /// scene's centre.
+    /// The navigator that starts from a camera of the scene. Its pivot lies in the middle of the picture, at the
+    /// distance of the scene's centre.
     pub fn new(camera: &Camera, fov_y: Option<f64>, subject: Subject) -> Self {
         let table = Turntable::level_with(camera, subject.up);
         let (vertical, forward) = (table.vertical, camera.forward);
         let sine = -forward.dot(vertical);
         let elevation = sine.atan2((forward + sine * vertical).length());
         let level = |direction: DVec3| direction - direction.dot(vertical) * vertical;
-        // Of straight views the one, of level views the other says where they look from.
+        // In straight views the first term defines the azimuth, in level views the second.
         let outward = -(level(forward) * elevation.cos() + level(camera.up) * elevation.sin());
         let azimuth = outward.dot(table.side).atan2(outward.dot(table.front));
         let (eye, height) = match camera.projection {
@@ -112,7 +112,7 @@ impl Navigator {
         Some(navigator)
     }
 
-    /// What is looked at.
+    /// The extent of the scene.
     pub fn subject(&self) -> Subject {
         self.subject
     }
@@ -144,7 +144,7 @@ impl Navigator {
         }
     }
 
-    /// Whether there is no perspective.
+    /// True if the projection is orthographic.
     pub fn is_orthographic(&self) -> bool {
         self.height.is_some()
     }
@@ -168,7 +168,7 @@ impl Navigator {
         }
     }
 
-    /// How far an orthographic eye has to go back for all of the scene to lie before it; the picture stays.
+    /// How far an orthographic eye must move back to have all of the scene in front of it; the picture doesn't change.
     fn retreat(&self) -> f64 {
         let [.., forward] = self.axes();
         let center = (self.subject.bounds.center() - self.eye).dot(forward);
@@ -203,7 +203,8 @@ impl Navigator {
         self.eye = self.pivot - (right * arm.x + up * arm.y + forward * arm.z);
     }
 
-    /// Moves the picture with the pointer, in pixels to the right and down: what is as far away as the pivot keeps up with it.
+    /// Moves the picture with the pointer, in pixels to the right and down: points at the pivot's distance follow it
+    /// exactly.
     pub fn pan(&mut self, drag: DVec2, image_height: f64) {
         let [right, up, _] = self.axes();
         let shift = (up * drag.y - right * drag.x) * self.unit(image_height.max(1.0));
@@ -245,8 +246,8 @@ impl Navigator {
         }
     }
 
-    /// Flies for so many seconds: to the right, up and ahead, each from −1 to 1, as far in a second as the pivot is away.
-    /// Without perspective nothing comes nearer: ahead is a zoom.
+    /// Flies for `seconds`: to the right, up and ahead, each from −1 to 1, at a speed of the pivot's distance per
+    /// second. In orthographic projection nothing gets closer, so flying ahead zooms.
     pub fn fly(&mut self, direction: DVec3, seconds: f64) {
         let [right, up, forward] = self.axes();
         let speed = match self.height {
@@ -262,7 +263,7 @@ impl Navigator {
         }
     }
 
-    /// From perspective to orthographic or back; what is as far away as the pivot keeps its size.
+    /// Switches between perspective and orthographic; objects at the pivot's distance keep their size.
     pub fn toggle_projection(&mut self) {
         let [.., forward] = self.axes();
         let slope = 2.0 * (0.5 * self.fov_y.to_radians()).tan();
@@ -274,7 +275,7 @@ impl Navigator {
     }
 }
 
-/// The settings of a scene file for a camera on a path; what it looks at is as far away as the middle of the scene.
+/// The scene-file settings for a camera on a path; its target is as far away as the middle of the scene.
 pub fn settings_of(pose: &Pose, subject: &Subject) -> CameraSettings {
     let (fov_y, height) = match pose.projection {
         Projection::Perspective { fov_y } => (Some(fov_y.to_degrees()), None),
@@ -294,16 +295,16 @@ pub fn settings_of(pose: &Pose, subject: &Subject) -> CameraSettings {
     }
 }
 
-/// The point of the world that a pixel position shows at depth `z`, in an image of this size: what
-/// [`Camera::project`] is the inverse of.
+/// The point of the world that a pixel position shows at depth `z`, in an image of this size: the inverse of
+/// [`Camera::project`].
 pub fn unproject(camera: &Camera, size: [u32; 2], pixel: DVec2, z: f64) -> DVec3 {
     let center = DVec2::new(f64::from(size[0]), f64::from(size[1])) * 0.5;
     let offset = (pixel - center) / camera.pixels_per_unit(z, size[1]);
     camera.eye + camera.right * offset.x - camera.up * offset.y + camera.forward * z
 }
 
-/// The depth of an image at a pixel position, or at the nearest pixel with one that is at most `reach` pixels away. `depths` are
-/// row by row; those that aren't finite are none.
+/// The depth of an image at a pixel position, or at the nearest pixel that has one within `reach` pixels. `depths` are
+/// row by row; values that aren't finite mean no depth.
 pub fn depth_at(depths: &[f32], size: [u32; 2], pixel: DVec2, reach: i64) -> Option<f64> {
     let [width, height] = size.map(i64::from);
     let (x, y) = (pixel.x.floor() as i64, pixel.y.floor() as i64);

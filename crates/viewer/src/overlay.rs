@@ -1,4 +1,4 @@
-//! Over the picture: what the passes cost, what the frame met, why its passes run; and the keys.
+//! The overlay on the picture: times of the passes, counts of the frame, reasons for its passes, and the keys.
 
 use std::time::Duration;
 
@@ -13,10 +13,10 @@ use super::worker::Picture;
 
 const BLUE: Color32 = Color32::from_rgb(110, 170, 255);
 
-/// How often a window that waits looks how far the points are.
+/// How often a waiting window checks the progress of the points.
 const GLANCE: Duration = Duration::from_millis(250);
 
-/// What the keys and the pointer do.
+/// Keyboard and pointer actions.
 const KEYS: &[(&str, &str)] = &[
     ("left drag", "turn about the pivot"),
     ("right drag, middle drag, Shift + left drag", "move the picture"),
@@ -63,7 +63,7 @@ pub fn show(ctx: &Context, model: &mut Model) {
     model.shows.help = help;
 }
 
-/// What is done to points before there is another picture, while that takes long enough to be read.
+/// The work on points that precedes the next picture, shown if it takes long enough to be read.
 fn waiting(ctx: &Context, model: &Model) {
     if !model.is_waiting() {
         return;
@@ -91,7 +91,7 @@ fn passes(ui: &mut Ui, model: &Model, medians: &Medians) {
     });
     strip(ui, model);
     let most = rows.iter().map(|(_, ms)| *ms).fold(f64::MIN_POSITIVE, f64::max);
-    // Whatever the window's height, what follows is to be seen too.
+    // At any window height the lines below must stay visible.
     let height = (ui.ctx().content_rect().height() - 260.0).clamp(60.0, 400.0);
     egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("passes").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
@@ -151,7 +151,7 @@ fn facts(ui: &mut Ui, picture: &Picture) {
     }
 }
 
-/// How accurate the picture is by now, and what the drafts before it were worth.
+/// The accuracy of the picture so far, and of the drafts before it.
 fn accuracy(ui: &mut Ui, picture: &Picture) {
     let accuracy = &picture.accuracy;
     ui.separator();
@@ -179,23 +179,23 @@ fn accuracy(ui: &mut Ui, picture: &Picture) {
     });
 }
 
-/// One sentence on the picture that is shown.
+/// One sentence on the current picture.
 fn now(picture: &Picture) -> String {
     let Accuracy { rungs, against, standing } = &picture.accuracy;
     let last = rungs.last();
     let standard_error = last.and_then(|rung| rung.standard_error);
     let rmse = last.and_then(|rung| rung.rmse);
-    let of = |error: f64| format!("standard error {error:.5}");
+    let labelled = |error: f64| format!("standard error {error:.5}");
     match (standing, against, standard_error) {
         _ if !picture.whole => {
-            let of = standard_error.map(|error| format!(", {}", of(error))).unwrap_or_default();
-            format!("draft: {}{of}", picture.draft)
+            let suffix = standard_error.map(|error| format!(", {}", labelled(error))).unwrap_or_default();
+            format!("draft: {}{suffix}", picture.draft)
         }
         (Some(Standing::Exact), ..) => format!("exact: {} rounds, and nothing else", picture.method),
         (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
             format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
         }
-        (.., Some(error)) => of(error),
+        (.., Some(error)) => labelled(error),
         (Some(Standing::Approximation(exact)), ..) => format!("an approximation of {}, measured at rest", exact.name()),
         _ => format!("whole, as {} draws it", picture.method),
     }

@@ -1,29 +1,29 @@
-//! The points of a scene on the device, and what of them has to go there again when the scene is another.
+//! The points of a scene on the device, and which of them must be uploaded again when the scene changes.
 
 use pellucid_engine::progress::Progress;
 
 use super::navigate::Subject;
 use super::stage::no_points;
-use super::thin::Thin;
+use super::thinned::ThinnedCloud;
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::{Changes, Points};
-use pellucid_engine::scene::tracked::{Known, Tracked};
+use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Light, Scene, Shadows};
 
-/// The clouds as they were read, and what was found about them.
+/// The clouds as they were read, and data derived from them.
 pub struct Sources {
     clouds: Vec<Cloud>,
-    known: Vec<Known>,
+    derived: Vec<DerivedColumns>,
     seed: u64,
 }
 
 impl Sources {
     pub fn new(clouds: Vec<Cloud>, seed: u64) -> Self {
-        let known = clouds.iter().map(|_| Known::default()).collect();
-        Self { clouds, known, seed }
+        let derived = clouds.iter().map(|_| DerivedColumns::default()).collect();
+        Self { clouds, derived, seed }
     }
 
     /// The clouds.
@@ -42,7 +42,7 @@ impl Sources {
     }
 }
 
-/// What decides whether shadows that are stored with a cloud are those of a scene, while its points stay where they are.
+/// The settings that decide if shadows stored with a cloud fit a scene, while its points stay in place.
 type Lighting = (Light, Option<Shadows>);
 
 fn lighting(scene: &Scene) -> Lighting {
@@ -56,12 +56,12 @@ pub struct Placed {
     /// The device's.
     pub cloud: DeviceCloud,
     /// Fewer of them, for coarser pictures.
-    pub thin: Option<Thin>,
+    pub thinned: Option<ThinnedCloud>,
     /// Their box, largest radius and vertical.
     pub subject: Subject,
-    /// What the device lacks since it was stopped, or had no room.
+    /// Changes that have not reached the device because an upload was stopped or failed for lack of memory.
     pending: Changes,
-    /// For which stored shadows were last looked at, if those that the device has are not out of date.
+    /// The lighting for which stored shadows were last checked, if those on the device are not out of date.
     lighting: Option<Lighting>,
 }
 
@@ -71,22 +71,29 @@ impl Placed {
     /// # Errors
     /// No point is left, a cloud lacks what its field is made of, or the device has no room.
     pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &Progress) -> Result<Self> {
-        let Sources { clouds, known, seed } = sources;
-        let arranged = Tracked::new(scene, clouds, known, *seed, progress)?;
+        let Sources { clouds, derived, seed } = sources;
+        let arranged = Tracked::new(scene, clouds, derived, *seed, progress)?;
         let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
         let Some(bounds) = arranged.points().bounds() else { return Err(no_points()) };
         let subject = Subject { bounds, radius: most_radius(arranged.points()), up: scene::up_axis(clouds) };
         progress.set_message("uploading points");
         let cloud = renderer.upload_lit(arranged.arranged(), texture.as_ref())?;
-        Ok(Self { arranged, cloud, thin: None, subject, pending: Changes::default(), lighting: Some(lighting(scene)) })
+        Ok(Self {
+            arranged,
+            cloud,
+            thinned: None,
+            subject,
+            pending: Changes::default(),
+            lighting: Some(lighting(scene)),
+        })
     }
 
-    /// Makes of them the points of another scene of the same clouds; what became another since this last went well. `None`, and all
-    /// stays as it was, if those are elsewhere and must be arranged anew.
+    /// Turns these points into those of another scene of the same clouds. Returns the changes since the last success,
+    /// or `None`, with everything unchanged, if points move and must be arranged again.
     ///
     /// # Errors
-    /// A cloud lacks what its field is made of: all stays as it was. The device failed or was stopped: what it lacks is brought there
-    /// next time.
+    /// A cloud lacks the columns of its field: nothing changes. The device failed or was stopped: the next call uploads
+    /// the rest.
     pub fn follow(
         &mut self,
         renderer: &Renderer,
@@ -94,9 +101,9 @@ impl Placed {
         scene: &Scene,
         progress: &Progress,
     ) -> Result<Option<Changes>> {
-        let Sources { clouds, known, seed } = sources;
+        let Sources { clouds, derived, seed } = sources;
         self.cloud.let_go();
-        let followed = self.arranged.follow(scene, clouds, known, progress);
+        let followed = self.arranged.follow(scene, clouds, derived, progress);
         if let Ok(Some(changes)) = followed {
             self.note(changes);
         }
@@ -120,7 +127,7 @@ impl Placed {
     fn note(&mut self, changes: Changes) {
         self.pending = self.pending.and(changes);
         if changes.any() {
-            self.thin = None;
+            self.thinned = None;
         }
         if changes.radii {
             self.subject.radius = most_radius(self.arranged.points());

@@ -1,4 +1,4 @@
-//! What the pointer and the keys do to the picture.
+//! Pointer and keyboard actions on the picture.
 
 use std::collections::HashSet;
 
@@ -40,7 +40,8 @@ fn viewport(rect: Rect, scale: f64) -> Viewport {
     Viewport { at, size: [end[0].saturating_sub(at[0]), end[1].saturating_sub(at[1])] }
 }
 
-/// Turns or moves with the pointer since it was pressed or last seen, whatever happened between two frames.
+/// Turns or moves the picture by the pointer's movement since it was pressed or last seen, even if several events fell
+/// between two frames.
 fn drag(response: &Response, model: &mut Model, scale: f64) {
     let (pressed, now, shift) =
         response.ctx.input(|input| (input.pointer.press_origin(), input.pointer.latest_pos(), input.modifiers.shift));
@@ -48,8 +49,8 @@ fn drag(response: &Response, model: &mut Model, scale: f64) {
         model.grabbed = pressed.map(<[f32; 2]>::from);
     }
     let buttons = [PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle];
-    let held = buttons.into_iter().find(|button| response.dragged_by(*button) || response.drag_stopped_by(*button));
-    let (Some(button), Some(from), Some(to)) = (held, model.grabbed, now) else { return };
+    let dragged = buttons.into_iter().find(|button| response.dragged_by(*button) || response.drag_stopped_by(*button));
+    let (Some(button), Some(from), Some(to)) = (dragged, model.grabbed, now) else { return };
     model.grabbed = (!response.drag_stopped()).then_some(to.into());
     let delta = DVec2::new(f64::from(to.x - from[0]), f64::from(to.y - from[1])) * scale;
     let height = f64::from(model.viewport().size[1]);
@@ -59,7 +60,7 @@ fn drag(response: &Response, model: &mut Model, scale: f64) {
     });
 }
 
-/// What keys ask for besides the model's own: the window is to be closed.
+/// Handles the keys. Returns true if they ask to close the window.
 pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     note_shortcuts(ctx);
     if ctx.wants_keyboard_input() || model.dialog.is_open() {
@@ -100,7 +101,7 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     close
 }
 
-/// What keys do to the path.
+/// Handles the keys that edit the path.
 fn path_keys(pressed: &impl Fn(Modifiers, Key) -> bool, model: &mut Model) {
     if pressed(Modifiers::CTRL, Key::K) && !model.busy {
         model.save_path();
@@ -116,13 +117,14 @@ fn path_keys(pressed: &impl Fn(Modifiers, Key) -> bool, model: &mut Model) {
 /// Runs on along the path, if the camera runs.
 pub fn play(ctx: &Context, model: &mut Model) {
     if model.route.is_playing() {
-        // A frame that took longer than half a second was none of the motion.
+        // A frame longer than half a second is not part of the motion.
         model.tick(f64::from(ctx.input(|input| input.stable_dt.min(0.5))));
         ctx.request_repaint();
     }
 }
 
-/// Keys that went down with a modifier and are not up yet. They belong to a shortcut, even when the modifier is up before them.
+/// Keys that went down with a modifier and are still down. They belong to a shortcut even if the modifier is released
+/// first.
 type Shortcuts = HashSet<Key>;
 
 fn shortcuts() -> Id {

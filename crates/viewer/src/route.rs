@@ -55,17 +55,17 @@ impl Route {
         self.selected
     }
 
-    /// Whether the camera goes back from the last key to the first.
+    /// True if the camera returns from the last key to the first.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
 
-    /// Whether each key has a time of its own, in seconds.
+    /// True if each key has its own time, in seconds.
     pub fn is_timed(&self) -> bool {
         self.keys.first().is_some_and(|key| key.time.is_some())
     }
 
-    /// Whether the camera runs.
+    /// True while the camera runs.
     pub fn is_playing(&self) -> bool {
         self.playing
     }
@@ -106,7 +106,7 @@ impl Route {
         (last - first) * self.scale()
     }
 
-    /// How many frames the path has at [`Route::rate`]: of an open one with both ends.
+    /// The number of frames of the path at [`Route::rate`]; an open path includes both ends.
     pub fn frames(&self) -> u32 {
         let steps = (self.duration() * f64::from(self.rate)).round().clamp(1.0, 1e6) as u32;
         if self.is_open() { steps + 1 } else { steps }

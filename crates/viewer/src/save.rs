@@ -3,32 +3,32 @@
 use std::path::{Path, PathBuf};
 
 use super::draft::Effort;
-use super::stage::{Pose, Stage, Taken};
+use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::scene::{Document, Overrides, Setting};
 use pellucid_engine::{Result, io};
 
-/// What is to be written.
+/// The files to write.
 pub struct Saving {
     /// The scene, with camera and size.
     pub document: Document,
-    /// What the files' names begin with.
+    /// The stem of the files' names.
     pub stem: String,
-    /// Whether a picture is wanted, too.
+    /// True if a picture is wanted, too.
     pub picture: bool,
-    /// Key frames that lead through the scene, if they are to be written.
+    /// Key frames to write, if any.
     pub path: Option<CameraPath>,
     /// The file of the scene, if it has a name already.
     pub to: Option<PathBuf>,
 }
 
-/// Writes the scene to the current folder under the next free number, or where it is to be, and, if asked for, the picture that
-/// `render` makes of that file, to the last byte, and the path. Clouds that no file holds are written first. What was written,
-/// the scene first.
+/// Writes the scene to the current folder under the next free number, or to the given place. On request also writes the
+/// path and the picture, equal to `render`'s picture of that file to the last byte. Clouds that no file contains are
+/// written first. Returns the files, the scene first.
 ///
 /// # Errors
-/// Whatever keeps files from being written or the scene from being rendered.
+/// Files can't be written or the scene can't be rendered.
 pub fn write(stage: &mut Stage, saving: &Saving, generated: bool, seed: u64) -> Result<Vec<PathBuf>> {
     let mut document = saving.document.clone();
     if generated {
@@ -59,7 +59,7 @@ fn write_text(path: &Path, text: &str) -> Result<()> {
     Ok(output::write_atomically(path, |out| std::io::Write::write_all(out, text.as_bytes()))?)
 }
 
-/// The first name `STEM-N.toml` of which neither the scene nor its picture or path is taken.
+/// The first name `STEM-N.toml` for which the scene, picture and path are all free.
 fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
     let name = |n: u32| PathBuf::from(format!("{stem}-{n}.toml"));
     let is_free =
@@ -67,10 +67,10 @@ fn free(stem: &str, taken: impl Fn(&Path) -> bool) -> PathBuf {
     (1..u32::MAX).map(name).find(is_free).unwrap_or_else(|| name(u32::MAX))
 }
 
-/// What `pellucid render SCENE -o PICTURE` does.
+/// Does the same as `pellucid render SCENE -o PICTURE`.
 fn render(stage: &mut Stage, scene_path: &Path, picture: &Path, seed: u64) -> Result<()> {
     let scene = Document::read(scene_path, &Overrides::default())?.scene()?;
-    let Taken { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
+    let TakenPicture { rendered, frame, brightness, .. } = stage.take(&scene, Pose::Scene, Effort::Whole)?;
     let device = stage.renderer().device();
     device.check_validation()?;
     let name = scene_path.display().to_string();

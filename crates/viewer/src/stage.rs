@@ -1,4 +1,4 @@
-//! A scene on the device, and pictures of it: what `render` does, again and again.
+//! A scene on the device, and pictures of it: repeats the work of `render`.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use super::census::{FieldFacts, Histograms};
 use super::draft::{Cost, Costs, Draft, Effort};
 use super::navigate::Subject;
 use super::placed::{Placed, Sources};
-use super::thin::{self, Thin};
+use super::thinned::{self, ThinnedCloud};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::Device;
@@ -23,10 +23,10 @@ use pellucid_engine::{Result, plan};
 /// Share of the whole picture's work from which a picture at rest is the whole one.
 const NEARLY_WHOLE: f64 = 0.5;
 
-/// From where a picture is taken.
+/// Where a picture is taken from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pose {
-    /// As the scene says.
+    /// The scene's own camera.
     Scene,
     /// Such that everything fits, from a side, with perspective.
     View(View),
@@ -35,40 +35,40 @@ pub enum Pose {
 }
 
 /// A picture and how it came about.
-pub struct Taken {
+pub struct TakenPicture {
     /// The picture, its times and what it met.
     pub rendered: Rendered,
     /// The frame that it is of.
     pub frame: Frame,
     /// Why this method.
     pub why: String,
-    /// By how much it was brightened.
+    /// The brightening that was applied.
     pub brightness: Option<Applied>,
     /// The points' box, radius and vertical.
     pub subject: Subject,
-    /// What it has of the whole picture.
+    /// The share of the whole picture that was rendered.
     pub draft: Draft,
-    /// Lights that stand for an area light, of how many.
+    /// Lights that stand for an area light: the number used, and the number the scene wants.
     pub lights: Option<[u32; 2]>,
-    /// What the picture is, if it is a whole one.
+    /// The picture's relation to the exact one, for whole pictures.
     pub standing: Option<Standing>,
-    /// How F of the points is spread, if the method asks for it.
+    /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
 }
 
-impl Taken {
-    /// What it has of the whole picture, beside others of its method.
+impl TakenPicture {
+    /// The description of the draft among others of its method.
     pub fn name(&self) -> String {
         let draft = self.draft.name(&self.frame.method);
         match self.lights {
-            Some([taken, of]) if of > 1 => format!("{draft}, {taken} lights"),
+            Some([used, wanted]) if wanted > 1 => format!("{draft}, {used} lights"),
             _ => draft,
         }
     }
 
-    /// Whether nothing was left out.
+    /// True if nothing was left out.
     pub fn is_whole(&self) -> bool {
-        self.draft == Draft::whole(&self.frame.method) && self.lights.is_none_or(|[taken, of]| taken == of)
+        self.draft == Draft::whole(&self.frame.method) && self.lights.is_none_or(|[used, wanted]| used == wanted)
     }
 }
 
@@ -80,10 +80,10 @@ pub struct Stage {
     pub progress: Progress,
     memory_budget: Option<u64>,
     placed: Option<Placed>,
-    /// The last method, how many samples, ensembles or layers it has, and what its frames took.
+    /// The name of the last method, its number of samples, ensembles or layers, and the cost of its frames.
     costs: Option<(&'static str, Option<u32>, Costs)>,
     histograms: Histograms,
-    /// What `auto` stood for when it was last asked, and why.
+    /// The last choice for `auto`: the requested method, the chosen one, and the reason.
     chosen: Option<(MethodChoice, Method, String)>,
 }
 
@@ -115,20 +115,19 @@ impl Stage {
         self.renderer.recycle(image);
     }
 
-    /// A picture of a scene, of the size that it says or, with less than all effort, of fewer pixels, samples or points. What
-    /// `auto` stands for is not asked again for drafts.
+    /// Takes a picture of a scene at the size the scene gives or, with less than full effort, with fewer pixels,
+    /// samples or points. Drafts reuse the last choice for `auto`.
     ///
     /// # Errors
-    /// Whatever keeps the scene from being rendered; the next one may do.
-    pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<Taken> {
+    /// The scene can't be rendered; the next one may work.
+    pub fn take(&mut self, scene: &Scene, pose: Pose, effort: Effort) -> Result<TakenPicture> {
         if self.place(scene)?.any() {
             self.reconsider(scene);
         }
         let (seed, memory_budget) = (self.sources.seed(), self.memory_budget);
-        let known = self
-            .chosen
-            .clone()
-            .filter(|(of, method, _)| *of == scene.method && self.draft(method, effort) != Draft::whole(method));
+        let known = self.chosen.clone().filter(|(requested, method, _)| {
+            *requested == scene.method && self.draft(method, effort) != Draft::whole(method)
+        });
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         let camera = camera(scene, pose, placed)?;
         let stop = Stop::EightBit { transparent: false };
@@ -156,21 +155,21 @@ impl Stage {
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
         let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
         let field = method.threshold().map(|threshold| FieldFacts {
-            histogram: self.histograms.of(scene, &placed.arranged.points().fields),
+            histogram: self.histograms.for_scene(scene, &placed.arranged.points().fields),
             parts: placed.cloud.parts(threshold),
         });
-        Ok(Taken { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
+        Ok(TakenPicture { rendered, frame, why, brightness, subject: placed.subject, draft, lights, standing, field })
     }
 
-    /// The picture of the method that shows exactly what this one approximates, of the scene that it was taken of.
+    /// The picture of the exact method that this one approximates, from the same scene.
     ///
     /// # Errors
-    /// Whatever keeps it from being rendered.
-    pub fn exact(&mut self, scene: &Scene, taken: &Frame, method: Method) -> Result<Rendered> {
+    /// The frame can't be rendered.
+    pub fn exact(&mut self, scene: &Scene, frame: &Frame, method: Method) -> Result<Rendered> {
         // A picture that came to nothing may have left other points.
         self.place(scene)?;
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
-        let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*taken };
+        let frame = Frame { method, stop: Stop::Exact, spread: false, ensembles: None, ..*frame };
         Ok(self.renderer.render(&mut placed.cloud, &frame)?)
     }
 
@@ -179,7 +178,7 @@ impl Stage {
         Some(costs.rescaled(steps, Draft::whole(method).steps))
     }
 
-    /// What a picture of a method has that is worth this much.
+    /// The draft of a method that this effort allows.
     fn draft(&self, method: &Method, effort: Effort) -> Draft {
         let Some(budget) = effort.budget_ms() else { return Draft::whole(method) };
         let draft = Draft::within(method, self.costs_of(method), budget);
@@ -202,14 +201,14 @@ impl Stage {
         }
         let one_of = (draft.coarse * draft.coarse) as usize;
         if let Some(soft) = method.soft() {
-            frame.method = thin::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
+            frame.method = thinned::as_dense(method, placed.cloud.parts(soft.threshold).median_radius);
         }
         frame.factors.radius *= draft.coarse as f32;
-        let cloud = Thin::of(&mut placed.thin, renderer, placed.arranged.points(), one_of)?;
+        let cloud = ThinnedCloud::reuse_or_upload(&mut placed.thinned, renderer, placed.arranged.points(), one_of)?;
         Ok((renderer.render(cloud, &frame)?, None))
     }
 
-    /// Brings the scene's points to the device: what of them isn't there, or is another than before.
+    /// Brings the scene's points to the device: uploads the missing and the changed ones.
     fn place(&mut self, scene: &Scene) -> Result<Changes> {
         let placed = self.place_quietly(scene);
         self.progress.set_message("");
@@ -222,7 +221,7 @@ impl Stage {
             if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
                 return Ok(changes);
             }
-            // The points are elsewhere by now. Freed first, so that old and new never lie in memory together.
+            // The points moved. They are freed first, so that old and new never occupy memory together.
             *placed = None;
         }
         *placed = Some(Placed::new(renderer, sources, scene, progress)?);
@@ -237,26 +236,30 @@ impl Stage {
         self.chosen.take_if(|(_, method, _)| needs_order(method) != needs_order(&resolved));
     }
 
-    /// What a frame would do: its passes and why.
-    pub fn plan(&self, taken: &Taken) -> Vec<plan::Step> {
-        let Taken { rendered, frame, why, .. } = taken;
+    /// The passes of a frame and their reasons.
+    pub fn plan(&self, picture: &TakenPicture) -> Vec<plan::Step> {
+        let TakenPicture { rendered, frame, why, .. } = picture;
         plan::plan(self.renderer.device(), frame, &rendered.facts, self.renderer.wide_atomics, why)
     }
 }
 
-/// Lights that stand for the area light of a frame, and of how many: all if they were cast already or nothing is to be left out;
-/// else those that are there, one, or, at rest, four times as many as there are. `None` where there are no shadows.
+/// The number of lights that stand for the area light of a frame, and the number the scene wants. All are used if they
+/// were cast already or nothing may be left out. Otherwise the frame uses the existing ones, or one, or, at rest, four
+/// times as many as exist. `None` without shadows.
 fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32; 2]> {
     let wanted = shadows::casting(frame, cloud)?;
-    let there = cloud.casting().filter(|there| there.differences(&wanted).iter().all(|name| *name == "samples"));
-    let taken = match (there, effort) {
-        (Some(there), Effort::Moving(_)) => there.samples,
-        (Some(there), Effort::Refining(_)) if *there != wanted => there.samples.saturating_mul(4).min(wanted.samples),
+    let existing =
+        cloud.casting().filter(|existing| existing.differences(&wanted).iter().all(|name| *name == "samples"));
+    let used = match (existing, effort) {
+        (Some(existing), Effort::Moving(_)) => existing.samples,
+        (Some(existing), Effort::Refining(_)) if *existing != wanted => {
+            existing.samples.saturating_mul(4).min(wanted.samples)
+        }
         (None, Effort::Moving(_) | Effort::Refining(_)) => 1,
         _ => wanted.samples,
     };
-    frame.shadows = frame.shadows.map(|shadows| scene::Shadows { samples: taken, ..shadows });
-    Some([taken, wanted.samples])
+    frame.shadows = frame.shadows.map(|shadows| scene::Shadows { samples: used, ..shadows });
+    Some([used, wanted.samples])
 }
 
 pub(super) fn no_points() -> pellucid_engine::Error {

@@ -1,21 +1,21 @@
-//! What the last frames took, and the median of those that are like the last one.
+//! Times of the last frames, and the median of those comparable with the last one.
 
 use std::collections::VecDeque;
 
 use super::worker::Picture;
 use pellucid_engine::profile::median;
 
-/// Frames of which times are kept.
+/// Number of frames whose times are kept.
 pub const HISTORY: usize = 120;
 
-/// Frames of which the median is taken.
+/// Number of frames the median covers.
 const RECENT: usize = 15;
 
-/// What a frame took.
+/// The time of a frame.
 #[derive(Debug, Clone)]
 struct Frame {
     method: &'static str,
-    /// What it had of the whole picture.
+    /// The description of its draft.
     draft: String,
     wall_ms: f64,
     /// Milliseconds of each pass.
@@ -61,17 +61,17 @@ impl Times {
         self.0.iter().map(|frame| frame.wall_ms)
     }
 
-    /// Medians of the last frames that are drafts as the last one is, of its method: what a draft takes says nothing of the whole
-    /// picture. `None` before the first frame.
+    /// Medians of recent frames with the same method and draft as the last one, because a draft's time says nothing
+    /// about the whole picture. `None` before the first frame.
     pub fn medians(&self) -> Option<Medians> {
         let last = self.0.back()?;
         let alike = |frame: &&Frame| frame.method == last.method && frame.draft == last.draft;
         let frames: Vec<&Frame> = self.0.iter().rev().filter(alike).take(RECENT).collect();
-        let of = |name: &'static str| {
+        let median_of = |name: &'static str| {
             let runs = frames.iter().flat_map(|frame| &frame.passes).filter(|(other, _)| *other == name);
             (name, median(runs.map(|(_, ms)| *ms).collect()))
         };
-        let passes = last.passes.iter().map(|(name, _)| of(name)).collect();
+        let passes = last.passes.iter().map(|(name, _)| median_of(name)).collect();
         let wall_ms = median(frames.iter().map(|frame| frame.wall_ms).collect());
         Some(Medians { wall_ms, passes, frames: frames.len() })
     }

@@ -1,4 +1,4 @@
-//! All that egui draws.
+//! Everything egui draws.
 
 use egui::{CentralPanel, Context, Frame, SidePanel};
 
@@ -9,18 +9,18 @@ use super::{overlay, panel, pointer};
 /// The looks: dark, so that the picture stands out.
 pub fn style(ctx: &Context) {
     ctx.set_theme(egui::Theme::Dark);
-    // What unfolds is there at once: each step in between would be drawn beside the picture, on the same device, and move what is
-    // about to be clicked.
+    // Sections unfold at once: every intermediate step would be drawn beside the picture, on the same device, and move
+    // controls that are about to be clicked.
     ctx.all_styles_mut(|style| style.animation_time = 0.0);
     ctx.options_mut(|options| {
-        // What the pointer did would be done twice in a second pass.
+        // A second pass would apply the pointer's actions twice.
         options.max_passes = std::num::NonZeroUsize::MIN;
-        // A click is one however long the frame takes between pressing and letting go.
+        // A click counts however long the frame between press and release takes.
         options.input_options.max_click_duration = f64::INFINITY;
     });
 }
 
-/// Draws everything; whether the window is to be closed.
+/// Draws everything. Returns true if the window should close.
 pub fn show(ctx: &Context, model: &mut Model) -> bool {
     let close = pointer::keys(ctx, model);
     pointer::play(ctx, model);

@@ -1,4 +1,4 @@
-//! Whether a window is on the screen at all: what is minimized need not be drawn.
+//! Detects if a window is minimized, because a minimized window need not be drawn.
 
 use winit::window::Window;
 
@@ -9,16 +9,16 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    pub fn of(window: &Window) -> Self {
+    pub fn for_window(window: &Window) -> Self {
         #[cfg(not(all(unix, not(target_vendor = "apple"))))]
         let _ = window;
         Self {
             #[cfg(all(unix, not(target_vendor = "apple")))]
-            server: x11::Server::of(window),
+            server: x11::Server::for_window(window),
         }
     }
 
-    /// Whether the window is minimized, as far as the system tells: Wayland doesn't.
+    /// True if the system reports the window as minimized. Wayland doesn't report it.
     pub fn is_minimized(&self, window: &Window) -> bool {
         #[cfg(all(unix, not(target_vendor = "apple")))]
         if self.server.as_ref().and_then(x11::Server::is_mapped) == Some(false) {
@@ -35,16 +35,16 @@ mod x11 {
     use x11rb::protocol::xproto::{ConnectionExt, MapState};
     use x11rb::rust_connection::RustConnection;
 
-    /// An X11 window by a connection of our own. The window library passes on only what some window managers say of a window
-    /// (_NET_WM_STATE_HIDDEN); that a minimized one is not mapped holds for all (ICCCM 4.1.4).
+    /// A separate connection for an X11 window. The window library relies on _NET_WM_STATE_HIDDEN, which only some
+    /// window managers set; that a minimized window is unmapped holds for all (ICCCM 4.1.4).
     pub struct Server {
         connection: RustConnection,
         window: u32,
     }
 
     impl Server {
-        /// `None` for windows of another kind.
-        pub fn of(window: &Window) -> Option<Self> {
+        /// `None` for windows of other systems.
+        pub fn for_window(window: &Window) -> Option<Self> {
             let window = match window.window_handle().ok()?.as_raw() {
                 RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).ok()?,
                 RawWindowHandle::Xcb(handle) => handle.window.get(),

@@ -1,4 +1,4 @@
-//! The thread that renders, so that the window answers however long a frame takes.
+//! The render thread, which keeps the window responsive during long frames.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::census::Census;
 use super::display::{self, Display};
 use super::loss;
 use super::save::{self, Saving};
-use super::stage::{Pose, Stage, Taken};
+use super::stage::{Pose, Stage, TakenPicture};
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::camera::path;
 use pellucid_engine::cloud::Cloud;
@@ -26,14 +26,14 @@ mod messages;
 
 pub use messages::{News, Picture, Request, Task};
 
-/// Who may stop what.
+/// Flags that control which tasks may be stopped.
 #[derive(Default)]
 struct Stops {
-    /// Whether what runs may be stopped.
+    /// True if the current task may be stopped.
     may: AtomicBool,
-    /// Whether the window is closed: nothing is done any more but what is to be saved.
+    /// True once the window is closed: only saves are still done.
     closing: AtomicBool,
-    /// Whether the thread is to end with nothing done any more.
+    /// True if the thread should end without doing anything more.
     ending: AtomicBool,
 }
 
@@ -48,7 +48,7 @@ impl Stops {
     }
 }
 
-/// Wakes whoever waits, when the thread ends, too.
+/// Wakes the event loop, also when the thread ends.
 struct Bell<F: Fn()>(F);
 
 impl<F: Fn()> Drop for Bell<F> {
@@ -57,7 +57,8 @@ impl<F: Fn()> Drop for Bell<F> {
     }
 }
 
-/// The thread's end of the news. The fields go in this order: whoever is woken by the end finds that there is no more news.
+/// The thread's sender of news. Fields drop in this order: a loop woken by the end of the thread must find the channel
+/// closed.
 struct Teller<F: Fn()> {
     news: Sender<News>,
     bell: Bell<F>,
@@ -65,85 +66,85 @@ struct Teller<F: Fn()> {
 
 impl<F: Fn()> Teller<F> {
     fn tell(&self, news: News) {
-        // Nobody listens any more if the window is closed.
+        // Sending fails after the window has closed, which is fine.
         let _ = self.news.send(news);
         (self.bell.0)();
     }
 }
 
-/// What a thread works on, at its beginning and at its end.
-pub struct Held {
+/// The worker's state that outlives a device: handed over at start, returned at the end.
+pub struct Workload {
     /// The clouds as they were read.
     pub clouds: Vec<Cloud>,
-    /// Whether no file holds them.
+    /// True if no file contains them.
     pub generated: bool,
-    /// What was asked for and not done, but for pictures.
+    /// Requests that are still open, except pictures.
     pub tasks: Vec<Task>,
 }
 
 /// The thread and its two ends.
 pub struct Worker {
-    /// What keeps the next picture waiting: a message and how much of it is done; no message while nothing does.
+    /// Progress of the work the next picture waits for; without a message while no such work runs.
     pub progress: Progress,
     tasks: Option<Sender<Task>>,
     news: Receiver<News>,
-    /// Gives back what it held, and the tasks that it has not looked at.
-    thread: Option<JoinHandle<(Held, Receiver<Task>)>>,
+    /// Returns its workload and the tasks it has not looked at.
+    thread: Option<JoinHandle<(Workload, Receiver<Task>)>>,
     device: Device,
     stops: Arc<Stops>,
 }
 
 impl Worker {
     /// Starts the thread, with tasks that it has already. `wake` is called after each piece of news.
-    pub fn start(device: &Device, held: Held, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
+    pub fn start(device: &Device, workload: Workload, setup: Setup, wake: impl Fn() + Send + 'static) -> Result<Self> {
         let (tasks, waiting) = mpsc::channel();
         let (teller, news) = mpsc::channel();
-        let stage = Stage::new(device, held.clouds, setup.seed, setup.memory_budget)?;
+        let stage = Stage::new(device, workload.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
         let (display, history) = (Display::new(), History::default());
-        let work = Work { stage, setup, generated: held.generated, display, history, whole: None };
+        let work = Work { stage, setup, generated: workload.generated, display, history, whole: None };
         let teller = Teller { news: teller, bell: Bell(wake) };
         let stops = Arc::new(Stops::default());
         let stoppable = stops.clone();
         let thread = std::thread::spawn(move || work.run_all(waiting, &stoppable, &teller));
         let worker = Self { progress, tasks: Some(tasks), news, thread: Some(thread), device: device.clone(), stops };
-        held.tasks.into_iter().for_each(|task| worker.ask(task));
+        workload.tasks.into_iter().for_each(|task| worker.ask(task));
         Ok(worker)
     }
 
-    /// Asks for something. A picture that is still on its way is given up for another one, unless things moved in it.
+    /// Requests a task. It replaces a picture in progress, unless that one shows movement.
     pub fn ask(&self, task: Task) {
-        // Before it is sent: it could be begun in this moment, and be stopped by itself.
+        // Stop before sending: the new task could start at once and would be stopped itself.
         if matches!(task, Task::Show(_) | Task::Open(_)) {
             self.stop();
         }
         if let Some(tasks) = &self.tasks {
-            // A thread that is gone has said why.
+            // If the thread is gone, it has reported why.
             let _ = tasks.send(task);
         }
     }
 
-    /// Stops what may be stopped at its next submission. If the thread goes on to the next task in this moment that one may be
-    /// stopped instead: then it says so, or begins anew if it was not to be stopped.
+    /// Stops the current task, if it may be stopped, at its next submission. If the thread moves on to the next task at
+    /// this moment, that one may be stopped instead; it then reports so, or restarts if it must not be stopped.
     fn stop(&self) {
         if self.stops.may.load(Ordering::SeqCst) {
             self.device.allow_submissions(Some(0));
         }
     }
 
-    /// Ends the thread as soon as it can be; what it held, and the news that nobody has seen. `None` after a panic, which the
-    /// thread itself has printed.
-    pub fn end(mut self) -> Option<(Held, Vec<News>)> {
+    /// Ends the thread as soon as possible and returns its workload and the unread news. `None` after a panic, which
+    /// the thread has printed.
+    pub fn end(mut self) -> Option<(Workload, Vec<News>)> {
         self.stops.ending.store(true, Ordering::SeqCst);
         self.device.allow_submissions(Some(0));
         self.tasks = None;
-        let (mut held, waiting) = self.thread.take()?.join().ok()?;
-        held.tasks.extend(waiting.try_iter());
-        held.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Cameras(_) | Task::Save(_)));
-        Some((held, self.news.try_iter().collect()))
+        let (mut workload, waiting) = self.thread.take()?.join().ok()?;
+        workload.tasks.extend(waiting.try_iter());
+        workload.tasks.retain(|task| matches!(task, Task::Open(_) | Task::Cameras(_) | Task::Save(_)));
+        Some((workload, self.news.try_iter().collect()))
     }
 
-    /// The next piece of news, if there is one; [`News::Gone`] of a thread that can have none any more.
+    /// The next piece of news, if any; [`News::Gone`] once the thread has ended without more.
     pub fn news(&self) -> Option<News> {
         match self.news.try_recv() {
             Ok(news) => Some(news),
@@ -159,13 +160,13 @@ impl Drop for Worker {
         self.stop();
         self.tasks = None;
         if let Some(thread) = self.thread.take() {
-            // A panic there was printed by the thread itself.
+            // The thread has already printed its panic.
             let _ = thread.join();
         }
     }
 }
 
-/// What stays the same whatever is opened.
+/// Settings that stay the same when other files are opened.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
     /// Seed of stochastic methods and of the built-in scene.
@@ -177,7 +178,7 @@ pub struct Setup {
 struct Work {
     stage: Stage,
     setup: Setup,
-    /// Whether no file holds the clouds.
+    /// True if no file contains the clouds.
     generated: bool,
     display: Display,
     /// Pictures of the view.
@@ -186,7 +187,7 @@ struct Work {
     whole: Option<Whole>,
 }
 
-/// A whole picture that could be held against an exact one.
+/// A whole picture that can be compared with an exact one.
 struct Whole {
     serial: u64,
     scene: Arc<Scene>,
@@ -195,7 +196,7 @@ struct Whole {
     standing: Standing,
 }
 
-/// All that waits, without pictures that a later one replaces.
+/// All waiting tasks, without pictures that a later one replaces.
 fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
     let mut tasks = vec![first];
     for task in waiting.try_iter() {
@@ -208,8 +209,13 @@ fn latest(first: Task, waiting: &Receiver<Task>) -> Vec<Task> {
 }
 
 impl Work {
-    /// Does what is asked for until nobody can ask any more, the device is lost or the thread is to end.
-    fn run_all(mut self, waiting: Receiver<Task>, stops: &Stops, teller: &Teller<impl Fn()>) -> (Held, Receiver<Task>) {
+    /// Handles tasks until the sender is gone, the device is lost or the thread should end.
+    fn run_all(
+        mut self,
+        waiting: Receiver<Task>,
+        stops: &Stops,
+        teller: &Teller<impl Fn()>,
+    ) -> (Workload, Receiver<Task>) {
         let device = self.stage.renderer().device().clone();
         let (mut left, mut lost) = (Vec::new(), false);
         teller.tell(self.census());
@@ -231,15 +237,15 @@ impl Work {
                 }
             }
         }
-        (Held { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
+        (Workload { clouds: self.stage.into_clouds(), generated: self.generated, tasks: left }, waiting)
     }
 
-    /// Does a task, anew if it was stopped in place of the one before it; `None` if it is not to be begun.
+    /// Runs a task, again if it was stopped in place of the one before it; `None` if it must not start.
     fn run_allowed(&mut self, task: &Task, device: &Device, stops: &Stops) -> Option<News> {
         loop {
             device.allow_submissions(None);
             stops.may.store(task.may_stop(), Ordering::SeqCst);
-            // What was to be written is written, however soon the window is closed.
+            // Saves are completed even if the window closes in the meantime.
             if !stops.allow(task) {
                 return None;
             }
@@ -271,7 +277,7 @@ impl Work {
     }
 
     fn census(&self) -> News {
-        News::Clouds(self.stage.clouds().iter().map(Census::of).collect())
+        News::Clouds(self.stage.clouds().iter().map(Census::from_cloud).collect())
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
@@ -296,7 +302,7 @@ impl Work {
         }
         let rgba = self.display.bytes(&pixels, scene.image.color);
         self.history.add(scene, *pose, rung, pixels, whole);
-        let Taken { rendered, frame, subject, standing, field, .. } = taken;
+        let TakenPicture { rendered, frame, subject, standing, field, .. } = taken;
         if let (true, Some(standing)) = (whole, standing) {
             self.whole = Some(Whole { serial: *serial, scene: scene.clone(), pose: *pose, frame, standing });
         }
@@ -320,7 +326,7 @@ impl Work {
         Ok(News::Picture(Box::new(picture)))
     }
 
-    /// Holds the pictures of the last view against the exact one.
+    /// Compares the pictures of the last view with the exact one.
     fn measure(&mut self, serial: u64) -> Result<News> {
         let whole = self.whole.as_ref().filter(|whole| whole.serial == serial);
         let standing = whole.map(|whole| whole.standing);
@@ -342,7 +348,7 @@ impl Work {
         let device = self.stage.renderer().device().clone();
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
         self.stage.progress = progress;
-        // A file of the same name may hold others by now.
+        // A file of the same name may have other contents now.
         (self.history, self.whole) = (History::default(), None);
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
@@ -353,7 +359,7 @@ impl Work {
     }
 }
 
-/// Reads cameras; where a file holds something else, what it could hold.
+/// Reads cameras; reports which content was expected if the file has none.
 fn cameras(file: &Path) -> News {
     match Source::read(file) {
         Ok(source) => News::Cameras(file.to_owned(), Box::new(source)),

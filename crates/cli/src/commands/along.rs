@@ -12,8 +12,8 @@ use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Course, Scene};
 
+use super::console::Console;
 use super::input::{InputArgs, Resolved, read};
-use super::talk::Talk;
 
 /// A camera that moves.
 #[derive(Debug, Args)]
@@ -47,14 +47,14 @@ impl PathArgs {
     }
 
     /// What was asked for, if a camera is to move; the file is read. Warnings go to standard error.
-    pub fn course(&self, frames: Option<u32>, input: &InputArgs, talk: Talk) -> Result<Option<Along>> {
+    pub fn course(&self, frames: Option<u32>, input: &InputArgs, console: Console) -> Result<Option<Along>> {
         let frames = frames.map(|count| count as usize);
         if let Some(path) = &self.path {
             if input.view().is_given() {
-                talk.warn("--view, --azimuth and --elevation have no effect with --path");
+                console.warn("--view, --azimuth and --elevation have no effect with --path");
             }
             let source = Source::read(path)?;
-            source.warnings().iter().for_each(|warning| talk.warn(warning));
+            source.warnings().iter().for_each(|warning| console.warn(warning));
             return Ok(Some(Along::Keys { path: path.clone(), source, frames }));
         }
         match (self.turntable, frames) {
@@ -70,7 +70,7 @@ impl PathArgs {
 
 impl Along {
     /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first.
-    pub fn resolve(&self, input: &InputArgs, talk: Talk, progress: &Bar) -> Result<(Resolved, Vec<Camera>)> {
+    pub fn resolve(&self, input: &InputArgs, console: Console, progress: &Bar) -> Result<(Resolved, Vec<Camera>)> {
         let size = match self {
             Self::Keys { source, .. } => source.size(),
             Self::Turn { .. } => None,
@@ -81,12 +81,12 @@ impl Along {
             cameras = found;
             Ok((cameras[0], warnings))
         };
-        let resolved = read(input, size, talk, progress)?.resolve_by(find, talk, progress)?;
+        let resolved = read(input, size, console, progress)?.resolve_by(find, console, progress)?;
         let given = resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view().is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first
         {
-            talk.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
+            console.detail(format_args!("the turn begins at {first:?}, since from {eye:?} it would lose points"));
         }
         Ok((resolved, cameras))
     }

@@ -9,7 +9,7 @@ use pellucid_engine::progress::{Observer, Progress};
 /// Work that is done within this time shows no progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How often a stage of unknown length shows that it is alive.
+/// How often a stage of unknown length signals that it is alive.
 const TICK: Duration = Duration::from_millis(200);
 
 /// A progress bar, and the progress that it shows.
@@ -18,10 +18,10 @@ pub struct Bar {
     progress: Progress,
 }
 
-/// Tells a progress bar what the engine says.
-struct Shown(ProgressBar);
+/// Forwards the engine's progress to a progress bar.
+struct BarObserver(ProgressBar);
 
-impl Observer for Shown {
+impl Observer for BarObserver {
     fn stage(&self, name: &str) {
         self.0.set_message(name.to_owned());
     }
@@ -31,7 +31,7 @@ impl Observer for Shown {
             self.0.set_length(total);
         }
         if done == 0 {
-            // Whatever came before the first step says nothing of the time that the steps take.
+            // Time spent before the first step says nothing about the time per step.
             self.0.reset_eta();
         }
         self.0.set_position(done);
@@ -64,10 +64,10 @@ impl Bar {
                 }
             });
         }
-        Self { progress: Progress::observed(Shown(shown.clone())), shown }
+        Self { progress: Progress::observed(BarObserver(shown.clone())), shown }
     }
 
-    /// Begins a stage of unknown length: the bar shows its name and the time that it has taken.
+    /// Begins a stage of unknown length: the bar shows its name and the elapsed time.
     pub fn stage(&self, name: &str) {
         if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
             self.shown.set_style(style);

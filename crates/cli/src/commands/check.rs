@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use clap::Args;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::{Result, scene};
-use pellucid_lab::check::{self, Case, Finding, Verdict};
-use serde_json::{Value, json};
+use pellucid_lab::check::{self, Case, Counts, Finding, Naive, Verdict};
+use serde_json::{Map, Value, json};
 
-use super::talk::{Talk, print, print_json};
+use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -29,7 +29,7 @@ pub struct CheckArgs {
     markdown: bool,
 }
 
-pub fn run(args: CheckArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     let asked = |case: &Case| args.names.is_empty() || args.names.iter().any(|name| case.name.contains(name.as_str()));
     let cases: Vec<Case> = check::cases().into_iter().filter(asked).collect();
     if cases.is_empty() {
@@ -42,7 +42,7 @@ pub fn run(args: CheckArgs, talk: Talk) -> Result<ExitCode> {
     }
     let device = Device::open(&DeviceOptions { device: args.device, ..DeviceOptions::from_env() })?;
     let mut stage = check::stage(&device)?;
-    let progress = talk.progress();
+    let progress = console.progress();
     progress.set_length(cases.len() as u64);
     let mut results = Vec::new();
     for case in &cases {
@@ -57,43 +57,31 @@ pub fn run(args: CheckArgs, talk: Talk) -> Result<ExitCode> {
     }
     progress.finish_and_clear();
     let info = device.info();
-    let count = Count::of(&results);
+    let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
     if args.json {
-        print_json(&document(&info.name, &info.driver, &results))?;
+        print_json(&document(&info.name, &info.driver, &counts, &results))?;
     } else if args.markdown {
         print(&check::markdown(&results))?;
     } else {
-        let Count { passed, failed, apart } = count;
-        print(&format!("{passed} passed, {failed} failed, {apart} not applicable on {}\n", info.name))?;
+        print(&format!("{counts} on {}\n", info.name))?;
     }
-    Ok(count.status())
+    Ok(status(&counts))
 }
 
-/// How many cases came out how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Count {
-    passed: usize,
-    failed: usize,
-    /// Neither.
-    apart: usize,
+/// 1 if a case failed, and if none passed: a device that can run nothing has shown nothing.
+fn status(counts: &Counts) -> ExitCode {
+    if counts.is_good() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-impl Count {
-    fn of(results: &[(&Case, Verdict)]) -> Self {
-        let failed = results.iter().filter(|(_, verdict)| verdict.is_wrong()).count();
-        let apart = results.iter().filter(|(_, verdict)| matches!(verdict, Verdict::NotApplicable(_))).count();
-        Self { passed: results.len() - failed - apart, failed, apart }
-    }
-
-    fn status(self) -> ExitCode {
-        if self.failed > 0 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
-    }
-}
-
-fn document(name: &str, driver: &str, results: &[(&Case, Verdict)]) -> Value {
-    let Count { passed, failed, .. } = Count::of(results);
+fn document(name: &str, driver: &str, counts: &Counts, results: &[(&Case, Verdict)]) -> Value {
+    let Counts { passed, failed, not_applicable } = counts;
+    let lacks: Map<String, Value> =
+        not_applicable.iter().map(|(lack, count)| (lack.name().to_owned(), json!(count))).collect();
     let cases: Vec<Value> = results.iter().map(|(case, verdict)| row(case, verdict)).collect();
-    json!({ "device": { "name": name, "driver": driver }, "passed": passed, "failed": failed, "cases": cases })
+    json!({
+        "device": { "name": name, "driver": driver }, "passed": passed, "failed": failed, "not_applicable": lacks,
+        "cases": cases,
+    })
 }
 
 /// The error in units in the last place of a float32 at 1, where it is that small.
@@ -105,11 +93,19 @@ fn line(case: &Case, verdict: &Verdict) -> String {
     let name = &case.name;
     match verdict {
         Verdict::Found(finding) => {
-            let Finding { error, bound, .. } = finding;
+            let Finding { error, bound, naive } = finding;
             let word = if finding.passes() { "pass" } else { "FAIL" };
-            format!("{name:<36} error {error:9.2e}  bound {bound:9.2e}  {:9.2} ulp of 1  {word}\n", ulp(finding))
+            let before = check::released(name).map_or("new".to_owned(), |error| format!("{error:.2e}"));
+            let naive = match naive {
+                Naive::Computed(error) => format!("{error:.2e}"),
+                Naive::Stated { .. } => "stated".to_owned(),
+            };
+            let ulp = ulp(finding);
+            format!(
+                "{name:<36} error {error:9.2e}  last release {before:>9}  bound {bound:9.2e}  naive {naive:>9}  {ulp:9.2} ulp of 1  {word}\n"
+            )
         }
-        Verdict::NotApplicable(why) => format!("{name:<36} not applicable: {why}\n"),
+        Verdict::NotApplicable(lack, why) => format!("{name:<36} not applicable ({}): {why}\n", lack.name()),
         Verdict::Failed(error) => format!("{name:<36} FAIL: {error}\n"),
     }
 }
@@ -120,13 +116,18 @@ fn row(case: &Case, verdict: &Verdict) -> Value {
         Verdict::Found(finding) => {
             let verdict = if finding.passes() { "pass" } else { "fail" };
             let Finding { error, bound, naive } = *finding;
-            json!({
+            let mut row = json!({
                 "name": name, "about": about, "verdict": verdict,
-                "error": number(error), "bound": number(bound), "naive": number(naive),
-            })
+                "error": number(error), "released": check::released(name).map(number), "bound": number(bound),
+            });
+            match naive {
+                Naive::Computed(error) => row["naive"] = number(error),
+                Naive::Stated { why } => (row["naive"], row["stated"]) = (Value::Null, json!(why)),
+            }
+            row
         }
-        Verdict::NotApplicable(why) => {
-            json!({ "name": name, "about": about, "verdict": "not applicable", "reason": why })
+        Verdict::NotApplicable(lack, why) => {
+            json!({ "name": name, "about": about, "verdict": "not applicable", "lacks": lack.name(), "reason": why })
         }
         Verdict::Failed(error) => {
             json!({ "name": name, "about": about, "verdict": "fail", "reason": error.to_string() })
@@ -141,31 +142,30 @@ fn number(value: f64) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use pellucid_lab::check::Lack;
+
     use super::*;
 
     /// A case for each way in which one comes out.
     fn results(cases: &[Case]) -> Vec<(&Case, Verdict)> {
-        let found = |error| Verdict::Found(Finding { error, bound: 1e-6, naive: f64::INFINITY });
+        let found = |error, naive| Verdict::Found(Finding { error, bound: 1e-6, naive });
         let failed = scene::Error::Usage("lost".into());
         let verdicts = [
-            found(1e-7),
-            found(2e-6),
-            found(f64::NAN),
-            Verdict::NotApplicable("no subgroups".into()),
+            found(1e-7, Naive::Computed(f64::INFINITY)),
+            found(2e-6, Naive::Stated { why: "it would allocate too much" }),
+            found(f64::NAN, Naive::Computed(1.0)),
+            Verdict::NotApplicable(Lack::Subgroups, "no subgroups".into()),
             Verdict::Failed(failed.into()),
         ];
         cases.iter().zip(verdicts).collect()
     }
 
     #[test]
-    fn what_is_not_applicable_neither_passed_nor_failed() {
-        let cases = check::cases();
-        let results = results(&cases);
-        let count = Count::of(&results);
-        assert_eq!(count, Count { passed: 1, failed: 3, apart: 1 });
-        assert_eq!(format!("{:?}", count.status()), format!("{:?}", ExitCode::FAILURE));
-        let fine = Count { failed: 0, ..count };
-        assert_eq!(format!("{:?}", fine.status()), format!("{:?}", ExitCode::SUCCESS));
+    fn failures_and_nothing_passed_are_status_1() {
+        let counts = |passed, failed| Counts { passed, failed, not_applicable: vec![(Lack::Subgroups, 3)] };
+        let status = |passed, failed| format!("{:?}", status(&counts(passed, failed)));
+        let [good, bad] = [ExitCode::SUCCESS, ExitCode::FAILURE].map(|code| format!("{code:?}"));
+        assert_eq!([status(1, 0), status(1, 1), status(0, 1), status(0, 0)], [good, bad.clone(), bad.clone(), bad]);
     }
 
     #[test]
@@ -173,19 +173,24 @@ mod tests {
         let cases = check::cases();
         let results = results(&cases);
         let lines: Vec<String> = results.iter().map(|(case, verdict)| line(case, verdict)).collect();
-        let parts = ["pass", "FAIL", "FAIL", "not applicable: no subgroups", "FAIL: lost"];
+        let parts = ["pass", "FAIL", "FAIL", "not applicable (subgroups): no subgroups", "FAIL: lost"];
         for ((text, part), case) in lines.iter().zip(parts).zip(&cases) {
             assert!(text.starts_with(&case.name) && text.trim_end().ends_with(part), "{text}");
         }
-        let document = document("a device", "its driver", &results);
+        assert!(lines[0].contains("naive       inf") && lines[1].contains("naive    stated"), "{lines:?}");
+        let before = check::released(&cases[0].name).expect("measured");
+        assert!(lines[0].contains(&format!("last release {:>9}", format!("{before:.2e}"))), "{}", lines[0]);
+        let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
+        let document = document("a device", "its driver", &counts, &results);
         assert_eq!((&document["passed"], &document["failed"]), (&1.into(), &3.into()));
+        assert_eq!(document["not_applicable"], json!({ "subgroups": 1 }));
         let verdicts: Vec<&str> = (0..5).filter_map(|i| document["cases"][i]["verdict"].as_str()).collect();
         assert_eq!(verdicts, ["pass", "fail", "fail", "not applicable", "fail"]);
-        assert_eq!(document["cases"][0]["naive"], "inf");
-        assert_eq!(document["cases"][2]["error"], "NaN");
-        assert_eq!(
-            (&document["cases"][3]["reason"], &document["cases"][4]["reason"]),
-            (&"no subgroups".into(), &"lost".into())
-        );
+        let case = |i: usize| &document["cases"][i];
+        assert_eq!((&case(0)["naive"], &case(0)["released"]), (&"inf".into(), &before.into()));
+        assert_eq!((&case(1)["naive"], &case(1)["stated"]), (&Value::Null, &"it would allocate too much".into()));
+        assert_eq!(case(2)["error"], "NaN");
+        assert_eq!((&case(3)["reason"], &case(3)["lacks"]), (&"no subgroups".into(), &"subgroups".into()));
+        assert_eq!(case(4)["reason"], "lost");
     }
 }

@@ -11,10 +11,10 @@ use pellucid_engine::output::{self, read_image};
 use serde_json::json;
 
 use super::compare_profiles;
+use super::console::{Console, print, print_json};
 use super::limit::{Limit, Slower, usage};
-use super::talk::{Talk, print, print_json};
 
-/// How much the difference picture is brightened.
+/// Amplification of the difference picture.
 const AMPLIFY: f64 = 10.0;
 
 #[derive(Debug, Args)]
@@ -64,7 +64,7 @@ fn value(comparison: &Comparison, metric: &str) -> Option<f64> {
     }
 }
 
-pub fn run(args: CompareArgs, _talk: Talk) -> Result<ExitCode> {
+pub fn run(args: CompareArgs, _talk: Console) -> Result<ExitCode> {
     let limits = Limit::all(&args.fail_above, &args.fail_below)?;
     let slower = args.fail_slower.iter().map(|text| Slower::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let is_profile = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));

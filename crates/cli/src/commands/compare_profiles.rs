@@ -1,4 +1,4 @@
-//! Two profiles side by side: the median time of each pass, the ratio, and whether it is more than noise.
+//! Compares two profiles: the median time of each pass, the ratio, and if the ratio exceeds the noise.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -7,9 +7,9 @@ use pellucid_engine::{Result, output};
 use serde::Deserialize;
 use serde_json::json;
 
+use super::console::{print, print_json};
 use super::limit::{Limit, Slower};
 use super::noise::{MIN_TIMES, Times, Verdict};
-use super::talk::{print, print_json};
 
 /// The part of a profile that is compared.
 #[derive(Debug, Deserialize)]
@@ -35,7 +35,7 @@ struct Row {
     name: String,
     a: Times,
     b: Times,
-    /// Of the frame, in [0, 1], in the profile where it is larger.
+    /// Share of the frame, in [0, 1], in the profile where it is larger.
     share: Option<f64>,
 }
 
@@ -45,16 +45,16 @@ impl Row {
         Some(self.b.median()? / self.a.median()?)
     }
 
-    /// The ends between which the ratio is to be expected.
+    /// The interval that should contain the ratio.
     fn interval(&self) -> Option<[f64; 2]> {
         self.b.ratio_interval(&self.a)
     }
 
     fn verdict(&self) -> Option<Verdict> {
-        self.interval().map(Verdict::of)
+        self.interval().map(Verdict::from_interval)
     }
 
-    /// Whether it is long enough to raise an alarm that doesn't ask for it by name.
+    /// True if the pass is long enough for a limit that doesn't name it.
     fn counts(&self) -> bool {
         self.share.is_none_or(|share| share >= MIN_SHARE)
     }
@@ -94,10 +94,10 @@ fn find<'a>(rows: &'a [Row], name: &str) -> Option<&'a Row> {
     rows.iter().find(|row| row.name == name)
 }
 
-/// The names and intervals that a limit looks at.
+/// The names and intervals that a limit applies to.
 ///
 /// # Errors
-/// A pass that isn't there. No noise to be told, be it of the pass or, where no pass is named, of the frame.
+/// The named pass is missing. The noise can't be estimated, either of the named pass or, without a name, of the frame.
 fn judged<'a>(rows: &'a [Row], limit: &Slower) -> Result<Vec<(&'a str, [f64; 2])>> {
     let name = limit.pass.as_deref().unwrap_or(FRAME);
     let row = find(rows, name).ok_or_else(|| limit.unusable("there is no pass of this name"))?;
@@ -147,8 +147,7 @@ fn rows(a: &Profile, b: &Profile) -> Vec<Row> {
     std::iter::once(frame).chain(passes).collect()
 }
 
-/// By the name of a pass one time for each frame that measured it; a pass that runs several times in a frame (bands) counts as
-/// a sum.
+/// One time per frame for each pass name; a pass that runs several times in a frame (bands) counts as a sum.
 fn pass_times(profile: &Profile) -> HashMap<&str, Vec<f64>> {
     let mut times: HashMap<&str, Vec<f64>> = HashMap::new();
     for frame in &profile.frames {
@@ -212,7 +211,7 @@ fn verdict_text(row: &Row) -> String {
     }
 }
 
-/// What the table doesn't say by itself.
+/// Notes on the table.
 fn notes(rows: &[Row]) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(row) = find(rows, FRAME).filter(|row| row.interval().is_none()) {

@@ -6,7 +6,7 @@ use clap::Args;
 use pellucid_engine::{Result, gpu};
 use serde_json::json;
 
-use super::talk::{Talk, print, print_json};
+use super::console::{Console, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct DevicesArgs {
@@ -18,7 +18,7 @@ pub struct DevicesArgs {
     json: bool,
 }
 
-pub fn run(args: DevicesArgs, _talk: Talk) -> Result<ExitCode> {
+pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
     let (devices, taken) = gpu::devices(args.device.as_deref())?;
     if args.json {
         let list: Vec<_> = devices

@@ -8,17 +8,17 @@ use pellucid_engine::scene::Error;
 /// Digits of a number at most.
 const MAX_WIDTH: usize = 9;
 
-/// What the pictures are, which says what their names may be.
+/// The kind of sequence, which decides the form of its file names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Naming {
-    /// Of a time series.
+    /// The steps of a time series.
     Steps,
-    /// Of a camera path; spaces before the number would keep a film from being made of them.
+    /// The frames of a camera path. Their numbers can't be padded with spaces, which tools that make films reject.
     Frames,
 }
 
 impl Naming {
-    /// What a name needs, as the end of a sentence.
+    /// The requirements on a name, as the end of a sentence.
     fn needs(self) -> &'static str {
         match self {
             Self::Steps => "--frames needs a number in the name, as in step_%02d.png",
@@ -35,7 +35,7 @@ pub struct Pattern {
     after: String,
     /// Least digits.
     width: usize,
-    /// Whether zeros fill them; else spaces.
+    /// True if the number is padded with zeros, else with spaces.
     zeros: bool,
 }
 

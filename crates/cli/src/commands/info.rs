@@ -13,8 +13,8 @@ use pellucid_engine::io::{self, ColumnNames, Hints};
 use pellucid_engine::scene::Light;
 use serde_json::{Value, json};
 
+use super::console::{Console, print, print_json};
 use super::limit::usage;
-use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
@@ -31,11 +31,11 @@ pub struct InfoArgs {
     json: bool,
 }
 
-pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
     let columns = args.columns.as_deref().map(ColumnNames::parse).transpose();
     let columns = columns.map_err(|problem| usage(format!("--columns: {problem}")))?;
     let hints = Hints { columns: columns.as_ref(), ..Hints::default() };
-    let progress = talk.progress();
+    let progress = console.progress();
     let load = |file: &PathBuf| {
         progress.reset();
         progress.set_message(format!("reading {}", file.display()));
@@ -44,7 +44,7 @@ pub fn run(args: InfoArgs, talk: Talk) -> Result<ExitCode> {
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
     progress.finish_and_clear();
     for (file, cloud) in &clouds {
-        cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{}: {warning}", file.display())));
+        cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
     match (args.json, clouds.as_slice()) {
         (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
@@ -112,7 +112,7 @@ fn to_json(cloud: &Cloud) -> Value {
     value
 }
 
-/// Thresholds with the share of points whose F is at most that: 1 less it are soft.
+/// Thresholds, each with the share of points whose F is at most the threshold; the rest are soft.
 fn quantiles(prepared: &Prepared) -> Vec<(f64, f32)> {
     let mut values = prepared.values.clone();
     values.sort_unstable_by(f32::total_cmp);

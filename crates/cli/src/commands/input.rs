@@ -9,10 +9,12 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
-use pellucid_engine::scene::{self, DEFAULT_SCENE, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName};
+use pellucid_engine::scene::{
+    self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName,
+};
 use pellucid_engine::{Result, output};
 
-use super::talk::Talk;
+use super::console::Console;
 
 /// What to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
@@ -21,18 +23,14 @@ pub struct InputArgs {
     /// that stand for clouds; nothing: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// The method: auto, points, squares, circles, abuffer, linked-list, sorted, peel, image-space (points whose holes
-    /// filters of the image close), peel-layers (such surfaces one behind the other), or one of the approximations
-    /// stochastic, hybrid, weighted, average and unsorted, or spbr and spbr-simplified, which deal points to ensembles.
-    /// By default the scene file's, else auto: the cheapest one that is exact for the scene (`plan` says which, and why).
-    #[arg(long, value_name = "NAME")]
+    // The help lists all methods.
+    #[arg(long, value_name = "NAME", help = method_help())]
     method: Option<String>,
     /// Size of the image in pixels, as in 1024x768; by default the scene file's, else 1024x1024.
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
-    /// Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or
-    /// cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms.
-    #[arg(long, value_name = "KEY=VALUE")]
+    // The help lists all keys.
+    #[arg(long, value_name = "KEY=VALUE", help = SET_HELP, long_help = set_help())]
     set: Vec<String>,
     /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
@@ -97,6 +95,36 @@ impl From<Side> for ViewName {
     }
 }
 
+/// Every method, family by family.
+fn method_help() -> String {
+    let family = |family: Family| {
+        let names: Vec<_> = family.methods().map(|method| method.name()).collect();
+        format!("{} ({})", names.join(", "), family.title())
+    };
+    let families: Vec<_> = Family::ALL.into_iter().map(family).collect();
+    format!(
+        "The method: {}; or auto, the cheapest one that is exact for the scene (`plan` says which, and why). By default the \
+         scene file's, else auto",
+        families.join("; ")
+    )
+}
+
+const SET_HELP: &str = "Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or \
+    cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms";
+
+/// What the option does, and every key, table by table.
+fn set_help() -> String {
+    let names = |path: &str, keys: &mut dyn Iterator<Item = &'static str>| {
+        let keys: Vec<_> = keys.collect();
+        format!("{path}: {}", keys.join(", "))
+    };
+    let tables = scene::tables();
+    let tables = tables.iter().map(|table| names(table.path, &mut table.keys.iter().map(|key| key.name)));
+    let method = names("method", &mut std::iter::once("name").chain(scene::all_method_keys()));
+    let lines: Vec<_> = tables.chain([method]).collect();
+    format!("{SET_HELP}. The keys (docs/scene-file.md says more):\n{}", lines.join("\n"))
+}
+
 fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
 }
@@ -127,7 +155,7 @@ impl Resolved {
         self.arranged.points()
     }
 
-    /// What the clouds of [`Arranged::surfaces`] are called. Clouds without points are not among them.
+    /// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
     pub fn cloud_names(&self) -> Vec<String> {
         let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
         if clouds.len() == count {
@@ -137,14 +165,14 @@ impl Resolved {
         }
     }
 
-    /// The metadata of an image. `method` and `device` are what was taken in the end.
+    /// The metadata of an image. `method` and `device` are those finally used.
     pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
         output::tags(&self.name, method, &self.scene.settings, device, self.seed)
     }
 }
 
 impl InputArgs {
-    /// The method that was asked for by `--method`; `auto` asks for none.
+    /// The method requested by `--method`; `None` for `auto`.
     pub fn asked_method(&self) -> Option<&str> {
         self.method.as_deref().filter(|name| *name != "auto")
     }
@@ -154,12 +182,12 @@ impl InputArgs {
         self.named(".png")
     }
 
-    /// As [`InputArgs::default_output`], for the steps of a time series.
+    /// Like [`InputArgs::default_output`], for the steps of a time series.
     pub fn default_steps(&self) -> PathBuf {
         self.named("_%02d.png")
     }
 
-    /// As [`InputArgs::default_output`], for the frames of a camera path.
+    /// Like [`InputArgs::default_output`], for the frames of a camera path.
     pub fn default_frames(&self) -> PathBuf {
         self.named("_%04d.png")
     }
@@ -188,7 +216,7 @@ impl InputArgs {
             overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
         }
         if let Some(background) = &self.background {
-            // Spelled anew, since TOML does not know .5.
+            // Reformat the number, because TOML rejects a form like .5.
             let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
             let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
             overrides.set(format!("--background {background}"), "image.background", &array)?;
@@ -214,8 +242,8 @@ impl InputArgs {
 }
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
-pub fn prepare(args: &InputArgs, talk: Talk, progress: &Bar) -> Result<Resolved> {
-    read(args, None, talk, progress)?.resolve(None, talk, progress)
+pub fn prepare(args: &InputArgs, console: Console, progress: &Bar) -> Result<Resolved> {
+    read(args, None, console, progress)?.resolve(None, console, progress)
 }
 
 /// A scene and its clouds as they were read.
@@ -223,13 +251,13 @@ pub fn prepare(args: &InputArgs, talk: Talk, progress: &Bar) -> Result<Resolved>
 pub struct Loaded {
     name: String,
     scene: Scene,
-    /// Those of the scene, in its order.
+    /// The clouds of the scene, in its order.
     clouds: Vec<Cloud>,
     seed: u64,
 }
 
 impl Loaded {
-    /// How many clouds there are.
+    /// The number of clouds.
     pub fn count(&self) -> usize {
         self.clouds.len()
     }
@@ -243,66 +271,66 @@ impl Loaded {
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
-    pub fn resolve_with_radii(mut self, talk: Talk, progress: &Bar) -> Result<Resolved> {
+    pub fn resolve_with_radii(mut self, console: Console, progress: &Bar) -> Result<Resolved> {
         let method = self.scene.method;
         if matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
             // Like these two it wants the points in canonical order, and nothing else of them.
             self.scene.method = Method::Circles(ScreenSplats::default()).into();
         }
-        let mut resolved = self.resolve(None, talk, progress)?;
+        let mut resolved = self.resolve(None, console, progress)?;
         resolved.scene.method = method;
         Ok(resolved)
     }
 
     /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
-    pub fn resolve(self, given: Option<Camera>, talk: Talk, progress: &Bar) -> Result<Resolved> {
+    pub fn resolve(self, given: Option<Camera>, console: Console, progress: &Bar) -> Result<Resolved> {
         let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
             Some(camera) => Ok((camera, Vec::new())),
             None => Ok(scene::camera(scene, points, up)?),
         };
-        self.resolve_by(find, talk, progress)
+        self.resolve_by(find, console, progress)
     }
 
     /// Makes points of the clouds, and has the camera found for these and the clouds' vertical; warnings go to standard error.
     pub fn resolve_by(
         self,
         find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
-        talk: Talk,
+        console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
         let Self { name, scene, clouds, seed } = self;
-        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| talk.note(note));
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
-        note.iter().for_each(|note| talk.note(note));
+        note.iter().for_each(|note| console.note(note));
         let up = scene::up_axis(&clouds);
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
-        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| talk.note(note));
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
         for warning in scene.warnings.iter().chain(&warnings) {
-            talk.warn(warning);
+            console.warn(warning);
         }
         Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
     }
 }
 
-/// Reads the inputs and applies the options; `size` is that of the image where no option says.
-pub fn read(args: &InputArgs, size: Option<[u32; 2]>, talk: Talk, progress: &Bar) -> Result<Loaded> {
+/// Reads the inputs and applies the options. `size` is the image size for when no option gives one.
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress: &Bar) -> Result<Loaded> {
     let overrides = args.overrides(size)?;
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
     scene.camera.view = args.view();
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
-        report_cloud(&settings.path, cloud, talk);
+        report_cloud(&settings.path, cloud, console);
     }
     Ok(Loaded { name, scene, clouds, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.
-pub fn report_cloud(path: &Path, cloud: &Cloud, talk: Talk) {
+pub fn report_cloud(path: &Path, cloud: &Cloud, console: Console) {
     let path = path.display();
-    talk.detail(format_args!("{path}: {} points", cloud.len()));
+    console.detail(format_args!("{path}: {} points", cloud.len()));
     if cloud.non_finite > 0 {
-        talk.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+        console.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
-    cloud.warnings.iter().for_each(|warning| talk.warn(format_args!("{path}: {warning}")));
+    cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{path}: {warning}")));
 }

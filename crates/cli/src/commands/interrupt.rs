@@ -1,21 +1,21 @@
-//! What a signal leaves: nothing half-written. The program ends by the signal, as it would without this module, unless a command
-//! asks to finish first what it is at.
+//! Handling of signals, so that no file is left half-written. The program still ends by the signal, unless a command
+//! asks to finish its current step first.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the first SIGINT is told by [`asked`] instead of ending the program.
+/// True if the first SIGINT only sets [`asked`] instead of ending the program.
 static DEFERRED: AtomicBool = AtomicBool::new(false);
 
-/// Whether it came.
+/// True once that SIGINT has arrived.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first SIGINT only makes [`asked`] true; a second one ends the program. Where there are no signals an
+/// From now on the first SIGINT only makes [`asked`] true; a second one ends the program. On systems without signals an
 /// interruption ends it at once.
 pub fn defer() {
     DEFERRED.store(true, Ordering::Relaxed);
 }
 
-/// Whether somebody wants the program to stop.
+/// True if the user wants the program to stop.
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
@@ -59,7 +59,7 @@ mod signals {
         });
     }
 
-    /// The signals that are ignored, a bit for each from SIGHUP on; none where the system doesn't tell.
+    /// The ignored signals, one bit each, starting with SIGHUP; none if the system doesn't report them.
     fn ignored() -> u64 {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,17 +1,17 @@
-//! What --fail-above, --fail-below and --fail-slower of `pellucid compare` hold a measurement to.
+//! The limits that --fail-above, --fail-below and --fail-slower of `pellucid compare` set on a measurement.
 
 use pellucid_engine::{Result, scene};
 
-use super::talk::say;
+use super::console::print_stderr;
 
 /// A metric and the largest or the smallest value it may have.
 pub struct Limit {
     option: &'static str,
     pub metric: String,
     value: f64,
-    /// Whether a measured value and the limit break it.
+    /// Compares a measured value with the limit; true if it breaks the limit.
     breaks: fn(&f64, &f64) -> bool,
-    /// Where a value is that breaks it.
+    /// The word for the side on which a value breaks it.
     side: &'static str,
 }
 
@@ -36,11 +36,14 @@ impl Limit {
         Ok(Self { option, metric: metric.trim().to_owned(), value, breaks, side })
     }
 
-    /// Whether a measured value breaks the limit, which is then said on standard error.
+    /// Returns true if a measured value breaks the limit, and reports that on standard error.
     pub fn is_broken_by(&self, measured: f64) -> bool {
         let broken = (self.breaks)(&measured, &self.value);
         if broken {
-            say(format_args!("error: {} is {measured}, {} the allowed {}", self.metric, self.side, self.value));
+            print_stderr(format_args!(
+                "error: {} is {measured}, {} the allowed {}",
+                self.metric, self.side, self.value
+            ));
         }
         broken
     }
@@ -51,7 +54,7 @@ impl Limit {
     }
 }
 
-/// How many times slower a pass may get.
+/// The largest ratio by which a pass may get slower.
 pub struct Slower {
     /// The one pass that it is about; `None`: every pass that is long enough, and the frame.
     pub pass: Option<String>,
@@ -72,11 +75,14 @@ impl Slower {
         Ok(Self { pass, ratio })
     }
 
-    /// Whether even the lower end of an interval of B/A breaks the limit, which is then said on standard error.
+    /// Returns true if even the lower end of an interval of B/A breaks the limit, and reports that on standard error.
     pub fn is_broken_by(&self, name: &str, [low, high]: [f64; 2]) -> bool {
         let broken = low > self.ratio;
         if broken {
-            say(format_args!("error: {name} is {low:.3} to {high:.3} times as slow, above the allowed {}", self.ratio));
+            print_stderr(format_args!(
+                "error: {name} is {low:.3} to {high:.3} times as slow, above the allowed {}",
+                self.ratio
+            ));
         }
         broken
     }

@@ -18,7 +18,7 @@ use super::session::Session;
 pub struct Measured(BTreeMap<usize, Value>);
 
 impl Measured {
-    /// Adds a frame that was rendered, and returns its profile; `identity` says of which picture it is.
+    /// Adds a rendered frame and returns its profile; `identity` identifies its picture.
     pub fn add(
         &mut self,
         number: usize,
@@ -74,7 +74,7 @@ impl Measured {
     }
 }
 
-/// Where measurements go, and the file beside it that holds a line for each frame until all are there.
+/// The measurements' destination, and the file beside it that keeps one line per frame until all frames are done.
 pub struct Journal {
     path: PathBuf,
     lines: PathBuf,
@@ -82,10 +82,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Begins or goes on: of the frames that are `there` what is known is found again.
+    /// Begins or resumes: `there` marks the frames that exist, whose measurements are read back.
     ///
     /// # Errors
-    /// What the system says about the file of lines.
+    /// The file of lines can't be read or written.
     pub fn open(path: &Path, identities: &[String], there: &[bool]) -> Result<(Self, Measured)> {
         let mut name = path.as_os_str().to_owned();
         name.push(".partial");

@@ -5,8 +5,9 @@ mod bar;
 mod check;
 mod compare;
 mod compare_profiles;
-mod dealt;
+mod console;
 mod devices;
+mod ensemble_warnings;
 mod frames;
 mod info;
 mod input;
@@ -22,7 +23,6 @@ mod scene;
 mod sequence;
 mod session;
 mod stress;
-mod talk;
 mod tradeoff;
 #[cfg(feature = "viewer")]
 mod view;
@@ -35,7 +35,7 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand};
 use pellucid_engine::Result;
 
-use talk::Talk;
+use console::Console;
 
 /// Renders point clouds you can see through: exact transparency on Vulkan, every pass timed.
 #[derive(Debug, Parser)]
@@ -112,8 +112,8 @@ impl MeasureArgs {
     }
 }
 
-/// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without one `--frames` means a time series,
-/// and what follows is an input.
+/// The arguments, with the number of `--frames 36` joined to it (`--frames=36`): without a number `--frames` means a
+/// time series, and the next argument is an input.
 fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = Vec::new();
     let mut options = true;
@@ -137,22 +137,23 @@ fn arguments(given: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
 /// Parses the command line and runs its command.
 pub fn run() -> Result<ExitCode, crate::error::Error> {
     let cli = Cli::parse_from(arguments(std::env::args_os()));
-    let talk = Talk::new(cli.quiet, cli.verbose);
+    let console = Console::new(cli.quiet, cli.verbose);
     interrupt::watch();
+    pellucid_engine::io::silence_decoder_panics();
     Ok(match cli.command {
-        Command::Render(args) => render::run(args, talk)?,
-        Command::Profile(args) => profile::run(args, talk)?,
-        Command::Stress(args) => stress::run(args, talk)?,
-        Command::Tradeoff(args) => tradeoff::run(args, talk)?,
-        Command::Check(args) => check::run(args, talk)?,
-        Command::Plan(args) => plan::run(args, talk)?,
-        Command::Prepare(args) => prepare::run(args, talk)?,
-        Command::Info(args) => info::run(args, talk)?,
-        Command::Scene(args) => scene::run(args, talk)?,
+        Command::Render(args) => render::run(args, console)?,
+        Command::Profile(args) => profile::run(args, console)?,
+        Command::Stress(args) => stress::run(args, console)?,
+        Command::Tradeoff(args) => tradeoff::run(args, console)?,
+        Command::Check(args) => check::run(args, console)?,
+        Command::Plan(args) => plan::run(args, console)?,
+        Command::Prepare(args) => prepare::run(args, console)?,
+        Command::Info(args) => info::run(args, console)?,
+        Command::Scene(args) => scene::run(args, console)?,
         #[cfg(feature = "viewer")]
-        Command::View(args) => view::run(args, talk)?,
-        Command::Devices(args) => devices::run(args, talk)?,
-        Command::Compare(args) => compare::run(args, talk)?,
+        Command::View(args) => view::run(args, console)?,
+        Command::Devices(args) => devices::run(args, console)?,
+        Command::Compare(args) => compare::run(args, console)?,
     })
 }
 

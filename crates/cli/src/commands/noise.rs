@@ -1,15 +1,15 @@
-//! Whether times differ by more than their noise.
+//! Decides if times differ by more than their noise.
 //!
-//! The noise is that of the median: x₍ₖ₎ and x₍ₙ₊₁₋ₖ₎ of n sorted times enclose the true median with probability 1 − 2·P(X < k),
-//! X binomial over n tosses of a coin, whatever the times' distribution (David and Nagaraja 2003, "Order Statistics",
-//! section 7.1). k is the largest that makes this 95%, and 1 for n = 5, which makes 93.75%. The ratio of two medians then
-//! lies between the ratios of opposite ends. Where nothing changed, and neither side has more than three times the frames of
-//! the other, a pass is called slower in no more than 1 of 252 comparisons, and as often faster (counted out over the orders
-//! of all times; the most is at 5 and 5 frames): few enough that a table of passes seldom holds one. It is 1 of 32 at worst,
-//! for 5 frames against very many.
+//! The noise is that of the median: x₍ₖ₎ and x₍ₙ₊₁₋ₖ₎ of n sorted times enclose the true median with probability 1 −
+//! 2·P(X < k), X binomial over n tosses of a coin, whatever the times' distribution (David and Nagaraja 2003, "Order
+//! Statistics", section 7.1). k is the largest value that reaches 95%, or 1 for n = 5, which gives 93.75%. The ratio of
+//! two medians then lies between the ratios of opposite ends. If nothing changed, and neither side has more than three
+//! times the frames of the other, at most 1 comparison in 252 calls a pass slower, and as many call it faster
+//! (enumerated over all orders of the times; the worst case is 5 against 5 frames). A table of passes therefore seldom
+//! contains a false alarm. The worst rate of all is 1 in 32, for 5 frames against very many.
 //!
-//! That takes frames as independent. What changes between runs (heat, other work on the machine) is seen only if the runs
-//! of both take turns and their frames are put together.
+//! This assumes independent frames. Effects between runs (heat, other work on the machine) are noticed only if the runs
+//! of both sides alternate and their frames are pooled.
 
 /// Fewer times say nothing about their noise.
 pub const MIN_TIMES: usize = 5;
@@ -17,7 +17,7 @@ pub const MIN_TIMES: usize = 5;
 /// Level of the interval of a median.
 const CONFIDENCE: f64 = 0.95;
 
-/// What can be said of B against A.
+/// The result of comparing B with A.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Slower,
@@ -27,7 +27,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// From the interval of the ratio B/A.
-    pub fn of([low, high]: [f64; 2]) -> Self {
+    pub fn from_interval([low, high]: [f64; 2]) -> Self {
         if low > 1.0 {
             Self::Slower
         } else if high < 1.0 {
@@ -67,7 +67,7 @@ impl Times {
         if self.0.len() % 2 == 1 { Some(upper) } else { Some(0.5 * (self.0.get(middle - 1)? + upper)) }
     }
 
-    /// The ends between which the true median is to be expected; `None` for fewer than [`MIN_TIMES`].
+    /// The interval that should contain the true median; `None` for fewer than [`MIN_TIMES`].
     fn interval(&self) -> Option<[f64; 2]> {
         let count = self.0.len();
         if count < MIN_TIMES {
@@ -77,14 +77,15 @@ impl Times {
         Some([*self.0.get(cut)?, *self.0.get(count - 1 - cut)?])
     }
 
-    /// The ends between which the ratio of the medians, `self` over `base`, is to be expected.
+    /// The interval that should contain the ratio of the medians, `self` over `base`.
     pub fn ratio_interval(&self, base: &Self) -> Option<[f64; 2]> {
         let ([low, high], [base_low, base_high]) = (self.interval()?, base.interval()?);
         Some([low / base_high, high / base_low])
     }
 }
 
-/// How many of `count` sorted values are left out at each end: the most for which P(X ≤ that many) is within bounds.
+/// The number of sorted values, out of `count`, to leave out at each end: the largest for which P(X ≤ that number)
+/// stays within bounds.
 fn left_out(count: usize) -> usize {
     // The logarithm of P(X = k), since 2⁻ⁿ is no float64 for n > 1074.
     let mut ln_term = -(count as f64) * std::f64::consts::LN_2;
@@ -112,7 +113,7 @@ mod tests {
         for (count, rank) in [(5, 1), (6, 1), (8, 1), (9, 2), (11, 2), (12, 3), (20, 6), (50, 18), (100, 40)] {
             assert_eq!(left_out(count) + 1, rank, "{count}");
         }
-        // For many, (n − 1.96·√n) / 2.
+        // For large counts, (n − 1.96·√n) / 2.
         assert!((left_out(100_000) as f64 - 49_690.0).abs() < 2.0, "{}", left_out(100_000));
     }
 
@@ -123,11 +124,11 @@ mod tests {
         assert_eq!(times(&[3.0, 6.0]).median(), Some(4.5));
         let (a, b) = (times(&[10.0, 9.0, 11.0, 10.0, 10.0]), times(&[15.0, 14.0, 15.0, 22.0, 15.0]));
         assert_eq!(b.ratio_interval(&a), Some([14.0 / 11.0, 22.0 / 9.0]));
-        assert_eq!(b.ratio_interval(&a).map(Verdict::of), Some(Verdict::Slower));
-        assert_eq!(a.ratio_interval(&b).map(Verdict::of), Some(Verdict::Faster));
-        assert_eq!(a.ratio_interval(&a).map(Verdict::of), Some(Verdict::Same));
+        assert_eq!(b.ratio_interval(&a).map(Verdict::from_interval), Some(Verdict::Slower));
+        assert_eq!(a.ratio_interval(&b).map(Verdict::from_interval), Some(Verdict::Faster));
+        assert_eq!(a.ratio_interval(&a).map(Verdict::from_interval), Some(Verdict::Same));
         assert_eq!(a.ratio_interval(&times(&[1.0; 4])), None);
-        // Of nine, one is left out at each end.
+        // From nine times, one is left out at each end.
         let nine = times(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 100.0]);
         assert_eq!(nine.interval(), Some([2.0, 8.0]));
     }
@@ -144,7 +145,7 @@ mod tests {
             let mut slower = |scale: f64| {
                 let one = |_: &usize| {
                     let (a, b) = (sample(a, 1.0), sample(b, scale));
-                    b.ratio_interval(&a).map(Verdict::of) == Some(Verdict::Slower)
+                    b.ratio_interval(&a).map(Verdict::from_interval) == Some(Verdict::Slower)
                 };
                 (0..TRIALS).filter(one).count() as f64 / TRIALS as f64
             };

@@ -8,9 +8,9 @@ use pellucid_engine::{Result, plan};
 use serde_json::json;
 
 use super::DeviceArgs;
+use super::console::{Console, print, print_json};
 use super::input::{InputArgs, prepare};
 use super::session::Session;
-use super::talk::{Talk, print, print_json};
 
 #[derive(Debug, Args)]
 pub struct PlanArgs {
@@ -23,12 +23,12 @@ pub struct PlanArgs {
     json: bool,
 }
 
-pub fn run(args: PlanArgs, talk: Talk) -> Result<ExitCode> {
-    let progress = talk.progress();
-    let resolved = prepare(&args.input, talk, &progress)?;
+pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
+    let progress = console.progress();
+    let resolved = prepare(&args.input, console, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
-    // As `profile` renders: with list lengths, but for a method that has no lists.
-    session.frame.fragments = !session.frame.method.is_tiled();
+    // Count lists as `profile` does, except for methods without lists.
+    session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
     let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);

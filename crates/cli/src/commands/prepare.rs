@@ -13,9 +13,9 @@ use pellucid_engine::scene::{self, CloudSettings, Overrides, Scene};
 use pellucid_engine::{Result, io, output, prepare};
 
 use super::DeviceArgs;
+use super::console::Console;
 use super::input::report_cloud;
 use super::limit::usage;
-use super::talk::Talk;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
 /// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what
@@ -105,7 +105,7 @@ impl PrepareArgs {
         Ok(overrides)
     }
 
-    /// The options of light as keys of a scene with shadows; `None` if there is no light.
+    /// The options of the light as keys of a scene with shadows; `None` without a light.
     fn light(&self) -> Result<Option<Overrides>> {
         let list = |text: &str| format!("[{text}]");
         let light = match (&self.light, &self.light_position) {
@@ -114,7 +114,7 @@ impl PrepareArgs {
             (None, None) => return Ok(None),
         };
         let mut overrides = Overrides::default();
-        // What has shadows at all.
+        // A method that supports shadows.
         overrides.set("prepare", "method.name", "points")?;
         overrides.set("prepare", "shading.model", "lambert")?;
         overrides.set("prepare", "shadows.method", "texture")?;
@@ -170,7 +170,7 @@ impl PrepareArgs {
     }
 }
 
-pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
     let has = |path: &Path, extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if !has(&args.output, "ply") {
         return Err(usage(format!(
@@ -184,13 +184,13 @@ pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
     output::check_folder(&args.output)?;
     let scene = Scene::from_clouds([&args.input], &args.overrides()?)?;
     let light = args.light()?.map(|overrides| Scene::from_clouds([&args.input], &overrides)).transpose()?;
-    scene.warnings.iter().for_each(|warning| talk.warn(warning));
-    let progress = talk.progress();
+    scene.warnings.iter().for_each(|warning| console.warn(warning));
+    let progress = console.progress();
     progress.set_message(format!("reading {}", args.input.display()));
     let settings = scene.clouds.into_iter().next();
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(&args.input, hints, &progress)?;
-    report_cloud(&args.input, &cloud, talk);
+    report_cloud(&args.input, &cloud, console);
     let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
     let request = prepare::Request { neighbors, field, normals: args.normals, ..Default::default() };
     progress.reset();
@@ -204,6 +204,6 @@ pub fn run(args: PrepareArgs, talk: Talk) -> Result<ExitCode> {
     progress.stage("writing");
     io::ply::write_prepared(&args.output, &prepared)?;
     progress.finish_and_clear();
-    talk.detail(format_args!("{}: written", args.output.display()));
+    console.detail(format_args!("{}: written", args.output.display()));
     Ok(ExitCode::SUCCESS)
 }

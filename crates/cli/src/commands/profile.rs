@@ -7,10 +7,10 @@ use pellucid_engine::methods::{Rendered, Stop};
 use pellucid_engine::{Result, profile};
 
 use super::along::PathArgs;
+use super::console::{Console, print, print_json};
 use super::input::{InputArgs, prepare};
 use super::measured::Measured;
 use super::session::Session;
-use super::talk::{Talk, print, print_json};
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -28,7 +28,7 @@ pub struct ProfileArgs {
     #[command(flatten)]
     along: PathArgs,
     /// For which output the frames are: an .exr gets every bit, for a .png blending stops where no 8-bit value would move by
-    /// more than a quarter of a step. Only method sorted stops at all.
+    /// more than a quarter of a step. Only the methods sorted and abuffer stop at all.
     #[arg(long = "for", value_name = "FORMAT", default_value = "exr")]
     format: Format,
     /// Print the measurements as JSON, as --profile writes them, instead of the table.
@@ -36,7 +36,7 @@ pub struct ProfileArgs {
     json: bool,
 }
 
-/// Frames of a camera that rests, if nobody says.
+/// Default number of frames of a camera at rest.
 const DEFAULT_FRAMES: u32 = 5;
 
 /// An output format.
@@ -46,13 +46,13 @@ enum Format {
     Png,
 }
 
-pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     args.measure.check()?;
-    let progress = talk.progress();
-    let (resolved, cameras) = match args.along.course(args.frames, &args.input, talk)? {
-        Some(along) => along.resolve(&args.input, talk, &progress)?,
+    let progress = console.progress();
+    let (resolved, cameras) = match args.along.course(args.frames, &args.input, console)? {
+        Some(along) => along.resolve(&args.input, console, &progress)?,
         None => {
-            let resolved = prepare(&args.input, talk, &progress)?;
+            let resolved = prepare(&args.input, console, &progress)?;
             let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];
             (resolved, cameras)
         }
@@ -62,15 +62,15 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
         Format::Png => Stop::EightBit { transparent: false },
     };
     let mut session = Session::open(&args.device, &resolved, true, stop, &progress)?;
-    session.describe(talk);
-    session.warn(&resolved, talk);
+    session.describe(console);
+    session.warn(&resolved, console);
     // The first frame pays for pipelines and buffers.
     let first = session.render()?;
     let shadows = first.profile.passes.iter().filter(|pass| pass.name.starts_with("shadows/"));
     let casting_ms = shadows.map(|pass| pass.gpu.as_secs_f64() * 1e3).sum::<f64>();
     if first.facts.light_views > 0 {
         let views = first.facts.light_views;
-        talk.note(format_args!(
+        console.note(format_args!(
             "shadows: {casting_ms:.2} ms on the device for {views} image(s) of a light, in the first frame only; it is not among \
              those below"
         ));
@@ -78,8 +78,8 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let mut profile = session.profile();
     let counted_facts = (first.facts.fragments, first.facts.max_list);
     let histogram = first.image.fragments.as_deref().map(profile::histogram).unwrap_or_default();
-    let tiled = session.frame.method.is_tiled();
-    if tiled {
+    let on_demand = session.frame.counts_on_demand();
+    if on_demand {
         // The first frame counted the lists, which the method itself has no use for.
         session.frame.fragments = false;
     }
@@ -89,7 +89,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     let moves = args.along.option().is_some();
     for (number, camera) in cameras.iter().enumerate() {
         session.frame.camera = *camera;
-        let counted = if moves && tiled { Some(count_lists(&mut session)?) } else { None };
+        let counted = if moves && on_demand { Some(count_lists(&mut session)?) } else { None };
         let mut rendered = session.render()?;
         if let Some(counted) = counted {
             rendered.facts.fragments = counted.facts.fragments;
@@ -120,7 +120,7 @@ pub fn run(args: ProfileArgs, talk: Talk) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A frame of which the lists are counted, for a method that has no use for them; it is not to be measured.
+/// Renders a frame with counted lists, for methods that don't need the counts; its times must not be used.
 fn count_lists(session: &mut Session) -> Result<Rendered> {
     session.frame.fragments = true;
     let counted = session.render();

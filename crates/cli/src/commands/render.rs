@@ -14,11 +14,11 @@ use pellucid_lab::choice::{self, Choice, Subject, Wish};
 use pellucid_lab::report::tradeoff::settings::formation;
 
 use super::along::PathArgs;
+use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
 use super::sequence;
 use super::session::Session;
-use super::talk::Talk;
 use super::{DeviceArgs, MeasureArgs};
 
 #[derive(Debug, Args)]
@@ -30,8 +30,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub measure: MeasureArgs,
     /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
-    /// .png, in the current folder. For a .png method sorted blends until no 8-bit value would move by more than a
-    /// quarter of a step, for an .exr until no bit would change.
+    /// .png, in the current folder. For a .png the methods sorted and abuffer blend until no 8-bit value would move
+    /// by more than a quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// EXR: also write the length of each pixel's fragment list, as channel `fragments.Y`, with peel and peel-layers the
@@ -87,23 +87,23 @@ impl ChoiceArgs {
         self.max_error.is_some() || self.budget.is_some() || self.recalibrate
     }
 
-    /// What is wished for, if anything is that makes sense for the scene's method.
-    fn wish(&self, resolved: &Resolved, talk: Talk) -> Option<Wish> {
+    /// The requested error or time limit, if it is meaningful for the scene's method.
+    fn wish(&self, resolved: &Resolved, console: Console) -> Option<Wish> {
         let wish = Wish { max_error: self.max_error, budget_ms: self.budget };
         if self.recalibrate && !wish.is_any() {
-            talk.warn("--recalibrate has no effect without --max-error or --budget");
+            console.warn("--recalibrate has no effect without --max-error or --budget");
         }
         let method = resolved.scene.method;
         let taken = plan::resolve(method, resolved.points()).0;
         if wish.is_any() && resolved.scene.shadows.is_some() && taken.takes_shadows() {
-            talk.warn(format_args!(
+            console.warn(format_args!(
                 "--max-error and --budget have no effect where there are shadows: {} stays the method",
                 taken.name()
             ));
             return None;
         }
         if wish.is_any() && formation(&method.representative(), resolved.points()).is_err() {
-            talk.warn(format_args!(
+            console.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
                 method.name()
             ));
@@ -113,14 +113,14 @@ impl ChoiceArgs {
     }
 }
 
-/// Chooses by the wish, and says what.
+/// Chooses method and setting by the wish, and reports the choice.
 fn choose(
     args: &RenderArgs,
     wish: Wish,
     session: &mut Session,
     resolved: &Resolved,
     progress: &Bar,
-    talk: Talk,
+    console: Console,
 ) -> Result<Choice> {
     progress.stage("choosing the method");
     let (arranged, background, only) = (&resolved.arranged, resolved.scene.image.background, args.input.asked_method());
@@ -128,22 +128,27 @@ fn choose(
     let choice =
         choice::choose(&session.device, &mut session.cloud, &subject, wish, args.choice.recalibrate, progress)?;
     progress.stage("rendering");
-    talk.detail(format_args!(
+    console.detail(format_args!(
         "chosen among {} measured settings; frames rendered for it now: {}",
         choice.known, choice.frames
     ));
     let (name, figures) = (choice.method.name(), choice.figures);
     let chosen = format!("{name} {}", choice.setting);
-    talk.note(format_args!("{}: RMSE {:.2e}, {:.2} ms on the device", chosen.trim_end(), figures.rmse, figures.gpu_ms));
+    console.note(format_args!(
+        "{}: RMSE {:.2e}, {:.2} ms on the device",
+        chosen.trim_end(),
+        figures.rmse,
+        figures.gpu_ms
+    ));
     if let Some(warning) = &choice.warning {
-        talk.warn(warning);
+        console.warn(warning);
     }
     session.frame.method = choice.method;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
 }
 
-/// Where pictures go.
+/// The destination of pictures.
 enum Target {
     One(PathBuf),
     /// A picture for each step of a time series.
@@ -154,7 +159,7 @@ enum Target {
 
 impl Target {
     /// Checks that the options fit together and that the first picture could be written in the end.
-    fn of(args: &RenderArgs) -> Result<Self> {
+    fn from_args(args: &RenderArgs) -> Result<Self> {
         let usage = |problem: String| Err(Error::Usage(problem).into());
         let given = args.output.clone();
         let target = match (args.along.option(), args.frames) {
@@ -201,37 +206,37 @@ fn is_png(path: &Path) -> bool {
 }
 
 impl RenderArgs {
-    /// What blending may leave out in a picture of this name.
+    /// The accuracy at which blending may stop for an output of this name.
     pub fn stop(&self, output: &Path) -> Stop {
         if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
     }
 }
 
-pub fn run(args: RenderArgs, talk: Talk) -> Result<ExitCode> {
-    let target = Target::of(&args)?;
+pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
+    let target = Target::from_args(&args)?;
     args.measure.check()?;
     let png = is_png(&target.first());
     if args.aov && png {
-        talk.warn("--aov has no effect on a PNG; write an .exr");
+        console.warn("--aov has no effect on a PNG; write an .exr");
     }
     if args.transparent && !png {
-        talk.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
+        console.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
     }
     if let Target::Frames(pattern) = &target
-        && let Some(along) = args.along.course(args.frames.flatten(), &args.input, talk)?
+        && let Some(along) = args.along.course(args.frames.flatten(), &args.input, console)?
     {
-        return sequence::run(&args, &along, pattern, talk);
+        return sequence::run(&args, &along, pattern, console);
     }
-    let progress = talk.progress();
-    let loaded = read(&args.input, None, talk, &progress)?;
+    let progress = console.progress();
+    let loaded = read(&args.input, None, console, &progress)?;
     let mut profile = None;
     match &target {
         Target::One(path) => {
-            let resolved = loaded.resolve(None, talk, &progress)?;
-            picture(&args, &resolved, path, None, &mut profile, &progress, talk)?;
+            let resolved = loaded.resolve(None, console, &progress)?;
+            picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }
         Target::Steps(pattern) | Target::Frames(pattern) => {
-            steps(&args, loaded, pattern, &mut profile, &progress, talk)?;
+            steps(&args, loaded, pattern, &mut profile, &progress, console)?;
         }
     }
     if let Some(profile) = profile {
@@ -247,24 +252,24 @@ fn steps(
     pattern: &Pattern,
     profile: &mut Option<Profile>,
     progress: &Bar,
-    talk: Talk,
+    console: Console,
 ) -> Result<()> {
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    let whole = loaded.clone().resolve(None, talk, progress)?;
+    let whole = loaded.clone().resolve(None, console, progress)?;
     progress.finish_and_clear();
-    // What is to be said about the scene was said.
-    let silent = Talk::new(true, false);
+    // Messages about the scene were printed already.
+    let silent = Console::new(true, false);
     for step in 1..count {
-        let progress = talk.progress();
+        let progress = console.progress();
         progress.stage(&format!("step {step} of {count}"));
         let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
-        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, talk)?;
+        picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
     }
-    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &talk.progress(), talk)
+    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &console.progress(), console)
 }
 
-/// Renders and writes a picture; `step` is its number and that of all, if there are several.
+/// Renders and writes a picture; `step` is its number and the number of all pictures, if it is one of several.
 fn picture(
     args: &RenderArgs,
     resolved: &Resolved,
@@ -272,33 +277,33 @@ fn picture(
     step: Option<(usize, usize)>,
     profile: &mut Option<Profile>,
     progress: &Bar,
-    talk: Talk,
+    console: Console,
 ) -> Result<()> {
     let stop = args.stop(output);
     let counted = args.aov || args.measure.profile.is_some();
-    let wish = args.choice.wish(resolved, talk);
+    let wish = args.choice.wish(resolved, console);
     // An error was measured of every bit.
     let stop = if wish.is_some() { Stop::Exact } else { stop };
     let (mut session, choice) = match wish {
         None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
         Some(wish) => {
             let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
-            let choice = choose(args, wish, &mut session, resolved, progress, talk)?;
+            let choice = choose(args, wish, &mut session, resolved, progress, console)?;
             (session, Some(choice))
         }
     };
     session.renderer.progress = (**progress).clone();
-    session.describe(talk);
-    // Of a time series once.
+    session.describe(console);
+    // In a time series, warn only once.
     if step.is_none_or(|(step, count)| step == count) {
-        session.warn(resolved, talk);
+        session.warn(resolved, console);
     }
     let mut rendered = session.render()?;
     progress.finish_and_clear();
     let mut own: Vec<_> =
         choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
     own.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
-    finish(args, resolved, &mut session, &mut rendered, output, own, talk)?;
+    finish(args, resolved, &mut session, &mut rendered, output, own, console)?;
     profile.get_or_insert_with(|| session.profile()).add(&rendered);
     Ok(())
 }
@@ -312,16 +317,16 @@ pub fn finish(
     rendered: &mut Rendered,
     output: &Path,
     own: Vec<(String, String)>,
-    talk: Talk,
+    console: Console,
 ) -> Result<()> {
     let brightness = session.brighten(&mut rendered.image)?;
-    Session::describe_frame(rendered, talk);
+    Session::describe_frame(rendered, console);
     let mut metadata = resolved.metadata(session.frame.method.name(), &session.device.info().name);
     if let Some(applied) = brightness {
         if applied.found.is_some() {
-            talk.note(format_args!("brightness: colors times {}", applied.factor));
+            console.note(format_args!("brightness: colors times {}", applied.factor));
         }
-        applied.warning().iter().for_each(|warning| talk.warn(warning));
+        applied.warning().iter().for_each(|warning| console.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
     metadata.extend(own);
@@ -331,12 +336,12 @@ pub fn finish(
         transparent: args.transparent,
         metadata,
     };
-    // Lists may have been counted, but for the profile's histogram only.
+    // If not requested, the counts served only the profile's histogram.
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
     output::write_image(output, &rendered.image, &options)?;
     rendered.image.fragments = rendered.image.fragments.take().or(counted);
-    talk.detail(format_args!("{}: written", output.display()));
+    console.detail(format_args!("{}: written", output.display()));
     Ok(())
 }

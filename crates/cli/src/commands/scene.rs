@@ -9,7 +9,7 @@ use pellucid_engine::io::volume::{Dims, Scalar};
 use pellucid_engine::scene::procedural::{self, BUILTINS, Generated, iso};
 use pellucid_engine::{Result, io, output, scene};
 
-use super::talk::{Talk, print};
+use super::console::{Console, print};
 
 #[derive(Debug, Args)]
 pub struct SceneArgs {
@@ -37,7 +37,8 @@ pub struct SceneArgs {
 #[command(next_help_heading = "Surfaces of a volume (iso)")]
 struct VolumeArgs {
     /// The volume: numbers without a header, x fastest, little-endian, whose name says what they are, as in
-    /// hydrogen_64x64x64_float32.raw.
+    /// hydrogen_64x64x64_float32.raw. By default a hydrogen orbital: the density of the electron in the state 3d (m = 0)
+    /// over its greatest value.
     #[arg(long, value_name = "FILE")]
     volume: Option<PathBuf>,
     /// How many numbers there are along x, y and z, whatever the file's name says.
@@ -47,33 +48,29 @@ struct VolumeArgs {
     #[arg(long = "type", value_name = "NAME", requires = "volume")]
     scalar: Option<Scalar>,
     /// Values at which there are surfaces; by default some that enclose a tenth to a hundredth of the volume.
-    #[arg(long, value_name = "V1,V2,…", value_delimiter = ',', allow_hyphen_values = true, value_parser = finite, requires = "volume")]
+    #[arg(long, value_name = "V1,V2,…", value_delimiter = ',', allow_hyphen_values = true, value_parser = finite)]
     values: Vec<f64>,
 }
 
 impl VolumeArgs {
     /// The surfaces, if they are what is asked for.
     fn build(&self, name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Option<Generated>> {
-        match &self.volume {
-            Some(path) if name == iso::NAME => {
-                let volume = io::volume::read(path, self.dims, self.scalar)?;
-                let built = iso::build_iso(&volume, &self.values, parameters, seed);
-                Ok(Some(built.map_err(scene::Error::from)?))
+        if name != iso::NAME {
+            if self.volume.is_none() && self.values.is_empty() {
+                return Ok(None);
             }
-            None if name == iso::NAME => {
-                let problem = "the scene iso needs --volume FILE: a volume such as hydrogen_64x64x64_float32.raw";
-                Err(scene::Error::Usage(problem.into()).into())
-            }
-            Some(_) => {
-                let problem = format!("--volume belongs to the scene {}, not to {name}", iso::NAME);
-                Err(scene::Error::Usage(problem).into())
-            }
-            None => Ok(None),
+            let problem = format!("--volume and --values belong to the scene {}, not to {name}", iso::NAME);
+            return Err(scene::Error::Usage(problem).into());
         }
+        let volume = match &self.volume {
+            Some(path) => io::volume::read(path, self.dims, self.scalar)?,
+            None => iso::built_in(),
+        };
+        Ok(Some(iso::build_iso(&volume, &self.values, parameters, seed).map_err(scene::Error::from)?))
     }
 }
 
-pub fn run(args: SceneArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: SceneArgs, console: Console) -> Result<ExitCode> {
     if args.list {
         print(&list())?;
         return Ok(ExitCode::SUCCESS);
@@ -85,7 +82,7 @@ pub fn run(args: SceneArgs, talk: Talk) -> Result<ExitCode> {
             None => procedural::build(name, &parameters, args.seed).map_err(scene::Error::from)?,
         };
         write(folder, &generated)?;
-        talk.detail(format_args!("{}: written", folder.join("scene.toml").display()));
+        console.detail(format_args!("{}: written", folder.join("scene.toml").display()));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,5 +1,5 @@
-//! `render --path` and `render --turntable`: a picture for each frame, rendered from one upload, and only those that are not
-//! there yet.
+//! `render --path` and `render --turntable`: one picture per frame, rendered from one upload; frames that exist already
+//! are skipped.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ use pellucid_engine::profile::Profile;
 use pellucid_engine::{Result, identity, output};
 
 use super::along::Along;
+use super::console::Console;
 use super::frames::Pattern;
 use super::input::Resolved;
 use super::interrupt;
 use super::measured::{Journal, Measured};
 use super::render::{RenderArgs, finish};
 use super::session::Session;
-use super::talk::Talk;
 
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
@@ -26,54 +26,55 @@ const IDENTITY: &str = "pellucid:sequence";
 /// The status of a program that was interrupted (128 + SIGINT).
 const INTERRUPTED_STATUS: u8 = 130;
 
-/// The frames that are to be, and which of them are there.
+/// The files of the frames, and which of them exist.
 struct Frames {
     files: Vec<PathBuf>,
     cameras: Vec<Camera>,
-    /// What each picture is decided by.
+    /// The identity of each picture: a hash of everything it depends on.
     identities: Vec<String>,
     there: Vec<bool>,
 }
 
-/// What is measured and kept.
+/// Measurements of the sequence.
 struct Records {
     measured: Measured,
     journal: Option<Journal>,
-    /// Of the frames that were rendered now, if a trace is wanted.
+    /// The frames rendered in this run, if a trace is wanted.
     trace: Option<Profile>,
 }
 
-pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, talk: Talk) -> Result<ExitCode> {
-    let progress = talk.progress();
-    let (resolved, cameras) = along.resolve(&args.input, talk, &progress)?;
+pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console) -> Result<ExitCode> {
+    let progress = console.progress();
+    let (resolved, cameras) = along.resolve(&args.input, console, &progress)?;
     let counts = args.aov || args.measure.profile.is_some();
     let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
-    session.describe(talk);
-    session.warn(&resolved, talk);
+    session.describe(console);
+    session.warn(&resolved, console);
     let frames = Frames::find(args, cameras, pattern, &resolved, &session)?;
     let mut records = Records::open(args, &frames, &session)?;
     interrupt::defer();
-    let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, talk)?;
+    let rendered = frames.render(args, &resolved, &mut session, &mut records, &progress, console)?;
     progress.finish_and_clear();
     let (count, before) = (frames.files.len(), frames.there.iter().filter(|there| **there).count());
     if before > 0 {
-        talk.note(format_args!("{before} of {count} frames were there already, {rendered} were rendered"));
+        console.note(format_args!("{before} of {count} frames were there already, {rendered} were rendered"));
     }
     if before + rendered < count {
         let finished = before + rendered;
-        talk.note(format_args!("interrupted with {finished} of {count} frames; the same command renders the others"));
+        console
+            .note(format_args!("interrupted with {finished} of {count} frames; the same command renders the others"));
         return Ok(ExitCode::from(INTERRUPTED_STATUS));
     }
-    records.finish(args, &session, count, talk)?;
+    records.finish(args, &session, count, console)?;
     Ok(ExitCode::SUCCESS)
 }
 
 impl Frames {
-    /// Finds which frames are there, and removes what is to be replaced.
+    /// Finds the frames that exist, and removes those to be replaced.
     ///
     /// # Errors
-    /// Files of these names, or of the numbers after the last one, that don't belong to the sequence, unless they are to be
-    /// replaced.
+    /// Files with these names, or with numbers after the last one, that don't belong to the sequence, unless they may
+    /// be replaced.
     fn find(
         args: &RenderArgs,
         cameras: Vec<Camera>,
@@ -113,11 +114,11 @@ impl Frames {
         session: &mut Session,
         records: &mut Records,
         progress: &Bar,
-        talk: Talk,
+        console: Console,
     ) -> Result<usize> {
         let count = self.files.len();
         let missing: Vec<usize> = (0..count).filter(|number| !self.there[*number]).collect();
-        // Of the missing frames alone, so that the time left is theirs.
+        // Counts only the missing frames, so that the estimated time is theirs.
         progress.counted("frames", missing.len() as u64);
         let (mut done, mut empty) = (0, Vec::new());
         for number in missing {
@@ -135,15 +136,16 @@ impl Frames {
                 ("pellucid:frame".to_owned(), format!("{number} of {count}")),
                 (IDENTITY.to_owned(), self.identities[number].clone()),
             ];
-            let said = if done == 0 { talk } else { talk.once_said() };
-            finish(args, resolved, session, &mut rendered, &self.files[number], own, said)?;
+            let console_for_frame = if done == 0 { console } else { console.without_repeats() };
+            finish(args, resolved, session, &mut rendered, &self.files[number], own, console_for_frame)?;
             session.renderer.recycle(rendered.image);
             done += 1;
             progress.inc(1);
         }
         if let Some(first) = empty.first() {
             let empty = empty.len();
-            talk.warn(format_args!("{empty} of {count} frames show nothing of the scene, the first is frame {first}"));
+            console
+                .warn(format_args!("{empty} of {count} frames show nothing of the scene, the first is frame {first}"));
         }
         Ok(done)
     }
@@ -175,12 +177,12 @@ impl Records {
     }
 
     /// Writes what was asked for.
-    fn finish(self, args: &RenderArgs, session: &Session, count: usize, talk: Talk) -> Result<()> {
+    fn finish(self, args: &RenderArgs, session: &Session, count: usize, console: Console) -> Result<()> {
         if let Some(journal) = self.journal {
             let missing = self.measured.missing(count);
             if let Some(first) = missing.first() {
                 let missing = missing.len();
-                talk.warn(format_args!(
+                console.warn(format_args!(
                     "the profile lacks {missing} of {count} frames, the first is frame {first}: they were rendered without \
                      --profile; `pellucid profile` measures all of them along the same path"
                 ));
@@ -191,12 +193,12 @@ impl Records {
     }
 }
 
-/// Whether there is anything of this name, be it a link that leads nowhere.
+/// True if anything with this name exists, even a dangling link.
 fn is_taken(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
 
-/// For each frame a hash of all that its file depends on.
+/// A hash, for each frame, of everything its file depends on.
 fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, session: &Session) -> Vec<String> {
     let frame = Frame { camera: resolved.camera, ..session.frame };
     let info = session.device.info();

@@ -1,4 +1,4 @@
-//! A device with the scene on it: what `render`, `profile` and `plan` share.
+//! A device with the scene on it, shared by `render`, `profile` and `plan`.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,9 +13,9 @@ use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::{Result, output, plan};
 
-use super::dealt;
+use super::console::Console;
+use super::ensemble_warnings;
 use super::input::Resolved;
-use super::talk::Talk;
 use super::{DeviceArgs, MeasureArgs};
 
 pub struct Session {
@@ -23,7 +23,7 @@ pub struct Session {
     pub renderer: Renderer,
     pub cloud: DeviceCloud,
     pub frame: Frame,
-    /// Why this method was taken.
+    /// The reason for the method.
     pub why: String,
 }
 
@@ -57,43 +57,43 @@ impl Session {
     }
 
     /// Says on which device what is rendered, and how.
-    pub fn describe(&self, talk: Talk) {
+    pub fn describe(&self, console: Console) {
         let info = self.device.info();
-        talk.detail(format_args!("device {} ({})", info.name, info.driver));
-        talk.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
+        console.detail(format_args!("device {} ({})", info.name, info.driver));
+        console.detail(format_args!("method {}: {}", self.frame.method.name(), self.why));
         let [width, height] = self.frame.size;
-        talk.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
+        console.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
     }
 
     /// Warns of clouds that don't come out as asked.
-    pub fn warn(&self, resolved: &Resolved, talk: Talk) {
-        // Of another method, or points that were not dealt: there is nothing to say.
+    pub fn warn(&self, resolved: &Resolved, console: Console) {
+        // Other methods, and points that were not dealt, need no warning.
         let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
         let surfaces = resolved.arranged.surfaces();
-        let warnings = dealt::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
-        warnings.iter().for_each(|warning| talk.warn(warning));
+        let warnings = ensemble_warnings::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
+        warnings.iter().for_each(|warning| console.warn(warning));
         if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
             let method = self.frame.method.name();
-            talk.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
+            console.warn(format_args!("[shadows] has no effect: method {method} takes no shadows ({})", self.why));
         }
     }
 
     /// Says what a frame met and took.
-    pub fn describe_frame(rendered: &Rendered, talk: Talk) {
+    pub fn describe_frame(rendered: &Rendered, console: Console) {
         let Rendered { facts, profile, .. } = rendered;
         if facts.fragments > 0 {
-            talk.detail(format_args!(
+            console.detail(format_args!(
                 "{} fragments, the longest list {}, in {} band(s)",
                 facts.fragments, facts.max_list, facts.bands
             ));
         }
         if facts.layers > 0 {
-            talk.detail(format_args!("{} layers peeled", facts.layers));
+            console.detail(format_args!("{} layers peeled", facts.layers));
         }
         if facts.samples > 0 {
-            talk.detail(format_args!("{} samples per pixel", facts.samples));
+            console.detail(format_args!("{} samples per pixel", facts.samples));
         }
-        talk.detail(format_args!(
+        console.detail(format_args!(
             "frame {:.1} ms, of which {:.1} ms in passes; device memory at most {}",
             profile.wall.as_secs_f64() * 1e3,
             profile.gpu().as_secs_f64() * 1e3,
@@ -101,7 +101,7 @@ impl Session {
         ));
     }
 
-    /// One frame; an error if validation is on and said anything.
+    /// Renders one frame; validation messages are an error.
     pub fn render(&mut self) -> Result<Rendered> {
         let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
         self.device.check_validation()?;

@@ -12,7 +12,7 @@ use pellucid_engine::scene::Method;
 use pellucid_lab::report::stress::{self, Report, Settings, Sweep};
 
 use super::DeviceArgs;
-use super::talk::{Talk, print, print_json};
+use super::console::{Console, print, print_json};
 
 const ABOUT: &str = "\
 What is measured: two built-in scenes in which every pixel has exactly as many fragments as there are layers. In `stack` \
@@ -79,20 +79,20 @@ impl StressArgs {
     }
 }
 
-pub fn run(args: StressArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: StressArgs, console: Console) -> Result<ExitCode> {
     pellucid_engine::output::check_report_folder(&args.output)?;
     let settings = args.settings();
-    let progress = talk.progress();
+    let progress = console.progress();
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
-    talk.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
+    console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     progress.counted("stress", settings.cells() as u64);
     let sweep = stress::run(&device, &settings, &progress)?;
     progress.finish_and_clear();
     for cell in &sweep.cells {
         if let Some(counted) = cell.counted.filter(|counted| *counted != cell.fragments) {
             let (scene, side, method) = (cell.workload.name(), cell.side, cell.method);
-            talk.warn(format_args!(
+            console.warn(format_args!(
                 "{scene}, {side} × {side} pixels, {} layers: {method} counted {counted} fragments and not {}",
                 cell.layers, cell.fragments
             ));

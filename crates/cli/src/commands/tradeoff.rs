@@ -15,9 +15,9 @@ use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders, Occasio
 use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Subject, Tradeoff};
 
 use super::DeviceArgs;
+use super::console::{Console, print, print_json};
 use super::input::{InputArgs, read};
 use super::stress::seconds;
-use super::talk::{Talk, print, print_json};
 
 const ABOUT: &str = "\
 What is compared: all methods that draw the scene's transparent discs, with the scene's shape and falloff. The exact ones; \
@@ -49,7 +49,7 @@ An interrupted run leaves what it measured in DIR/tradeoff.partial.json. The sam
 What is written: report.html, which needs no other file; tradeoff.csv; tradeoff.json; the figures as .svg; the pictures, and \
 their differences from reference.png 10 times as bright, as .png.";
 
-/// Frames behind a median and images with seeds of their own, if there is time: all of it, and for a quick look.
+/// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
 const REPEATS: (usize, u32) = (10, 8);
 const QUICK_REPEATS: (usize, u32) = (3, 4);
 
@@ -84,7 +84,8 @@ fn method_names() -> PossibleValuesParser {
     let mut names = Vec::new();
     let with_normals = Points { normals: Some(Vec::new()), ..Points::default() };
     let opaque = [Method::Cone(Interpolated::default()), Method::Sphere(ScreenSplats::default())];
-    let opaque = opaque.iter().filter_map(|method| Surfaces::of(method, &with_normals)).map(Formation::Surfaces);
+    let opaque =
+        opaque.iter().filter_map(|method| Surfaces::for_method(method, &with_normals)).map(Formation::Surfaces);
     let others = [Formation::Discs(Discs::default()), soft, Formation::Ensembles(Spbr::default())];
     for formation in others.into_iter().chain(opaque) {
         let occasion = Occasion { formation, opaque: true, oriented: false, max_list: u32::MAX };
@@ -108,15 +109,15 @@ impl TradeoffArgs {
     }
 }
 
-pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
+pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     output::check_report_folder(&args.output)?;
-    let progress = talk.progress();
-    let resolved = read(&args.input, None, talk, &progress)?.resolve_with_radii(talk, &progress)?;
+    let progress = console.progress();
+    let resolved = read(&args.input, None, console, &progress)?.resolve_with_radii(console, &progress)?;
     let formation = settings::compared(&resolved.scene.method.representative(), resolved.points())?;
     progress.stage("uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
-    talk.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
+    console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
     let frame = Frame {
         camera: resolved.camera,
         size: resolved.scene.image.size,
@@ -142,7 +143,7 @@ pub fn run(args: TradeoffArgs, talk: Talk) -> Result<ExitCode> {
     tradeoff::discard(&args.output)?;
     progress.finish_and_clear();
     if report.sittings > 1 {
-        talk.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
+        console.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
     }
     if args.json {
         let value =

@@ -10,11 +10,11 @@ use pellucid_engine::scene;
 use pellucid_viewer::{Display, Options};
 
 use super::DeviceArgs;
+use super::console::Console;
 use super::input::{InputArgs, report_cloud};
-use super::talk::Talk;
 use crate::error::Error;
 
-/// Columns and rows of a window that nobody gave a size.
+/// Default size of the window, in columns and rows.
 const SIZE: [u32; 2] = [1280, 720];
 
 /// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
@@ -40,17 +40,17 @@ fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a number above 0".into())
 }
 
-pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode, Error> {
+pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     // Before anything is read: without a display that would be in vain.
     let display = Display::connect()?;
     let ViewArgs { input, device, path, budget } = args;
     let cameras = path.as_deref().map(Source::read).transpose().map_err(pellucid_engine::Error::from)?;
-    let progress = talk.progress();
+    let progress = console.progress();
     let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
     progress.finish_and_clear();
     let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
     for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
-        report_cloud(&settings.path, cloud, talk);
+        report_cloud(&settings.path, cloud, console);
     }
     let options = Options {
         opened,
@@ -62,6 +62,6 @@ pub fn run(args: ViewArgs, talk: Talk) -> Result<ExitCode, Error> {
         budget_ms: budget,
         path: path.zip(cameras),
     };
-    display.show(options, Box::new(move |line| talk.detail(format_args!("view: {line}"))))?;
+    display.show(options, Box::new(move |line| console.detail(format_args!("view: {line}"))))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 // Exponentials, logarithms, powers, and what else drivers compute each in its own way: here by additions, multiplications,
 // divisions and square roots alone, of which Vulkan drivers with IEEE arithmetic make the same bits. Polynomials of Cephes
-// (Moshier 1989: expf, logf). All arithmetic is NoContraction (src/gpu/spirv.rs).
+// (Moshier 1989: expf, logf). All arithmetic is NoContraction (crates/gpu/src/spirv.rs).
 
 // e^x within 1 unit in the last place (all of 10^8 arguments tried); 0 below -87, where it would be subnormal, e^88 above 88.
 fn exponential(x: f32) -> f32 {

@@ -1,5 +1,5 @@
 // Numbers as unevaluated sums of two floats, about 48 bits (Dekker 1971; Knuth, TAOCP 2, 4.2.2). They rely on every
-// operation being rounded by itself: all arithmetic is decorated NoContraction (src/gpu/spirv.rs).
+// operation being rounded by itself: all arithmetic is decorated NoContraction (crates/gpu/src/spirv.rs).
 fn quick_sum(a: f32, b: f32) -> vec2<f32> {
     let s = a + b;
     return vec2<f32>(s, b - (s - a));

@@ -1,8 +1,8 @@
 //! Files that appear whole or not at all.
 //!
-//! What is written goes to a temporary file in the folder of the result, is brought to the disk, and gets its name by a
-//! rename: until then there is what was there before. A temporary file is removed by whatever ends the writing, an error or a
-//! signal ([`discard_unfinished`]); only SIGKILL and a power failure can leave one, under a name of its own:
+//! Data is written to a temporary file in the folder of the result, flushed to the disk, and renamed; until the rename
+//! the earlier file stays in place. The temporary file is removed however the writing ends, by an error or by a signal
+//! ([`discard_unfinished`]). Only SIGKILL and a power failure can leave one behind, with a recognizable name:
 //! `.pellucid-XXXXXX.tmp`.
 
 mod unfinished;
@@ -19,21 +19,21 @@ use unfinished::Temporary;
 /// Bytes that are collected before they are written.
 const BUFFER_BYTES: usize = 1 << 18;
 
-/// What [`Staged::write`] hands to those who write.
+/// The writer that [`Staged::write`] passes to its callback.
 pub type Writer = BufWriter<Draft>;
 
 /// A file in the making.
 #[derive(Debug)]
 pub struct Draft {
     place: Place,
-    /// The system's first complaint: encoders wrap errors, and then nobody knows what would help.
+    /// The first error of the system. Encoders wrap errors, which would hide the cause.
     failure: Option<io::Error>,
 }
 
 #[derive(Debug)]
 enum Place {
     Temporary(Temporary),
-    /// What is no regular file, as `/dev/null` and pipes, keeps its name and is written to as it is.
+    /// Anything but a regular file, such as `/dev/null` or a pipe, keeps its name and is written to directly.
     Direct(File),
 }
 
@@ -65,7 +65,7 @@ impl Draft {
         self.file().write(bytes)
     }
 
-    /// Waits until the disk has it: some file systems say only then that there is no room.
+    /// Flushes to the disk: some file systems report only then that they are full.
     fn sync(&mut self) -> io::Result<()> {
         match self.file().sync_data() {
             // Pipes and some file systems can't, and then have nothing to say.
@@ -92,15 +92,15 @@ impl Write for Draft {
     }
 }
 
-/// A file that is complete and has no name yet. Dropping it removes it.
+/// A complete file without its final name yet. Dropping it removes it.
 #[derive(Debug)]
 pub struct Staged(Draft);
 
 impl Staged {
-    /// Writes what is to be at `path`, beside it.
+    /// Writes the future content of `path` to a temporary file beside it.
     ///
     /// # Errors
-    /// What `write` or the system says, and a folder at `path`.
+    /// Errors of `write` or the system, and a folder at `path`.
     pub fn write<W>(path: &Path, write: W) -> io::Result<Self>
     where
         W: FnOnce(&mut Writer) -> io::Result<()>,
@@ -110,7 +110,7 @@ impl Staged {
         Ok(staged)
     }
 
-    /// As [`Staged::write`], without waiting for the disk: for what may be lost if the power fails.
+    /// Like [`Staged::write`], without flushing to the disk: for data that may be lost in a power failure.
     ///
     /// # Errors
     /// The same.
@@ -126,10 +126,10 @@ impl Staged {
         Ok(Self(draft))
     }
 
-    /// Gives the file its name, in place of what was there.
+    /// Gives the file its name and replaces the earlier file.
     ///
     /// # Errors
-    /// What the system says; then what was there is still there.
+    /// Errors of the system; the earlier file then remains.
     pub fn publish(self, path: &Path) -> io::Result<()> {
         let Place::Temporary(temporary) = self.0.place else { return Ok(()) };
         fault::file("output/rename")?;
@@ -141,7 +141,7 @@ impl Staged {
 /// Writes a file, whole or not at all.
 ///
 /// # Errors
-/// What `write` or the system says; then there is what was there before.
+/// Errors of `write` or the system; the earlier file then remains.
 pub fn write<W>(path: &Path, write: W) -> io::Result<()>
 where
     W: FnOnce(&mut Writer) -> io::Result<()>,
@@ -157,15 +157,15 @@ pub fn folder(path: &Path) -> &Path {
     }
 }
 
-/// Whether a folder takes files, found out by a file without a name.
+/// Tests by means of an unnamed file if a folder can be written to.
 ///
 /// # Errors
-/// What the system says.
+/// Errors of the system.
 pub fn probe(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(folder).map(drop)
 }
 
-/// What would help, as the end of a message; empty where the reason says all that is known.
+/// Advice to end an error message with; empty if the reason already says everything.
 pub fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull => "; free some space there or write elsewhere",

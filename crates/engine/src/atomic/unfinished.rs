@@ -1,4 +1,4 @@
-//! What has to go if the work ends before it is done: temporary files, and new folders with nothing in them.
+//! Removes leftovers of unfinished work: temporary files, and new folders that are still empty.
 
 use std::fs::{self, File};
 use std::io;
@@ -28,7 +28,7 @@ pub struct Unfinished(#[expect(dead_code, reason = "held, not read")] MutexGuard
 pub fn discard_unfinished() -> Unfinished {
     let list = lock();
     for path in list.iter().rev() {
-        // There is nobody left to tell.
+        // An error can't be reported here.
         let _ = if path.is_dir() { fs::remove_dir(path) } else { fs::remove_file(path) };
     }
     Unfinished(list)
@@ -87,10 +87,10 @@ fn named(folder: &Path) -> io::Result<NamedTempFile> {
 pub struct NewFolder(Vec<PathBuf>);
 
 impl NewFolder {
-    /// Makes a folder where there is none.
+    /// Creates a folder if it doesn't exist.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn make(folder: &Path) -> io::Result<Self> {
         let is_missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
         let mut missing: Vec<_> = folder.ancestors().take_while(is_missing).map(Path::to_owned).collect();
@@ -109,7 +109,7 @@ impl Drop for NewFolder {
     fn drop(&mut self) {
         let mut list = lock();
         for path in self.0.iter().rev() {
-            // It stays if there is something in it.
+            // A folder with content stays.
             let _ = fs::remove_dir(path);
             forget(&mut list, path);
         }

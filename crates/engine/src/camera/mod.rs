@@ -7,7 +7,7 @@ pub mod path;
 
 use glam::{DVec2, DVec3};
 
-/// How depth acts on size.
+/// The effect of depth on size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// Vertical field of view in radians, in (0, π).
@@ -42,7 +42,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`. `None` if the two coincide or `up` lies along the view.
+    /// A camera at `eye` that looks at `target`. `None` if the two coincide or `up` is parallel to the view.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, projection: Projection, near: f64, far: f64) -> Option<Self> {
         let forward = (target - eye).try_normalize()?;
         let up = up.try_normalize()?;
@@ -77,7 +77,7 @@ impl Camera {
         (center + DVec2::new(view.x, -view.y) * scale, view.z)
     }
 
-    /// Pixels over one world unit at depth `z`: what a world radius is multiplied with.
+    /// Pixels per world unit at depth `z`: the factor from a world radius to pixels.
     pub fn pixels_per_unit(&self, z: f64, image_height: u32) -> f64 {
         match self.projection {
             Projection::Perspective { .. } => self.focal_px(image_height) / z,

@@ -1,4 +1,4 @@
-//! The scalar field F of a cloud: what tells solid points from soft ones.
+//! The scalar field F of a cloud, which separates solid points from soft ones.
 
 use std::borrow::Cow;
 
@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES, UpAxis};
 
-/// Values that differ by less than this share of the largest one are equal but for rounding.
+/// Values that differ by less than this share of the largest one differ only by rounding.
 const LEAST_RANGE: f64 = 1e-9;
 
-/// What F is.
+/// The definition of F.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Field {
-    /// How uncertain it is that a point lies on a surface (Eq. 21), scaled to [0, 1].
+    /// The uncertainty of a point lying on a surface (Eq. 21), scaled to [0, 1].
     #[default]
     Uncertainty,
     /// 1 for some classes, 0 for the others.
@@ -33,8 +33,8 @@ pub enum Field {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         direction: Option<[f64; 3]>,
     },
-    /// A scalar property: as stored if every value lies in [0, 1], else scaled from the smallest to the largest, where a
-    /// constant one is 0. +∞ counts as 1, −∞ as 0, and what is not a number as 0: solid.
+    /// A scalar property: as stored if every value lies in [0, 1], else scaled from the smallest to the largest; a
+    /// constant property gives 0. +∞ counts as 1, −∞ as 0, and NaN as 0: solid.
     Property {
         /// Its name.
         name: String,
@@ -56,19 +56,19 @@ pub enum Error {
     /// No classes.
     #[error("field = \"classification\" needs classes, but the file has none; {there}")]
     NoClasses {
-        /// The properties there are, as a phrase.
+        /// The existing properties, as a phrase.
         there: String,
     },
     /// No intensity.
     #[error("field = \"intensity\", but the file has none; {there}")]
     NoIntensity {
-        /// The properties there are, as a phrase.
+        /// The existing properties, as a phrase.
         there: String,
     },
 }
 
 impl Field {
-    /// What the setting `field` calls it.
+    /// Its name in the setting `field`.
     pub fn name(&self) -> &str {
         match self {
             Self::Uncertainty => "uncertainty",
@@ -90,11 +90,11 @@ impl Field {
         }
     }
 
-    /// F of each point but for uncertainty, which needs neighbors (`None`).
+    /// F of each point; `None` for uncertainty, which needs neighbors.
     ///
     /// # Errors
-    /// If the cloud lacks the property.
-    pub fn of(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
+    /// The cloud lacks the property.
+    pub fn values(&self, cloud: &Cloud) -> Result<Option<Vec<f32>>, Error> {
         match self {
             Self::Uncertainty => Ok(None),
             Self::Classification { classes } => match &cloud.classification {
@@ -129,12 +129,12 @@ pub fn scaled(values: &[f64]) -> Vec<f32> {
     values.iter().map(|value| share((value - least) / range)).collect()
 }
 
-/// A value as F: what lies out of range is at the nearer end, and what is not a number is 0.
+/// A value as F: clamped to the range; NaN is 0.
 fn share(value: f64) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) as f32 }
 }
 
-/// The smallest and the largest finite value; the wrong way around if there is none.
+/// The smallest and the largest finite value; in reverse order if no value is finite.
 fn range(values: &[f64]) -> [f64; 2] {
     let finite = values.iter().filter(|value| value.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(*value), most.max(*value)])
@@ -195,7 +195,7 @@ pub fn without_blanks(name: &str) -> String {
     name.split_whitespace().collect::<Vec<_>>().join("_")
 }
 
-/// What `field` can name of a cloud.
+/// The names that `field` accepts for a cloud.
 pub fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     let usual = [
         ("classification", cloud.classification.is_some()),

@@ -33,7 +33,7 @@ pub struct Cloud {
     pub colors: Option<Vec<Vec3>>,
     /// The file's own alpha in [0, 1]; multiplies the scene's opacity.
     pub alphas: Option<Vec<f32>>,
-    /// Unit normals; `Vec3::ZERO` where a point has none (missing, zero or non-finite in the file).
+    /// Unit normals; `Vec3::ZERO` for points without one (missing, zero or non-finite in the file).
     pub normals: Option<Vec<Vec3>>,
     /// The file's own radii in file units, finite and at least 0.
     pub radii: Option<Vec<f32>>,
@@ -47,20 +47,20 @@ pub struct Cloud {
     pub non_finite: usize,
     /// The file's vertical.
     pub up: UpAxis,
-    /// What `pellucid prepare` stored with the points, if they are still those for which it was computed.
+    /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,
-    /// What was odd in the file but did not keep it from being read, one sentence each.
+    /// Oddities of the file that did not prevent reading it, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// What `pellucid prepare` stored with a cloud (docs/prepared-clouds.md).
+/// Data that `pellucid prepare` stored with a cloud (docs/prepared-clouds.md).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
     /// K of the radii and of an uncertainty field.
     pub neighbors: usize,
-    /// Whether the cloud's radii are those of Eq. 20, and not the source's own.
+    /// True if the cloud's radii are those of Eq. 20 instead of the source's own.
     pub estimated_radii: bool,
-    /// What the field is.
+    /// The definition of the field.
     pub field: Field,
     /// F of each point, in [0, 1].
     pub values: Vec<f32>,
@@ -86,7 +86,7 @@ impl Cloud {
 
     /// Smallest and largest corner of the finite points; `None` for an empty cloud.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.positions.iter().copied())
+        Bounds::enclosing(self.positions.iter().copied())
     }
 }
 
@@ -100,8 +100,8 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box of some points, or `None` if there are none.
-    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+    /// The bounding box of some points; `None` if there are none.
+    pub fn enclosing(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, p| {
             Some(match bounds {
                 None => Self { min: p, max: p },

@@ -1,19 +1,19 @@
-//! What a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
+//! The settings a shadow texture belongs to: one share of light for each point (Dobrev et al. 2010, Section 6).
 
 use serde::{Deserialize, Serialize};
 
 use crate::scene::{Light, Shadows};
 
-/// Share of the scene's diagonal that surfaces are apart, unless a scene says it.
+/// Default distance between surfaces, as a share of the scene's diagonal.
 const APART: f64 = 0.01;
 
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(into = "Spelled")]
+#[serde(into = "CastingRecord")]
 pub struct Casting {
-    /// Where light comes from, its direction of length 1; not a headlight.
+    /// The light, its direction of length 1; not a headlight.
     pub light: Light,
-    /// M: lights that stand for an area light; 1 without an area.
+    /// M: the number of lights that stand for an area light; 1 without an area.
     pub samples: u32,
     /// Degrees around a direction, world units around a position.
     pub light_radius: f32,
@@ -21,12 +21,12 @@ pub struct Casting {
     pub resolution: u32,
     /// d̃ in world units.
     pub min_layer_distance: f32,
-    /// What the lights of an area are shifted by; 0 without an area.
+    /// Seed of the shifts of an area's lights; 0 without an area.
     pub seed: u64,
 }
 
 impl Casting {
-    /// Of points whose box has a diagonal of `diagonal` world units; `None` of a headlight, which casts no shadows.
+    /// For points whose box has a diagonal of `diagonal` world units; `None` for a headlight, which casts no shadows.
     pub fn new(light: Light, shadows: &Shadows, seed: u64, diagonal: f64) -> Option<Self> {
         let light = match light {
             Light::Headlight => return None,
@@ -44,7 +44,7 @@ impl Casting {
         })
     }
 
-    /// In which settings this is not `other`, by the names that they have in a scene.
+    /// The settings that differ from `other`, by their names in a scene.
     pub fn differences(&self, other: &Self) -> Vec<&'static str> {
         [
             ("light", self.light != other.light),
@@ -63,17 +63,17 @@ impl Casting {
 /// A shadow texture that is stored with a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadowTexture {
-    /// What it belongs to.
+    /// The settings it belongs to.
     pub casting: Casting,
     /// m of each point, in [0, 1], in the order of the cloud.
     pub lit: Vec<f32>,
 }
 
-/// A [`Casting`] as a prepared file says it.
+/// A [`Casting`] in the form of a prepared file.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Spelled {
+pub(crate) struct CastingRecord {
     #[serde(flatten)]
-    light: SpelledLight,
+    light: LightRecord,
     samples: u32,
     light_radius: f32,
     resolution: u32,
@@ -83,36 +83,36 @@ pub(crate) struct Spelled {
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum SpelledLight {
+enum LightRecord {
     Direction([f64; 3]),
     Position([f64; 3]),
 }
 
-impl From<Casting> for Spelled {
+impl From<Casting> for CastingRecord {
     fn from(casting: Casting) -> Self {
         Self::from(&casting)
     }
 }
 
-impl From<&Casting> for Spelled {
+impl From<&Casting> for CastingRecord {
     fn from(casting: &Casting) -> Self {
         let Casting { light, samples, light_radius, resolution, min_layer_distance, seed } = *casting;
         let light = match light {
-            Light::Position(position) => SpelledLight::Position(position.to_array()),
-            Light::Direction(direction) => SpelledLight::Direction(direction.to_array()),
-            // Nobody's: `Casting::new` makes none.
-            Light::Headlight => SpelledLight::Direction([0.0; 3]),
+            Light::Position(position) => LightRecord::Position(position.to_array()),
+            Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
+            // Unreachable: `Casting::new` returns `None` for it.
+            Light::Headlight => LightRecord::Direction([0.0; 3]),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }
     }
 }
 
-impl From<&Spelled> for Casting {
-    fn from(spelled: &Spelled) -> Self {
-        let Spelled { samples, light_radius, resolution, min_layer_distance, seed, .. } = *spelled;
-        let light = match spelled.light {
-            SpelledLight::Direction(direction) => Light::Direction(direction.into()),
-            SpelledLight::Position(position) => Light::Position(position.into()),
+impl From<&CastingRecord> for Casting {
+    fn from(record: &CastingRecord) -> Self {
+        let CastingRecord { samples, light_radius, resolution, min_layer_distance, seed, .. } = *record;
+        let light = match record.light {
+            LightRecord::Direction(direction) => Light::Direction(direction.into()),
+            LightRecord::Position(position) => Light::Position(position.into()),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }
     }
@@ -155,8 +155,8 @@ mod tests {
         let soft = Shadows { light_radius: 0.1, ..Shadows::default() };
         for light in [Light::Direction(DVec3::new(0.1, -0.7, 1.0 / 3.0)), Light::Position(DVec3::splat(0.1))] {
             let one = casting(light, &soft, u64::MAX);
-            let text = serde_json::to_string(&Spelled::from(&one)).expect("plain numbers");
-            let back: Spelled = serde_json::from_str(&text).expect("as written");
+            let text = serde_json::to_string(&CastingRecord::from(&one)).expect("plain numbers");
+            let back: CastingRecord = serde_json::from_str(&text).expect("as written");
             assert_eq!(Casting::from(&back), one, "{text}");
         }
     }

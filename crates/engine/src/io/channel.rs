@@ -1,4 +1,4 @@
-//! Color and alpha channels: which stored number is full intensity, and what the others are in linear light.
+//! Color and alpha channels: finds the stored number of full intensity, and converts the others to linear light.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::columns::ScalarType;
 use crate::color::decode_srgb;
 
-/// Floats up to here are meant to reach 1, whatever their rounding.
+/// Floats up to this limit are meant to be at most 1; the excess is rounding.
 const UNIT: f32 = 1.0 + 1e-3;
 
 /// A color or alpha channel.
@@ -25,7 +25,7 @@ enum Scale {
         signed_byte: bool,
     },
     Float,
-    /// As it is.
+    /// Linear values, as stored.
     Linear,
 }
 
@@ -77,7 +77,7 @@ impl Channel {
         }
     }
 
-    /// The value itself in [0, 1]; what is not a number counts as 1.
+    /// The value clamped to [0, 1]; NaN counts as 1.
     pub fn unit(&self, row: &[f64]) -> f32 {
         match self.scale {
             Scale::Integer { largest, signed_byte } => {
@@ -91,8 +91,8 @@ impl Channel {
     }
 }
 
-/// The number that stands for full intensity in values whose type doesn't tell: 1 if none is larger, else 255, else
-/// 65535. `None` if no value is above 0.
+/// The number of full intensity in values whose type doesn't define it: 1 if no value is larger, else 255, else 65535.
+/// `None` if no value is above 0.
 pub(super) fn full_scale(values: impl ParallelIterator<Item = f32>) -> Option<f32> {
     let largest = values.filter(|value| value.is_finite()).max_by(f32::total_cmp).filter(|&largest| largest > 0.0)?;
     Some(match largest {
@@ -102,8 +102,8 @@ pub(super) fn full_scale(values: impl ParallelIterator<Item = f32>) -> Option<f3
     })
 }
 
-/// Linear colors of sRGB-encoded ones whose range is that of all of them ([`full_scale`]). Colors that are nowhere above
-/// 0 are none; one without any number is white, as points without color are.
+/// Linear colors from sRGB-encoded ones with a common range ([`full_scale`]). `None` if no color is above 0. A color
+/// without any number is white, like points without color.
 pub(super) fn measured(encoded: &[[f32; 3]]) -> Option<Vec<Vec3>> {
     let full = full_scale(encoded.par_iter().flat_map_iter(|color| *color))?;
     let channel = |value: f32| if value.is_nan() { 0.0 } else { decode_srgb((value / full).clamp(0.0, 1.0)) };

@@ -18,7 +18,7 @@ pub(super) const LINEAR_COLOR: [[&str; 3]; 1] = [["linear_red", "linear_green", 
 const ALPHA: [&str; 2] = ["alpha", "diffuse_alpha"];
 const RADIUS: [&str; 1] = ["radius"];
 
-/// How far from 1 a normal's length may be to be left as it is: float32 unit vectors are within 2e-7.
+/// The largest deviation of a normal's length from 1 that is left uncorrected: float32 unit vectors are within 2e-7.
 const UNIT_TOLERANCE: f32 = 1e-6;
 
 /// A column of a file: a name and the type of its values.
@@ -33,7 +33,7 @@ impl Column {
     }
 }
 
-/// What tells the number that stands for full intensity in colors and alphas.
+/// The source of the number that means full intensity in colors and alphas.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum FullScale {
     /// The type: bytes reach 255, shorts 65535, floats 1.
@@ -42,21 +42,21 @@ pub(super) enum FullScale {
     Measured,
 }
 
-/// Where colors come from.
+/// The source of colors.
 enum Rgb {
     Typed([Channel; 3]),
     /// Kept as they are until the largest is known.
     Measured([usize; 3], Vec<[f32; 3]>),
 }
 
-/// Where alphas come from.
+/// The source of alphas.
 enum Alpha {
     Typed(Channel),
     /// Kept as they are until the largest is known.
     Measured(usize, Vec<f32>),
 }
 
-/// Columns that grow row by row, and where in a row each finds its values.
+/// Columns that grow row by row, and the position of each one's values in a row.
 pub(super) struct Columns {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
@@ -74,7 +74,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Finds the columns of a table; fails with the coordinate that is missing.
     pub fn new(columns: &[Column], full_scale: FullScale) -> Result<Self, &'static str> {
-        let mut names = Names::of(columns);
+        let mut names = Names::new(columns);
         let coordinates = ["x", "y", "z"];
         let Some(position) = names.take_three(&POSITION) else {
             let missing = coordinates.into_iter().find(|name| names.find(name).is_none());
@@ -160,7 +160,7 @@ impl Columns {
         }
     }
 
-    /// The cloud, its vertical +Y. Normals that are all zero are none.
+    /// The cloud, its vertical +Y. Normals that are all zero are dropped.
     pub fn finish(self) -> Cloud {
         let mut cloud = self.cloud;
         if self.classification.is_some() {
@@ -192,7 +192,7 @@ fn unit_or_zero(normal: Vec3) -> Vec3 {
     normal.as_dvec3().try_normalize().map_or(Vec3::ZERO, |unit| unit.as_vec3())
 }
 
-/// Whether the reader would take a property of this name for one of its columns, if need be together with others.
+/// True if the reader would take a property of this name for one of its columns, alone or together with others.
 pub(super) fn is_known(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let threes = POSITION.iter().chain(&NORMAL).chain(&COLOR).chain(&LINEAR_COLOR).flatten();
@@ -200,7 +200,7 @@ pub(super) fn is_known(name: &str) -> bool {
     threes.chain(ones).any(|known| *known == lower)
 }
 
-/// The columns of a table that none of the cloud has taken yet.
+/// The columns of a table that are not assigned yet.
 struct Names {
     original: Vec<String>,
     lower: Vec<Option<String>>,
@@ -208,7 +208,7 @@ struct Names {
 }
 
 impl Names {
-    fn of(columns: &[Column]) -> Self {
+    fn new(columns: &[Column]) -> Self {
         Self {
             original: columns.iter().map(|column| column.name.clone()).collect(),
             lower: columns.iter().map(|column| Some(column.name.to_ascii_lowercase())).collect(),

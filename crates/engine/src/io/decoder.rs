@@ -2,28 +2,29 @@
 
 use std::cell::Cell;
 use std::panic;
-use std::sync::Once;
 
 thread_local! {
+    /// True while this thread runs a decoder.
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs code of a decoder library; a panic becomes its message and prints nothing.
+/// Replaces the panic hook by one that is silent while a decoder library runs and calls the present hook otherwise.
 ///
-/// The panic hook is replaced once and for good by one that is silent on threads inside this function and calls the
-/// previous hook on all others, so that no two threads ever swap hooks.
+/// A damaged file may make a decoder panic. The panic becomes an error in any case, but the default hook prints it first. The
+/// hook belongs to the process, so a program decides whether it is replaced, once and before it reads anything.
+pub fn silence_decoder_panics() {
+    let previous = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if !QUIET.get() {
+            previous(info);
+        }
+    }));
+}
+
+/// Runs code of a decoder library; a panic becomes its message.
 pub(crate) fn guard<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let previous = panic::take_hook();
-        panic::set_hook(Box::new(move |info| {
-            if !QUIET.get() {
-                previous(info);
-            }
-        }));
-    });
     let outer = QUIET.replace(true);
-    // What a panic leaves behind is dropped by the caller: the file is refused.
+    // The caller drops the state after a panic, because it refuses the file.
     let result = panic::catch_unwind(panic::AssertUnwindSafe(decode));
     QUIET.set(outer);
     result.map_err(|payload| {

@@ -1,5 +1,6 @@
-//! Point-cloud files, and pictures that stand for clouds.
+//! Readers and writers of point-cloud files, and of pictures that stand for clouds.
 
+pub(crate) mod bitmap;
 mod channel;
 mod columns;
 pub(crate) mod decoder;
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 use crate::progress::Progress;
 
 use crate::cloud::Cloud;
+pub use decoder::silence_decoder_panics;
 use photo::Photo;
 pub use text::ColumnNames;
 
@@ -32,7 +34,7 @@ const START: u64 = 512;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// There is no such file.
+    /// The file doesn't exist.
     #[error("{}: no such file", path.display())]
     Missing {
         /// The file asked for.
@@ -80,12 +82,12 @@ pub enum Error {
         /// Points dropped for a coordinate that is not finite.
         non_finite: usize,
     },
-    /// The file ends before what its header announces: truncated, or the header lies.
+    /// The file ends before the data its header announces: it is truncated, or the header is wrong.
     #[error("{}: truncated file or wrong header: {what}", path.display())]
     Truncated {
         /// The file.
         path: PathBuf,
-        /// What was announced and what is there, in bytes or points.
+        /// The announced and the actual amount, in bytes or points.
         what: String,
     },
     /// A place in the file breaks the rules of its format.
@@ -95,7 +97,7 @@ pub enum Error {
         path: PathBuf,
         /// Line, byte, point or part of the file.
         place: String,
-        /// What is wrong there.
+        /// The defect at this position.
         cause: String,
     },
     /// The points lack a coordinate.
@@ -105,10 +107,10 @@ pub enum Error {
         path: PathBuf,
         /// The coordinate.
         missing: &'static str,
-        /// The properties there are.
+        /// The existing properties.
         found: String,
     },
-    /// The file could not be written; whatever stood there before is untouched.
+    /// The file could not be written; an earlier file of this name is unchanged.
     #[error("{}: not written: {source}{}", path.display(), crate::atomic::remedy(source))]
     Write {
         /// The file.
@@ -122,38 +124,38 @@ fn non_finite_note(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" (all {count} have a coordinate that is not finite)") }
 }
 
-/// What is known of a file besides its bytes.
+/// Information about a file that its bytes don't contain.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Hints<'a> {
-    /// Where a picture stands.
+    /// The placement of a picture.
     pub photo: Option<&'a Photo>,
-    /// What the columns of a text file are.
+    /// The names of a text file's columns.
     pub columns: Option<&'a ColumnNames>,
 }
 
-/// Reads a point cloud, of a format in docs/formats.md that is told by the first bytes, else by the extension; or a picture
-/// (PNG, JPEG, TIFF) as a plane of points at the origin.
+/// Reads a point cloud in a format of docs/formats.md, recognized by the first bytes, else by the extension; or a
+/// picture (PNG, JPEG, TIFF) as a plane of points at the origin.
 ///
 /// The bar's length is set to the number of points, or an estimate of it, and its position follows them.
 ///
 /// # Errors
-/// If the file is missing, of no known format, damaged or without a finite point. Memory follows what the file holds,
-/// not what its header claims.
+/// The file is missing, of unknown format, damaged or without a finite point. Memory use follows the file's actual
+/// content, not its header's claims.
 pub fn load(path: &Path, progress: &Progress) -> Result<Cloud, Error> {
     load_with(path, Hints::default(), progress)
 }
 
-/// As [`load`]; a picture stands where `hints` say, and the columns of a text file are what they say. Names of columns for
-/// a file that names them itself have no effect, which is one of its warnings.
+/// Like [`load`], but `hints` place a picture and name the columns of a text file. If the file names its columns
+/// itself, the hint has no effect, which becomes one of its warnings.
 ///
 /// # Errors
-/// Those of [`load`], if there is a place of a picture for a file that is none, or if the columns aren't as many as there
-/// are names.
+/// Those of [`load`]; a picture's placement for a file that is not a picture; a number of columns that differs from the
+/// number of names.
 pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud, Error> {
     let mut source = Source::open(path)?;
     let start = source.peek()?;
     let path = source.path.clone();
-    let format = Format::of(&source, &start);
+    let format = Format::detect(&source, &start);
     if hints.photo.is_some() && !matches!(format, Ok(Format::Picture)) {
         return Err(Error::NoPicture { path });
     }
@@ -187,11 +189,12 @@ enum Format {
 }
 
 impl Format {
-    /// The format of a file that starts so: by the first bytes, else by the extension, else as a table if there are numbers.
-    fn of(source: &Source, start: &[u8]) -> Result<Self, Error> {
+    /// The format of a file with these first bytes: by the bytes, else by the extension, else a table if it contains
+    /// numbers.
+    fn detect(source: &Source, start: &[u8]) -> Result<Self, Error> {
         let extension = source.path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let expected = match extension.as_str() {
-            _ if photo::is_picture(start) => return Ok(Self::Picture),
+            _ if bitmap::is_bitmap(start) => return Ok(Self::Picture),
             _ if start.starts_with(b"LASF") => return Ok(Self::Las),
             _ if start.starts_with(b"ply") => return Ok(Self::Ply),
             _ if start.starts_with(e57::MAGIC) => return Ok(Self::E57),
@@ -216,7 +219,7 @@ impl Format {
     }
 }
 
-/// Whether a file's extension is one that point clouds have.
+/// True if the file's extension is that of a point-cloud format.
 pub fn is_cloud(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     matches!(extension.as_str(), "ply" | "las" | "laz" | "e57" | "pcd")

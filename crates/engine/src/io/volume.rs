@@ -1,5 +1,5 @@
-//! Volumes: a scalar for each point of a grid, as a file without a header whose name says what it holds, as those of the
-//! Open SciVis Datasets do: `hydrogen_64x64x64_float32.raw`.
+//! Volumes: a scalar for each point of a grid, stored without a header in a file whose name describes it, as in the
+//! Open SciVis Datasets: `hydrogen_64x64x64_float32.raw`.
 
 use std::io::Read;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::{Error, Source};
 
-/// What one number of a volume is; little-endian.
+/// The type of a volume's numbers; little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scalar {
     /// `uint8`
@@ -55,7 +55,7 @@ impl Scalar {
         SCALARS.iter().find(|(_, scalar)| *scalar == self).map_or("", |(name, _)| name)
     }
 
-    /// The nearest float32 of a number of so many bytes.
+    /// The nearest float32 of the number in these bytes.
     fn decode(self, bytes: &[u8]) -> f32 {
         let at = |i: usize| bytes.get(i).copied().unwrap_or_default();
         let two = [at(0), at(1)];
@@ -114,10 +114,10 @@ pub struct Volume {
     pub values: Vec<f32>,
 }
 
-/// Reads a volume. What is not given says the file's name.
+/// Reads a volume. Omitted parameters are taken from the file's name.
 ///
 /// # Errors
-/// A file that is missing or empty, a name that doesn't say what is not given, another size than that says, too little memory.
+/// The file is missing or empty; its name lacks the omitted parameters; its size doesn't match; too little memory.
 pub fn read(path: &Path, dims: Option<Dims>, scalar: Option<Scalar>) -> Result<Volume, Error> {
     let mut source = Source::open(path)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();

@@ -7,8 +7,8 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::renderer::{Factors, Frame, ORDERED_AREA, Renderer};
-use super::{Error, Stop};
+use super::abuffer::ORDERED_AREA;
+use super::{Error, Factors, Frame, Renderer, Stop};
 use crate::camera::{Camera, Projection};
 use crate::gpu::Device;
 use crate::passes::project::DeviceCloud;
@@ -84,7 +84,7 @@ impl Model {
             let points = cloud(splats, side);
             let mut cloud = renderer.upload(&Points { radii: vec![radius; splats], ..points })?;
             let frame = frame(side, methods[0]);
-            let load = renderer.load(&mut cloud, &frame)?;
+            let load = renderer.load(&mut cloud, &frame, &discs)?;
             for (method, samples) in methods.into_iter().zip(&mut samples) {
                 let ms = time(&mut renderer, &mut cloud, &Frame { method, ..frame })?;
                 samples[usize::from(load.large())].push((load.terms(), ms));
@@ -126,7 +126,7 @@ pub fn choose(
     if !renderer.can_sort(cloud, frame) {
         return Ok((Method::ABuffer(discs), format!("{why}; memory does not allow to sort {} splats", cloud.len())));
     }
-    let load = renderer.load(cloud, &Frame { method: Method::Sorted(discs), ..*frame })?;
+    let load = renderer.load(cloud, frame, &discs)?;
     let [abuffer, sorted] = Model::of(&device, discs.falloff)?.predict(&load);
     let method = if sorted <= abuffer { Method::Sorted(discs) } else { Method::ABuffer(discs) };
     let each = load.area as f64 / load.splats.max(1) as f64;

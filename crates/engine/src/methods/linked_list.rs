@@ -11,7 +11,7 @@
 
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::bands::Band;
+use crate::passes::bands::Band;
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
 

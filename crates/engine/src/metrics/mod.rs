@@ -25,7 +25,7 @@ pub struct Largest {
     pub y: u32,
 }
 
-/// How two images differ.
+/// The differences of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// See [`rmse`].
@@ -103,7 +103,7 @@ pub fn largest(a: &LinearImage, b: &LinearImage) -> Largest {
     largest
 }
 
-/// Share of pixels, in [0, 1], of which some channel differs by more than `step`.
+/// Share of pixels, in [0, 1], with a channel that differs by more than `step`.
 pub fn share_above(a: &[[f32; 3]], b: &[[f32; 3]], step: f64) -> f64 {
     let above = pairs(a, b).filter(|(a, b)| differences(*a, *b).iter().any(|d| *d > step)).count();
     above as f64 / a.len().max(1) as f64
@@ -114,7 +114,7 @@ pub fn difference_picture(a: &[[f32; 3]], b: &[[f32; 3]], factor: f64) -> Vec<[f
     pairs(a, b).map(|(a, b)| differences(a, b).map(|d| (factor * d) as f32)).collect()
 }
 
-/// Both images with equal values that are not finite replaced by 0; `None` if such a value stands next to another one.
+/// Both images with equal non-finite values replaced by 0; `None` if a non-finite value meets a different one.
 fn finite(a: &LinearImage, b: &LinearImage) -> Option<[Vec<[f32; 3]>; 2]> {
     let differ = pairs(&a.pixels, &b.pixels).any(|(a, b)| differences(a, b).iter().any(|d| d.is_infinite()));
     let clean =

@@ -13,19 +13,19 @@ const RADIUS: usize = 5;
 const C1: f64 = 1e-4;
 const C2: f64 = 9e-4;
 
-/// What a window averages of one channel: x, y, x² + y², xy.
+/// The averages of one channel over a window: x, y, x² + y², xy.
 type Moments = [f64; 4];
 
-/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, Eq. 13) of linear values, over windows of 11 × 11
-/// pixels with Gaussian weights of σ = 1.5 and over R, G, B; K₁ = 0.01, K₂ = 0.03, L = 1. No unit; 1 for equal images,
-/// less for others, at least −1.
+/// Mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, Eq. 13) of linear values, over windows of 11 ×
+/// 11 pixels with Gaussian weights of σ = 1.5 and over R, G, B; K₁ = 0.01, K₂ = 0.03, L = 1. No unit; 1 for equal
+/// images, less for others, at least −1.
 ///
-/// A window's similarity is (2μxμy + C₁)(2σxy + C₂) / ((μx² + μy² + C₁)(σx² + σy² + C₂)). Windows lie wholly in the image;
-/// where a side is shorter than 11 pixels, they are cut to the longest odd length that fits, weights summing to 1 again.
-/// The order of the images does not matter. Differing values of which one is not finite give −1.
+/// A window's similarity is (2μxμy + C₁)(2σxy + C₂) / ((μx² + μy² + C₁)(σx² + σy² + C₂)). Windows lie wholly in the
+/// image; where a side is shorter than 11 pixels, they are cut to the longest odd length that fits, with weights
+/// normalised to 1. The order of the images does not matter. Differing values give −1 if one of them is not finite.
 ///
 /// # Panics
-/// If the images are not equally large.
+/// The images differ in size.
 pub fn ssim(a: &LinearImage, b: &LinearImage) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height), "images to compare are equally large");
     let (width, height) = (a.width as usize, a.height as usize);

@@ -9,7 +9,7 @@ use crate::color::decode_srgb;
 use crate::image::Image as Frame;
 use crate::scene::ColorSpace;
 
-/// R, G, B composed and linear, A, Z and the list lengths, layers and standard errors if there are any.
+/// R, G, B composed and linear, A, Z and, if present, the list lengths, layers and standard errors.
 pub(super) fn encode(mut out: impl Out, image: &Frame, options: &WriteOptions) -> io::Result<()> {
     let composed = image.composed(background(options.background, options.color));
     let linear = |value: f32| match options.color {

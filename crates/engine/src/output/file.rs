@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use super::Error;
 use crate::atomic::{self, NewFolder, Staged, Writer};
 
-/// Checks that `path` names a file in a folder that exists and takes files.
+/// Checks that `path` names a file in an existing, writable folder.
 ///
 /// # Errors
-/// A missing folder, a folder of that name, and what the system says of a file made there.
+/// The folder is missing, `path` is a folder, or the system refuses a file there.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     let folder = atomic::folder(path);
     if !folder.is_dir() {
@@ -30,10 +30,10 @@ pub fn check_folder(path: &Path) -> Result<(), Error> {
     atomic::probe(folder).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-/// Checks that a report can be written into `folder`, which need not be there yet.
+/// Checks that a report can be written into `folder`, which need not exist yet.
 ///
 /// # Errors
-/// A file of that name or in the place of one of its folders, and what the system says of a file made there.
+/// A file exists in place of the folder or one of its parents, or the system refuses a file there.
 pub fn check_report_folder(folder: &Path) -> Result<(), Error> {
     let there = nearest(folder).unwrap_or(Path::new("."));
     if !there.is_dir() {
@@ -42,10 +42,10 @@ pub fn check_report_folder(folder: &Path) -> Result<(), Error> {
     atomic::probe(there).map_err(|source| Error::Write { path: folder.to_owned(), source })
 }
 
-/// Makes a folder for a report where there is none. If nothing comes into it, it goes with the result.
+/// Creates a folder for a report if it doesn't exist. If it stays empty, dropping the result removes it.
 ///
 /// # Errors
-/// What the system says.
+/// Errors of the system.
 pub fn make_folder(folder: &Path) -> Result<NewFolder, Error> {
     NewFolder::make(folder).map_err(|source| Error::Write { path: folder.to_owned(), source })
 }
@@ -55,11 +55,11 @@ fn nearest(path: &Path) -> Option<&Path> {
     path.ancestors().filter(|part| !part.as_os_str().is_empty()).find(|part| part.symlink_metadata().is_ok())
 }
 
-/// Writes to a temporary name in the folder of `path` and renames: afterwards there is the new file, or, after an
-/// error, what was there before.
+/// Writes to a temporary name in the folder of `path` and renames. Afterwards the new file exists, or, after an error,
+/// the earlier one.
 ///
 /// # Errors
-/// Those of [`check_folder`], and what `write` or the system says.
+/// Those of [`check_folder`], of `write` and of the system.
 pub fn write_atomically<W>(path: &Path, write: W) -> Result<(), Error>
 where
     W: FnOnce(&mut Writer) -> io::Result<()>,
@@ -69,15 +69,15 @@ where
     files.publish()
 }
 
-/// Files of which none gets its name before all are complete.
+/// Files that get their names only when all are complete.
 #[derive(Debug, Default)]
 pub struct Files(Vec<(PathBuf, Staged)>);
 
 impl Files {
-    /// Writes one more, under a temporary name.
+    /// Writes one more file under a temporary name.
     ///
     /// # Errors
-    /// Those of [`check_folder`], and what `write` or the system says; nothing is left of the others then.
+    /// Those of [`check_folder`], of `write` and of the system; the other files are then removed.
     pub fn add<W>(&mut self, path: &Path, write: W) -> Result<(), Error>
     where
         W: FnOnce(&mut Writer) -> io::Result<()>,
@@ -88,10 +88,10 @@ impl Files {
         Ok(())
     }
 
-    /// Gives all of them their names, in the order in which they were added.
+    /// Gives all files their names, in the order in which they were added.
     ///
     /// # Errors
-    /// What the system says.
+    /// Errors of the system.
     pub fn publish(self) -> Result<(), Error> {
         self.0.into_iter().try_for_each(|(path, staged)| {
             staged.publish(&path).map_err(|source| Error::Write { path: path.clone(), source })

@@ -36,7 +36,7 @@ pub enum Error {
     NoFolder {
         /// The file to write.
         path: PathBuf,
-        /// Where it was to go.
+        /// The destination.
         folder: PathBuf,
     },
     /// The output's name is that of a folder.
@@ -45,15 +45,15 @@ pub enum Error {
         /// The folder.
         path: PathBuf,
     },
-    /// A file stands where a folder would have to be.
+    /// A file exists in place of a folder.
     #[error("{path}: {file} is a file and not a folder; name another folder", path = path.display(), file = file.display())]
     NotAFolder {
-        /// What was to be written.
+        /// The file to write.
         path: PathBuf,
         /// The file in its way.
         file: PathBuf,
     },
-    /// The file could not be written; what was there before is there still.
+    /// The file could not be written; the earlier file remains.
     #[error("{path}: can't be written: {source}{help}", path = path.display(), help = remedy(source))]
     Write {
         /// The file.
@@ -69,7 +69,7 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The file's content is not what its name says.
+    /// The file's content contradicts its name.
     #[error("{path}: {reason}", path = path.display())]
     Decode {
         /// The file.
@@ -90,7 +90,7 @@ pub enum Error {
     /// Two images to compare are not equally large.
     #[error("{a} has {a_width} × {a_height} pixels and {b} has {b_width} × {b_height}; images to compare must be equally large", a = a.display(), b = b.display())]
     SizesDiffer {
-        /// One file.
+        /// The first file.
         a: PathBuf,
         /// Its width.
         a_width: u32,
@@ -103,7 +103,7 @@ pub enum Error {
         /// Its height.
         b_height: u32,
     },
-    /// Frames are to be written where there are other files.
+    /// Frames would overwrite other files.
     #[error(
         "{path}: this file is not a frame of this sequence ({count} such), but of another scene, camera, size or setting, or no \
          frame at all; give -o another name, or --overwrite to replace them",
@@ -112,7 +112,7 @@ pub enum Error {
     Foreign {
         /// The first of them.
         path: PathBuf,
-        /// How many there are.
+        /// The number of such files.
         count: usize,
     },
     /// A part of a report could not be made.
@@ -136,12 +136,12 @@ impl Error {
     }
 }
 
-/// How an [`Image`] becomes a file.
+/// Options for writing an [`Image`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
-    /// Linear RGB behind the image, as the scene gives it; encoded here if `color` says so.
+    /// Linear RGB behind the image, as in the scene; it is encoded here if `color` requires it.
     pub background: Vec3,
-    /// What the image's values are. Encoded values go into a PNG as they are and are decoded for EXR.
+    /// The color space of the image's values. A PNG stores encoded values unchanged; an EXR stores them decoded.
     pub color: ColorSpace,
     /// PNG only: RGBA with straight alpha and no background instead of RGB over the background.
     pub transparent: bool,
@@ -149,7 +149,7 @@ pub struct WriteOptions {
     pub metadata: Vec<(String, String)>,
 }
 
-/// The metadata of an image: the inputs as they were named, the method that was taken, the scene's keys as JSON
+/// The metadata of an image: the inputs as named by the user, the method used, the scene's keys as JSON
 /// ([`Scene::settings`](crate::scene::Scene::settings)), the device's name and the seed.
 pub fn tags(name: &str, method: &str, settings: &str, device: &str, seed: u64) -> Vec<(String, String)> {
     let entry = |key: &str, value: &str| (format!("pellucid:{key}"), value.to_owned());
@@ -171,7 +171,7 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Error> {
+    fn from_extension(path: &Path) -> Result<Self, Error> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
@@ -185,7 +185,7 @@ impl Format {
 /// # Errors
 /// An extension other than `.png` and `.exr`, a missing folder, a folder of that name.
 pub fn check_target(path: &Path) -> Result<(), Error> {
-    Format::of(path)?;
+    Format::from_extension(path)?;
     check_folder(path)
 }
 
@@ -195,9 +195,9 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 /// over the background), A, Z and, if the image has them, `fragments.Y` and `layers.Y`; ZIP, which is lossless.
 ///
 /// # Errors
-/// Those of [`check_target`], and what the system says while writing; the old file then stays as it was.
+/// Those of [`check_target`], and errors of the system while writing; the earlier file then remains.
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
-    let format = Format::of(path)?;
+    let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {
         Format::Png => png::encode(file, image, options),
         Format::Exr => exr::encode(file, image, options),
@@ -207,14 +207,14 @@ pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result
 /// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded, whatever the extension; `pixels` are row by row.
 ///
 /// # Errors
-/// A missing folder, `pixels` of another number than `size` says, and what the system says while writing.
+/// A missing folder, a number of `pixels` that doesn't match `size`, and errors of the system while writing.
 pub fn write_rgb_png(path: &Path, size: [u32; 2], pixels: &[[f32; 3]]) -> Result<(), Error> {
     let [width, height] = size;
     let bytes: Vec<u8> = pixels.iter().flatten().map(|linear| to_byte(color::encode_srgb(*linear))).collect();
     write_atomically(path, |file| png::encode_bytes(file, width, height, false, &bytes, &[]))
 }
 
-/// An image over a background (linear RGB) in linear light: what the R, G and B of an EXR hold.
+/// An image over a background (linear RGB) in linear light: the values of R, G and B in an EXR.
 pub fn linear(image: &Image, background: Vec3, color: ColorSpace) -> LinearImage {
     let mut pixels = image.composed(self::background(background, color));
     if color == ColorSpace::Encoded {

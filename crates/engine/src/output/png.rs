@@ -39,7 +39,8 @@ fn straight(color: [f32; 3], alpha: f32, encoded: impl Fn(f32) -> f32) -> [u8; 4
 
 /// The nearest of 256 steps; NaN is 0.
 pub fn to_byte(value: f32) -> u8 {
-    // In float64, since 255·x + 0.5 would be rounded up to the next step just below half of one. The cast of NaN is 0.
+    // In float64, since 255·x + 0.5 in float32 would round values just below a half up to the next step. The cast of
+    // NaN is 0.
     (255.0 * f64::from(value.clamp(0.0, 1.0)) + 0.5).floor() as u8
 }
 
@@ -77,7 +78,7 @@ mod tests {
     #[test]
     fn bytes_are_rounded_clamped_and_never_nan() {
         assert_eq!([0.0, 1.0, 2.0, -1.0, f32::NAN, f32::INFINITY].map(to_byte), [0, 255, 255, 0, 0, 255]);
-        // The step from 0 to 1 lies at 0.5/255 = 0.00196078.
+        // The step from 0 to 1 is at 0.5/255 = 0.00196078.
         assert_eq!([0.001_960_7, 0.001_960_9].map(to_byte), [0, 1]);
         assert_eq!(
             (0..=255u8).map(|b| to_byte(f32::from(b) / 255.0)).collect::<Vec<_>>(),

@@ -7,6 +7,7 @@ use std::path::Path;
 use super::{Error, Format};
 use crate::color::decode_srgb;
 use crate::image::{LinearImage, MAX_SIDE};
+use crate::io::bitmap::{self, Bitmap, PngDecoder, Samples};
 use crate::io::decoder::guard;
 
 /// Bytes that one byte of a file may become: Deflate, the strongest of the codings in use, makes at most 1032. A pixel has at
@@ -22,7 +23,7 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 /// An extension other than `.png` and `.exr`, a missing or damaged file, more than 2²⁸ pixels, or more than the file can
 /// hold.
 pub fn read_image(path: &Path) -> Result<LinearImage, Error> {
-    match Format::of(path)? {
+    match Format::from_extension(path)? {
         Format::Png => decode(path, || read_png(path)),
         Format::Exr => decode(path, || read_exr(path)),
     }
@@ -39,8 +40,8 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
     Ok((BufReader::new(file), metadata.len()))
 }
 
-/// Compares the size that a header claims with what may be, and with the file's length, before memory is taken for it.
-/// `ratio`: pixels that a byte of the file may become.
+/// Compares the size in a header with the limit, and with the file's length, before memory is allocated. `ratio`:
+/// pixels that a byte of the file may expand to.
 fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Result<(), Error> {
     if width.max(height) > u64::from(MAX_SIDE) {
         return Err(Error::TooLarge { path: path.to_owned(), width, height });
@@ -53,7 +54,7 @@ fn check_size(path: &Path, width: u64, height: u64, len: u64, ratio: u64) -> Res
     Ok(())
 }
 
-/// Runs a decoder; what is wrong with the file, be it the cause of a panic, becomes an error.
+/// Runs a decoder; any defect of the file, even one that makes it panic, becomes an error.
 fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     guard(decoder).unwrap_or_else(|panic| {
         Err(Error::Decode { path: path.to_owned(), reason: format!("the decoder gave up: {panic}") })
@@ -61,18 +62,23 @@ fn decode<T>(path: &Path, decoder: impl FnOnce() -> Result<T, Error>) -> Result<
 }
 
 fn read_png(path: &Path) -> Result<LinearImage, Error> {
-    let failed = |error: image::ImageError| Error::Decode { path: path.to_owned(), reason: error.to_string() };
+    let failed = |error: bitmap::Error| Error::Decode { path: path.to_owned(), reason: error.to_string() };
     let (reader, len) = open(path)?;
-    let mut decoder = image::codecs::png::PngDecoder::new(reader).map_err(failed)?;
-    let (width, height) = image::ImageDecoder::dimensions(&decoder);
+    let decoder = PngDecoder::new(reader).map_err(failed)?;
+    let (width, height) = decoder.size();
     check_size(path, width.into(), height.into(), len, 8 * DEFLATE)?;
-    // The largest allowed image at 16 bits, RGBA; the decoder's default would refuse it.
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(u64::from(MAX_SIDE).pow(2) * 8);
-    image::ImageDecoder::set_limits(&mut decoder, limits).map_err(failed)?;
-    let picture = image::DynamicImage::from_decoder(decoder).map_err(failed)?.into_rgba32f();
-    let pixels = picture.pixels().map(|image::Rgba([r, g, b, a])| [r, g, b].map(|value| decode_srgb(*value) * a));
-    Ok(LinearImage { width, height, pixels: pixels.collect() })
+    let Bitmap { channels, samples, .. } = decoder.read().map_err(failed)?;
+    let encoded = |pixel: usize| match &samples {
+        Samples::U8(bytes) => bitmap::rgba(bytes, channels, pixel, u8::MAX).map(|v| f32::from(v) / f32::from(u8::MAX)),
+        Samples::U16(words) => {
+            bitmap::rgba(words, channels, pixel, u16::MAX).map(|v| f32::from(v) / f32::from(u16::MAX))
+        }
+        Samples::F32(floats) => bitmap::rgba(floats, channels, pixel, 1.0),
+    };
+    let linear = |[r, g, b, a]: [f32; 4]| [r, g, b].map(|value| decode_srgb(value) * a);
+    // Both fit: check_size allowed at most MAX_SIDE.
+    let pixels = (0..width as usize * height as usize).map(|pixel| linear(encoded(pixel))).collect();
+    Ok(LinearImage { width, height, pixels })
 }
 
 fn read_exr(path: &Path) -> Result<LinearImage, Error> {

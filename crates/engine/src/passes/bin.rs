@@ -3,16 +3,16 @@
 //!
 //! The sort is stable and points come in canonical order, so that the lists follow from the points alone.
 
+use super::Error;
+use super::bands::{self, Band, Budget, Window};
 use super::compose::{self, Composing, ComposingGroup, Cut};
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, View};
 use super::radix::{Radix, Runs};
 use super::raster::Raster;
 use super::scan::Scan;
+use super::timeline::Timeline;
 use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Expected, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
-use crate::methods::bands::{self, Band, Budget, Window};
-use crate::methods::renderer::{Facts, Timeline};
-use crate::methods::{Error, Outcome};
 use crate::prepare::axes::Axis;
 use crate::scene::Falloff;
 use crate::{gpu_struct, group, pass};
@@ -222,7 +222,7 @@ const MOST_ITERATIONS: u64 = 50_000;
 /// the smallest opacities don't round away in a sum of millions.
 const SEGMENT: u32 = 2048;
 /// Bytes of a record of the sort: key and index.
-const RECORD_BYTES: u64 = 8;
+pub const RECORD_BYTES: u64 = 8;
 /// Shortest run of splats that a subgroup walks.
 const SHORTEST_RUN: u64 = 256;
 /// Shorter than any run that fills up, whatever the splats' extent.
@@ -310,6 +310,16 @@ impl Binned {
         self.binning.tiles() * u64::from(BLOCKS)
     }
 
+    /// Counters of the tiles' splats by run.
+    pub fn cells(&self) -> u64 {
+        self.binning.cells()
+    }
+
+    /// Pairs of a splat and a tile that it meets.
+    pub fn entries(&self) -> u64 {
+        self.entries.into()
+    }
+
     /// The subgroup size of stages that go through the tiles.
     pub fn subgroup(&self) -> u32 {
         self.binning.subgroup
@@ -330,6 +340,17 @@ pub enum Bin {
     TooLarge,
     /// It is binned.
     Done(Binned),
+}
+
+/// What would become of a window that was to be binned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Survey {
+    /// No splat is drawn.
+    Nothing,
+    /// The tiles take too much memory: the window must be cut.
+    TooLarge,
+    /// It would be binned with so many counters of the tiles' splats by run.
+    Cells(u64),
 }
 
 /// Tiles with their splats in order.
@@ -508,17 +529,9 @@ impl Bins {
     }
 
     /// Sorts and bins a window's splats for stages that go through its tiles ([`Self::tiles`]).
-    pub fn bin(
-        &mut self,
-        device: &Device,
-        job: &Job<'_>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Bin, Error> {
+    pub fn bin(&mut self, device: &Device, job: &Job<'_>, timeline: &mut Timeline) -> Result<Bin, Error> {
         let Some(binning) = Binning::of(device, job)? else { return Ok(Bin::Nothing) };
         let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(Bin::TooLarge) };
-        facts.tile_cells = facts.tile_cells.max(binning.cells());
-        facts.tile_entries += u64::from(binned.entries);
         let mut recorder = device.recorder()?;
         self.record_tile_store(&mut recorder, job, &binning)?;
         timeline.add(recorder.submit("bin/tile-store")?);
@@ -587,14 +600,9 @@ impl Bins {
     }
 
     /// Decides how a window is binned; sorts nothing.
-    pub fn survey(device: &Device, job: &Job<'_>, facts: &mut Facts) -> Result<Outcome, Error> {
-        let Some(binning) = Binning::of(device, job)? else { return Ok(Outcome::Done) };
-        if binning.left(device, job)?.is_none() {
-            return Ok(Outcome::Overflow);
-        }
-        facts.tile_cells = facts.tile_cells.max(binning.cells());
-        facts.bands += 1;
-        Ok(Outcome::Done)
+    pub fn survey(device: &Device, job: &Job<'_>) -> Result<Survey, Error> {
+        let Some(binning) = Binning::of(device, job)? else { return Ok(Survey::Nothing) };
+        Ok(binning.left(device, job)?.map_or(Survey::TooLarge, |_| Survey::Cells(binning.cells())))
     }
 
     fn reserve(&mut self, device: &Device, job: &Job<'_>, binning: &Binning) -> Result<(), Error> {
@@ -833,26 +841,6 @@ fn depth_key(depth: f32) -> u32 {
     if bits >> 31 != 0 { !bits } else { bits | 1 << 31 }
 }
 
-/// Bytes that a pass must at least read and write; `runs` of it over the frame, `splat` bytes of a splat that is blended.
-/// How much of the tiles `sorted/blend` reads depends on where it stops.
-pub fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> {
-    let sorted = facts.points * RECORD_BYTES;
-    match name {
-        // Columns and depth of each, and the record.
-        "bin/keys" => Some((facts.points * (4 + 4) + sorted) * facts.bands),
-        "radix/count" => Some(sorted * runs),
-        "radix/scatter" => Some(2 * sorted * runs),
-        // An index and a rectangle of each, and the record.
-        "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
-        "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
-        // A record, then splat, color and rectangle: read, and written but for the depth.
-        "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
-        "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
-        "bin/tile-store" => Some(facts.visible * 8 + facts.tile_entries * (8 + 4)),
-        _ => None,
-    }
-}
-
 /// The variant of `bin/tile-store`.
 fn store_variant(subgroup: u32) -> Variant {
     let [columns, rows] = pattern(subgroup);
@@ -965,21 +953,5 @@ mod tests {
         assert_eq!(key_bits(Order::Depth, [f32::NEG_INFINITY, f32::INFINITY], 5), 32);
         // Indices are in order already: one bit says what is drawn. In a file of 5 points keys go from 0 to 5.
         assert_eq!([Order::Index, Order::File].map(|order| key_bits(order, [1.0, 2.0], 5)), [1, 3]);
-    }
-
-    #[test]
-    fn least_bytes_by_hand() {
-        let facts = Facts { points: 10, visible: 5, tile_entries: 20, bands: 2, ..Facts::default() };
-        assert_eq!(least_bytes("bin/keys", 4, &facts, 20), Some(2 * 10 * 16));
-        assert_eq!(least_bytes("radix/count", 4, &facts, 20), Some(4 * 80));
-        assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
-        // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
-        assert_eq!(least_bytes("bin/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
-        assert_eq!(least_bytes("bin/pick", 2, &facts, 20), Some(2 * 10 * 12));
-        let soft = Facts { soft_visible: 3, ..facts.clone() };
-        assert_eq!(least_bytes("bin/place", 2, &soft, 20), Some(2 * 10 * 12 + 3 * 8));
-        assert_eq!(least_bytes("bin/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
-        assert_eq!(least_bytes("bin/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
-        assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);
     }
 }

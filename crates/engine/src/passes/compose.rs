@@ -1,8 +1,8 @@
 //! Composing: how stages that blend reach every splat by its index, however many there are.
 
+use super::Error;
 use crate::gpu::shader::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
-use crate::methods::Error;
 use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
 use crate::{choices, group};

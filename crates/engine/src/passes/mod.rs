@@ -1,9 +1,14 @@
 //! Passes that several methods use.
 
+pub mod bands;
 pub mod bin;
 pub mod compose;
+mod error;
 pub mod project;
 pub mod radix;
 pub mod raster;
 pub mod scan;
 pub mod tiles;
+pub mod timeline;
+
+pub use error::Error;

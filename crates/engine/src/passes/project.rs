@@ -1,6 +1,9 @@
 //! Points on the device, and their projection to splats.
 
 mod change;
+mod placed;
+
+pub use placed::Placed;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +16,6 @@ use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
-use crate::methods::spbr::share::Placed;
 use crate::passes::compose::Cut;
 use crate::points::Points;
 use crate::prepare::axes;

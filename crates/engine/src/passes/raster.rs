@@ -1,10 +1,10 @@
 //! Visiting the pixels of splats, in compute shaders or by the rasteriser, for any stage that binds what
 //! shaders/shared/raster.wgsl states.
 
+use super::bands::{Band, Window};
 use super::project::{Bounds, DeviceCloud, Footprint, Splat, Stats, Tilt, View};
 use super::tiles::{self, SEGMENT, TILE, Tiles};
 use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Targets, Variant, Vertices};
-use crate::methods::bands::{Band, Window};
 use crate::{gpu_struct, group};
 
 gpu_struct! {

@@ -1,10 +1,10 @@
 //! Large splats by tile: which of them meet each tile of 16 × 16 pixels of the window, chunk by chunk.
 
+use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
-use crate::methods::bands::Window;
 use crate::{gpu_struct, pass};
 
 /// Side of a tile in pixels.

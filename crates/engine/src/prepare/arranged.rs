@@ -6,7 +6,7 @@ use crate::points::Points;
 /// The points of a scene in the order that its method wants.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arranged {
-    /// In canonical order.
+    /// Points in canonical order.
     Canonical(Points),
     /// Shuffled, cloud after cloud, for methods that deal points to ensembles.
     Dealt(Dealt),
@@ -21,7 +21,7 @@ impl Arranged {
         }
     }
 
-    /// The clouds, if they are told apart.
+    /// The clouds, if they are kept apart.
     pub fn surfaces(&self) -> &[Surface] {
         match self {
             Self::Canonical(_) => &[],

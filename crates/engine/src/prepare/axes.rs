@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub struct Axis {
     /// 0 for x, 1 for y, 2 for z.
     pub index: usize,
-    /// Whether the view goes toward smaller coordinates.
+    /// True if the view goes toward smaller coordinates.
     pub backward: bool,
 }
 

@@ -1,24 +1,24 @@
-//! How many points a surface has for each unit of its area, by counting spheres (Tanaka et al. 2016, Section 3.2.1).
+//! Estimates the number of points per unit of a surface's area by counting in spheres (Tanaka et al. 2016, Section 3.2.1).
 //!
 //! The paper counts the points in spheres of radius R, a fiftieth of the diagonal of the points' box, around points chosen
 //! at random, and divides the mean by the area πR² of a great circle. That is exact on planes and on spheres alike (a ball
-//! of radius R cuts πR² out of any sphere), but for four things, which are mended here.
+//! of radius R cuts πR² out of any sphere), except for four effects that are corrected here.
 //!
-//! * **The centre** is a point itself and would always be counted: it is not. Among points that keep their distance, as
-//!   those of a thinned cloud, one is missing around it then, and among points that were measured twice there is one too
-//!   many: the same number for each radius, so that a third radius tells it.
-//! * **Rims.** A sphere that reaches over a rim holds too few points. Over a flat piece of area A and perimeter P the mean
-//!   count is ρ(πr² − 2Pr³/3A) (the slope of the covariogram: Matheron, "Random Sets and Integral Geometry", 1975), so what
-//!   is missing is proportional to r, and two radii tell what is missing, whatever the outline.
-//! * **Other surfaces and thickness.** Two sheets nearer than R count as one; a rough surface whose points scatter by more
-//!   than r is no surface to so small a sphere. On a surface the count grows as r², so of R and its halves that radius is
-//!   taken where it does (the correlation dimension of Grassberger and Procaccia, 1983, is 2), with a malus for small
-//!   counts. Sheets that no radius tells apart count as one, as in the paper, and points that fill a volume have no area:
-//!   their density is that of the sphere of radius R, about as the paper has it.
-//! * **Points in rows** of a grid lie in a sphere by whole rows. A point at distance d counts 2(1 − d²/r²) instead of 1,
-//!   which is the mean over all spheres up to that area and twice as large, so that no row comes in all at once.
+//! * **The centre** is a point itself and would always be counted, so it is excluded. Points that keep their distance, as
+//!   in a thinned cloud, then lack one point around it, and points that were measured twice have one too many. The number
+//!   is the same for each radius, so a third radius reveals it.
+//! * **Rims.** A sphere that extends beyond a rim holds too few points. Over a flat piece of area A and perimeter P the mean
+//!   count is ρ(πr² − 2Pr³/3A) (the slope of the covariogram: Matheron, "Random Sets and Integral Geometry", 1975). The
+//!   relative loss is proportional to r, so two radii reveal it for any outline.
+//! * **Other surfaces and thickness.** Two sheets closer than R count as one; a rough surface whose points scatter by more
+//!   than r doesn't look like a surface to so small a sphere. On a surface the count grows as r², so among R and its halves
+//!   the radius with that growth is chosen (the correlation dimension of Grassberger and Procaccia, 1983, is 2), with a
+//!   penalty for small counts. Sheets that no radius separates count as one, as in the paper. Points that fill a volume have
+//!   no area: their density is that of the sphere of radius R, about as in the paper.
+//! * **Points in rows** of a grid enter a sphere by whole rows. A point at distance d counts 2(1 − d²/r²) instead of 1,
+//!   which is twice the mean over all spheres up to that area, so that no row enters all at once.
 //!
-//! Where there are few points, R is doubled up to three times, and more than 1000 centres are taken where that is cheap.
+//! Where points are few, R is doubled up to three times, and more than 1000 centres are used where that is cheap.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -31,9 +31,9 @@ use crate::cloud::Bounds;
 
 /// Diagonals of the box to a sphere's radius.
 const DIAGONAL: f64 = 50.0;
-/// Centres that are always taken, if there are so many points.
+/// Number of centres that are always used, if the cloud has as many points.
 const CENTERS: usize = 1000;
-/// Pairs of a point and a centre, near or not, for which more centres are taken.
+/// Limit on the pairs of a point and a centre, near or not, up to which more centres are used.
 const CHEAP_PAIRS: usize = 2_000_000_000;
 /// Pairs that are measured at most: beyond, only some of the points are counted.
 const MAX_PAIRS: u64 = 400_000_000;
@@ -46,19 +46,19 @@ const RADII: usize = 16;
 /// Points that one thread counts at a time.
 const BLOCK: usize = 1 << 14;
 
-/// Points for each unit of area (world units squared) of the surface on which they lie; 0 if fewer than two of them differ
-/// or no two are near each other. Finite.
+/// Points per unit of area (world units squared) of the surface that contains them; 0 if fewer than two of them differ
+/// or no two are close to each other. Finite.
 ///
-/// `shuffled` are finite positions in random order: the first ones serve as centres, and where counting all would take long
-/// the first ones are counted.
+/// `shuffled` are finite positions in random order: the first ones serve as centres, and if counting all would take
+/// long, only the first ones are counted.
 pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
-    let Some(frame) = Frame::of(shuffled) else { return 0.0 };
+    let Some(frame) = Frame::around(shuffled) else { return 0.0 };
     let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
-    let grid = Grid::of(&frame, &shuffled[..centers]);
+    let grid = Grid::fill(&frame, &shuffled[..centers]);
     let counted = grid.affordable(&frame, shuffled).max(centers);
     let bands = grid.count(&frame, &shuffled[..counted], progress);
     progress.inc((shuffled.len() - counted) as u64);
-    // For one centre, if all points were counted.
+    // For one centre, as if all points were counted.
     let weight = (shuffled.len() - 1) as f64 / ((counted - 1) as f64 * centers as f64);
     let density = extrapolate(&bands, centers, weight) / frame.radius / frame.radius;
     density.min(f64::MAX)
@@ -75,8 +75,8 @@ struct Frame {
 
 impl Frame {
     /// `None` if no two points differ.
-    fn of(points: &[DVec3]) -> Option<Self> {
-        let bounds = Bounds::of(points.iter().copied())?;
+    fn around(points: &[DVec3]) -> Option<Self> {
+        let bounds = Bounds::enclosing(points.iter().copied())?;
         let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
         // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.
         let part = f64::from(1 << doublings) / DIAGONAL;
@@ -108,12 +108,12 @@ impl Frame {
     }
 
     /// The cells along an axis that a sphere around a point of cell `at` meets.
-    fn around(&self, at: usize, axis: usize) -> Range<usize> {
+    fn neighbors(&self, at: usize, axis: usize) -> Range<usize> {
         at.saturating_sub(1)..(at + 2).min(self.cells[axis])
     }
 }
 
-/// What was counted between two radii: pairs, and the sum of d² in the frame's coordinates.
+/// The count between two radii: pairs, and the sum of d² in the frame's coordinates.
 #[derive(Clone, Copy, Default)]
 struct Band {
     pairs: u64,
@@ -123,17 +123,17 @@ struct Band {
 /// The centres whose spheres may reach into each cell.
 struct Grid {
     centers: Vec<DVec3>,
-    /// For each cell where its centres begin in `members`, and their number behind the last.
+    /// For each cell the start of its centres in `members`, with their number as the last entry.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
 
 impl Grid {
-    fn of(frame: &Frame, centers: &[DVec3]) -> Self {
+    fn fill(frame: &Frame, centers: &[DVec3]) -> Self {
         let centers: Vec<DVec3> = centers.iter().map(|&p| frame.local(p)).collect();
         let cells = |center: DVec3| {
             let [x, y, z] = frame.at(center);
-            let (columns, rows, slabs) = (frame.around(x, 0), frame.around(y, 1), frame.around(z, 2));
+            let (columns, rows, slabs) = (frame.neighbors(x, 0), frame.neighbors(y, 1), frame.neighbors(z, 2));
             let [width, height, _] = frame.cells;
             slabs.flat_map(move |z| {
                 let columns = columns.clone();
@@ -160,7 +160,7 @@ impl Grid {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// How many of the points can be counted within [`MAX_PAIRS`].
+    /// The number of points that can be counted within [`MAX_PAIRS`].
     fn affordable(&self, frame: &Frame, points: &[DVec3]) -> usize {
         let pairs: u64 = points.par_iter().map(|&p| self.members(frame.cell(frame.local(p))).len() as u64).sum();
         match pairs {
@@ -169,8 +169,8 @@ impl Grid {
         }
     }
 
-    /// Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all nearer
-    /// ones too. The same sums whatever the number of cores.
+    /// Band b holds the pairs of a centre and another point whose distance d has 2⁻ᵇ⁻¹ ≤ d < 2⁻ᵇ; the last one all
+    /// nearer ones too. The sums don't depend on the number of cores.
     fn count(&self, frame: &Frame, points: &[DVec3], progress: &Progress) -> [Band; RADII] {
         let count = |(block, points): (usize, &[DVec3])| {
             let mut bands = [Band::default(); RADII];
@@ -207,9 +207,9 @@ fn band_of(squared: f64) -> usize {
     (((-1 - exponent) / 2) as usize).min(RADII - 1)
 }
 
-/// Points for each unit of area in the frame's coordinates; 0 if there are no pairs.
+/// Points per unit of area in the frame's coordinates; 0 without pairs.
 fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
-    // For each radius 2⁻ʲ: pairs within it, and what they say of the density.
+    // For each radius 2⁻ʲ: the pairs within it, and their estimate of the density.
     let mut within = Band::default();
     let mut seen = [(0.0, 0.0); RADII];
     for j in (0..RADII).rev() {
@@ -226,11 +226,11 @@ fn extrapolate(bands: &[Band; RADII], centers: usize, weight: f64) -> f64 {
         if pairs == 0.0 || half == 0.0 {
             break;
         }
-        // By how much the exponent of r differs from 2. What rims take is made up for but for its square.
+        // The deviation of the exponent of r from 2. The effect of rims is compensated except for its square.
         let missing = (whole / half).log2();
         let off = if missing < 0.0 { missing * missing } else { missing };
-        // Of a circle's lattice points the last third of the digits is left to chance (Gauss's circle problem); of random
-        // ones the square root.
+        // For a circle's lattice points the last third of the digits is random (Gauss's circle problem); for random
+        // points it is the square root.
         let chance = (pairs / centers as f64).powf(-2.0 / 3.0) + 2.0 / pairs.sqrt();
         if off + chance < best.0 {
             // whole = ρ − rim − own, half = ρ − rim/2 − 4 own, quarter = ρ − rim/4 − 16 own. No surface has less than no

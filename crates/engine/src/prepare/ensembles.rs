@@ -1,12 +1,12 @@
-//! Points in the order that ensembles are dealt from (Tanaka et al. 2016; Uchida et al. 2020).
+//! Points in the order in which they are dealt to ensembles (Tanaka et al. 2016; Uchida et al. 2020).
 //!
-//! Each cloud's points stand in random order, one cloud behind the other. M = round(kN) copies of a cloud's N points are dealt
-//! to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
+//! Each cloud's points are in random order, one cloud after the other. M = round(kN) copies of a cloud's N points are
+//! dealt to L ensembles, ⌊(e+1)M/L⌋ − ⌊eM/L⌋ to ensemble e, so that sizes differ by at most one. No copy is stored.
 //!
-//! Ensembles of the first pass take the points one after the other; for k ≤ 1 there is no other pass, and the points left out
-//! are random. Each later pass deals some of the points once more, in other hands ([`Rows`]): were they dealt in the same
-//! order again, its ensembles would be those of the first pass, and noise would stay that of L/k ensembles. No ensemble holds
-//! a point twice, since M/L ≤ N.
+//! Ensembles of the first pass take the points one after the other; for k ≤ 1 this is the only pass, and the points
+//! left out are random. Each later pass deals some of the points once more, in other hands ([`Rows`]). In the same
+//! order its ensembles would repeat those of the first pass, and the noise would remain that of L/k ensembles. No
+//! ensemble holds a point twice, since M/L ≤ N.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use crate::random::{key, threefry2x32};
 /// Told apart from it, the words that shuffle have nothing to do with those that decide what is drawn.
 const SHUFFLE: u32 = 0x7368_7566;
 
-/// What is known of one cloud.
+/// Properties of one cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Where its points stand in the list.
+    /// The range of its points in the list.
     pub points: Range<u64>,
     /// Middle of the box of its points, in world coordinates: where a point is one pixel wide.
     pub center: DVec3,
@@ -52,7 +52,7 @@ pub fn slots(slots: u64, ensembles: u32, ensemble: u32) -> Range<u64> {
     bound(u64::from(ensemble))..bound(u64::from(ensemble) + 1)
 }
 
-/// How a cloud's points are dealt.
+/// The dealing of a cloud's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Deal {
     /// N, at least 1.
@@ -63,7 +63,7 @@ pub struct Deal {
     pub ensembles: u32,
     /// The cloud's place among the others.
     pub place: u32,
-    /// What later passes follow.
+    /// The seed of later passes.
     pub seed: u64,
 }
 
@@ -72,13 +72,13 @@ pub struct Deal {
 pub struct Pass {
     /// Which.
     pub ensembles: Range<u32>,
-    /// Where their points are; `None` for the first pass, whose n-th copy is the n-th point.
+    /// The positions of their points; `None` for the first pass, whose n-th copy is the n-th point.
     pub rows: Option<Rows>,
 }
 
-/// Points of a later pass: rows of blocks, of each of which every ensemble takes one block, the h-th ensemble of the pass of
-/// row i the one h places after a random one, in turn. Blocks are consecutive points, which memory likes; they are few enough
-/// to a hand that it is a random part of the points.
+/// Points of a later pass: rows of blocks. Every ensemble takes one block of each row: in row i, the h-th ensemble of
+/// the pass takes the block h places after a random one, cyclically. Blocks are consecutive points, for coherent memory
+/// access; a hand has enough blocks to be a random part of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rows {
     /// The first point of the first row, at random; behind the cloud's last point comes its first.
@@ -91,7 +91,7 @@ pub struct Rows {
     pub columns: u32,
     /// Binary logarithm of the points of a block.
     pub block_bits: u32,
-    /// What tells the pass from others.
+    /// A number that distinguishes the pass from others.
     pub word: u32,
 }
 
@@ -100,7 +100,7 @@ const AGAIN: u32 = 0x6167_6169;
 /// Least blocks of a hand, where it has as many points, and most points of a block.
 const LEAST_BLOCKS: u64 = 64;
 const MOST_BLOCK_BITS: u32 = 10;
-/// Most points of a row, and of the rows of hands that are no larger: what any device can bind.
+/// Largest number of points of a row, and of the rows of hands of at most that size, that any device can bind.
 const MOST_OF_ROW: u64 = 1 << 15;
 const MOST_OF_ROWS: u64 = 1 << 22;
 
@@ -132,7 +132,7 @@ impl Deal {
     fn rows(&self) -> Rows {
         let hand = self.slots.div_ceil(u64::from(self.ensembles)).max(1);
         let bits = (hand / LEAST_BLOCKS).max(1).ilog2().min(MOST_BLOCK_BITS);
-        // Whole blocks may be more points than there are.
+        // Whole blocks may need more points than exist.
         let block_bits = if hand.div_ceil(1 << bits) << bits <= self.points { bits } else { 0 };
         let count = hand.div_ceil(1 << block_bits);
         let columns = (self.points.min(MOST_OF_ROWS) / (count << block_bits)).clamp(1, MOST_OF_ROW >> block_bits);
@@ -180,21 +180,21 @@ fn scrambled(mut x: u32) -> u32 {
     x ^ x >> 16
 }
 
-/// Puts each cloud into canonical order, shuffles it by the seed, finds its density, and puts one behind the other. Clouds
-/// without points are left out.
+/// Puts each cloud into canonical order, shuffles it by the seed, computes its density, and concatenates the clouds.
+/// Clouds without points are left out.
 ///
-/// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical order
-/// goes behind all those with smaller words, the first of [`threefry2x32`] with counter \[i, place of the cloud\] and the
-/// seed's key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
+/// The order of a cloud's points in its file has no effect; its place among the others has. Point i of the canonical
+/// order is sorted by its word: the first of [`threefry2x32`] with counter \[i, place of the cloud\] and the seed's
+/// key, the second word of it exclusive-or 0x73687566; equal words stay in order. So a seed gives the same shuffle on
 /// every machine. `progress` counts points, each of them twice.
 pub fn deal(clouds: Vec<Points>, seed: u64, progress: &Progress) -> Dealt {
     deal_traced(clouds, seed, progress, None)
 }
 
-/// Where the points of a dealt list came from.
+/// The origins of the points of a dealt list.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Trace {
-    /// Of each place its point's number among those that were dealt: cloud after cloud, as they came.
+    /// For each place its point's number in the input: cloud after cloud, in their order.
     pub origins: Vec<u32>,
     /// Places of points in the same place, cloud by cloud.
     pub ties: Ties,
@@ -205,7 +205,7 @@ impl Trace {
     fn note(&mut self, canonical: &Points, order: &[u32]) {
         let first = self.origins.len() as u32;
         self.origins.extend(order.iter().map(|from| first + canonical.file_order[*from as usize]));
-        let ties = Ties::of(&canonical.positions);
+        let ties = Ties::find(&canonical.positions);
         if !ties.is_empty() {
             let mut places = vec![0; order.len()];
             (first..).zip(order).for_each(|(place, from)| places[*from as usize] = place);
@@ -214,7 +214,7 @@ impl Trace {
     }
 }
 
-/// As [`deal`], and says where points came from, if somebody asks.
+/// Like [`deal`], and records the origins of points if `trace` is given.
 pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, mut trace: Option<&mut Trace>) -> Dealt {
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
@@ -250,7 +250,7 @@ fn shuffled(mut cloud: Points, order: &[u32]) -> Points {
     cloud.in_order(|i| order[i] as usize)
 }
 
-/// For each place of a cloud the point that comes there.
+/// For each place of a cloud the point to put there.
 fn shuffle(count: usize, place: u32, seed: u64) -> Vec<u32> {
     let [low, high] = key(seed);
     let word = |i: u32| threefry2x32([i, place], [low, high ^ SHUFFLE])[0];
@@ -270,12 +270,12 @@ impl Dealt {
 
     /// The same clouds, each shuffled once more by another seed: as good an order as this one, with other ensembles.
     pub fn again(&self, seed: u64) -> Self {
-        let of = |(surface, place): (&Surface, u32)| {
+        let shuffled = |(surface, place): (&Surface, u32)| {
             let first = surface.points.start;
             let count = (surface.points.end - first) as usize;
             shuffle(count, place, seed).into_iter().map(move |index| first as usize + index as usize)
         };
-        let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(of).collect();
+        let order: Vec<usize> = self.surfaces.iter().zip(0..).flat_map(shuffled).collect();
         let points = Points::clone(&self.points).in_order(|i| order[i]);
         Self { points: Arc::new(points), surfaces: self.surfaces.clone() }
     }

@@ -1,20 +1,21 @@
-//! The smallest depth between two layers, d̃ of Dobrev, Rosenthal, Linsen (2010), that the points themselves suggest.
+//! The smallest depth between two layers, d̃ of Dobrev, Rosenthal, Linsen (2010), as the points themselves suggest it.
 //!
-//! The filter of occluded pixels compares the depth of a pixel with those of the eight around it, and peeling compares the
-//! depths of points on one pixel. Both take for one surface what differs by less than d̃. So d̃ must be more than the depths
-//! of one sampled surface differ by over such a stencil, and no more than that, since what lies nearer together than d̃ is
-//! not told apart.
+//! The filter of occluded pixels compares the depth of a pixel with those of the eight around it, and peeling compares
+//! the depths of points on one pixel. Both treat depths that differ by less than d̃ as one surface. So d̃ must exceed
+//! the depth differences of one sampled surface over such a stencil, but only just, since layers closer than d̃ can't
+//! be separated.
 //!
-//! Let a surface have one point for each square of side s, the spacing. In an image whose pixels are as wide as s every pixel
-//! just has its point; where they are narrower, filling repeats points over about as much. The points of a pixel and of
-//! one that it touches at a corner are at most two diagonals of a pixel apart, 2√2·s across the view, and on a surface that is
-//! tilted by θ their depths differ by 2√2·s·tan θ at most. Up to θ = 60° that is 2√6·s = 4.9·s. Steeper parts are narrow
-//! in the image: under a sphere the rest is a quarter of the disc. Pixels wider than s need a d̃ that is larger by as much.
+//! Let a surface have one point for each square of side s, the spacing. In an image whose pixels are as wide as s every
+//! pixel just has its point; with narrower pixels, filling repeats points over about the same area. The points of a
+//! pixel and of one that it touches at a corner are at most two diagonals of a pixel apart, 2√2·s across the view, and
+//! on a surface that is tilted by θ their depths differ by 2√2·s·tan θ at most. Up to θ = 60° that is 2√6·s = 4.9·s.
+//! Steeper parts are narrow in the image: for a sphere they are the outer quarter of the disc. Pixels wider than s need
+//! a d̃ that is larger by the same factor.
 //!
-//! s follows from the distance r of a point's 8th neighbor: a disc of that radius holds 8 others, so that πr² = 8s². That is
-//! so wherever on a surface the points lie and however (a square grid has 0.886 instead of 1, random points 1 on average),
-//! as long as other surfaces are farther than r = 1.6·s. The median over the points counts, so that neither rims nor outliers
-//! matter.
+//! s follows from the distance r of a point's 8th neighbor: a disc of that radius holds 8 others, so that πr² = 8s².
+//! This holds for any arrangement of the points on a surface (a square grid has 0.886 instead of 1, random points 1 on
+//! average), as long as other surfaces are farther away than r = 1.6·s. The median over the points is used, so that
+//! neither rims nor outliers matter.
 
 use std::f64::consts::PI;
 
@@ -33,20 +34,20 @@ const NEIGHBORS: usize = 8;
 const RUN: usize = 1 << 12;
 /// Runs at most: a cloud of more points is looked at in places.
 const RUNS: usize = 64;
-/// One in so many points is asked for its neighbors where there are several runs.
+/// The fraction of points whose neighbors are searched, 1/`STRIDE`, where the cloud has several runs.
 const STRIDE: usize = 8;
 
-/// d̃ in world units, finite and above 0; `None` if no spacing can be told because fewer than nine points differ.
+/// d̃ in world units, finite and above 0; `None` if fewer than nine points differ, which leaves the spacing undefined.
 ///
-/// `points` are in canonical order, so that a run of them is a patch of the surface. The same points give the same value; it
-/// takes some hundredths of a second whatever their number.
+/// `points` are in canonical order, so that a run of them is a patch of the surface. The same points give the same
+/// value; it takes some hundredths of a second for any number of points.
 pub fn suggest(points: &Points) -> Option<f64> {
     let spacing = spacing(&points.positions)?;
     let distance = SPACINGS * spacing;
     (distance.is_finite() && distance > 0.0).then_some(distance)
 }
 
-/// The median spacing of positions of which neighbors in space are neighbors in the list.
+/// The median spacing of positions whose neighbors in space are neighbors in the list.
 fn spacing(positions: &[DVec3]) -> Option<f64> {
     let mut spacings = if positions.len() <= RUN * RUNS {
         of_run(positions, if positions.len() > RUN { STRIDE } else { 1 })
@@ -60,10 +61,12 @@ fn spacing(positions: &[DVec3]) -> Option<f64> {
 
 /// The spacing around every `stride`th place of a run; nothing if it has too few.
 fn of_run(positions: &[DVec3], stride: usize) -> Vec<f64> {
-    // Points that stand at one place are one sample of the surface; in canonical order they follow one another.
+    // Points at the same position are one sample of the surface; in canonical order they are adjacent.
     let mut distinct = positions.to_vec();
     distinct.dedup();
-    let Some(places) = Places::of(&distinct, None).filter(|places| places.len() > NEIGHBORS) else { return Vec::new() };
+    let Some(places) = Places::group(&distinct, None).filter(|places| places.len() > NEIGHBORS) else {
+        return Vec::new();
+    };
     let around = |place: usize| places.others(place, NEIGHBORS).1 * places.unit() * (PI / NEIGHBORS as f64).sqrt();
     (0..places.len()).into_par_iter().step_by(stride).map(around).collect()
 }

@@ -1,4 +1,4 @@
-//! What is computed once for a cloud: radii, normals, the scalar field, the order of its points, and their orders along the
+//! Data computed once per cloud: radii, normals, the scalar field, the order of its points, and their orders along the
 //! axes.
 
 mod arranged;
@@ -21,32 +21,32 @@ use crate::cloud::{Cloud, Prepared};
 use crate::progress::Progress;
 pub use arranged::Arranged;
 
-/// K of Eq. 20 and 21 if nobody says.
+/// Default K of Eq. 20 and 21.
 pub const DEFAULT_NEIGHBORS: usize = 24;
 
-/// What is to be known of each point of a cloud.
+/// The data to compute for each point of a cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Request {
     /// K; by default that of a prepared file, else [`DEFAULT_NEIGHBORS`].
     pub neighbors: Option<usize>,
-    /// What F is, in the file's coordinates; by default what it is in a prepared file, else uncertainty.
+    /// The definition of F, in the file's coordinates; by default that of a prepared file, else uncertainty.
     pub field: Option<Field>,
-    /// Whether radii are wanted.
+    /// True if radii are wanted.
     pub radii: bool,
-    /// Whether F is wanted.
+    /// True if F is wanted.
     pub fields: bool,
-    /// Whether normals are wanted, estimated ones where the file has none.
+    /// True if normals are wanted, estimated where the file has none.
     pub normals: bool,
 }
 
-/// What was found, in the order of the cloud; not more than was asked for.
+/// The computed data, in the order of the cloud; only the requested parts.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Found {
+pub struct PointData {
     /// The file's own radii, else those of Eq. 20, in the file's units.
     pub radii: Option<Vec<f32>>,
     /// F in [0, 1].
     pub fields: Option<Vec<f32>>,
-    /// Unit normals, zero where a point has none.
+    /// Unit normals, zero for points without one.
     pub normals: Option<Vec<Vec3>>,
 }
 
@@ -57,7 +57,7 @@ impl Request {
         self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
     }
 
-    /// What F is of this cloud.
+    /// The definition of F for this cloud.
     pub fn field_of(&self, cloud: &Cloud) -> Field {
         let prepared = cloud.prepared.as_ref().map(|prepared| &prepared.field);
         self.field.as_ref().or(prepared).cloned().unwrap_or_default()
@@ -77,7 +77,7 @@ impl Request {
         (prepared.field == self.field_of(cloud) && same_k).then_some(&prepared.values)
     }
 
-    /// What a prepared file has and this request can't use, one sentence each.
+    /// Warnings about prepared data that this request can't use, one sentence each.
     pub fn notes(&self, cloud: &Cloud) -> Vec<String> {
         let Some(prepared) = &cloud.prepared else { return Vec::new() };
         let (had, wanted) = (prepared.neighbors, self.neighbors_of(cloud));
@@ -97,18 +97,18 @@ impl Request {
     }
 }
 
-/// Finds what is asked for, all that needs neighbors in one visit of them. What a prepared file holds is not computed
-/// again.
+/// Computes the requested data; everything that needs neighbors shares one pass over them. Data in a prepared file is
+/// reused.
 ///
 /// # Errors
-/// If the cloud lacks what its field is made of.
-pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Found, field::Error> {
+/// The cloud lacks the property of its field.
+pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<PointData, field::Error> {
     let k = request.neighbors_of(cloud);
     let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
     let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
     let mut normals = cloud.normals.clone().filter(|_| request.normals);
     if request.fields && fields.is_none() {
-        fields = request.field_of(cloud).of(cloud)?;
+        fields = request.field_of(cloud).values(cloud)?;
     }
     let lacks_normals = request.normals && normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO));
     if lacks_normals || (request.fields && fields.is_none()) {
@@ -120,7 +120,7 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Fou
     if request.radii && radii.is_none() {
         radii = Some(radius::estimate(&cloud.positions, k, progress));
     }
-    Ok(Found { radii, fields, normals })
+    Ok(PointData { radii, fields, normals })
 }
 
 /// The cloud with radii and field, and with normals if they are asked for, ready for
@@ -131,7 +131,7 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Fou
 pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
     let request = Request { radii: true, fields: true, ..request.clone() };
     let found = find(&cloud, &request, progress)?;
-    // What is lit depends on normals.
+    // Shadows depend on normals.
     let same_normals = found.normals.is_none() || found.normals == cloud.normals;
     let shadows = cloud.prepared.as_mut().and_then(|prepared| prepared.shadows.take()).filter(|_| same_normals);
     cloud.prepared = Some(Prepared {
@@ -142,7 +142,7 @@ pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Res
         shadows,
     });
     cloud.radii = found.radii;
-    // Normals that are all zero are none, as in a file.
+    // Normals that are all zero are dropped, as for a file.
     cloud.normals = found.normals.or(cloud.normals).filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO));
     Ok(cloud)
 }

@@ -11,7 +11,7 @@ const BITS: u32 = 21;
 /// The 63-bit Morton code of each position in its bounds.
 ///
 /// The cells are cubes (the longest side of the box is cut into 2²¹), so a flat cloud is ordered as well as a round
-/// one. A box of no size gives code 0 for all.
+/// one. An empty box gives code 0 for all.
 pub(super) fn codes(positions: &[DVec3], bounds: &Bounds) -> Vec<u64> {
     let cells = f64::from((1u32 << BITS) - 1);
     // Halved before the subtraction: the side of a box of ±1e308 would overflow.

@@ -1,7 +1,7 @@
-//! The nearest neighbors of every point, the same ones whatever the order of the points.
+//! The nearest neighbors of every point, independent of the order of the points.
 //!
-//! The K nearest others of a point, itself left out, are ordered by distance, computed in float64 from the positions as
-//! they are given; equal distances by x, then y, then z; equal positions by normal (up to its sign). The first K of that
+//! The K nearest other points, without the point itself, are ordered by distance, computed in float64 from the original
+//! positions; equal distances by x, then y, then z; equal positions by normal (up to its sign). The first K of that
 //! order count, so that shuffled points have the same neighbors, in the same sequence, to the bit.
 
 use std::num::NonZero;
@@ -24,7 +24,7 @@ const SPARE: usize = 4;
 /// Lists of neighbors above this are not kept but found again when they are needed a second time.
 const MAX_LIST_BYTES: usize = 2 << 30;
 
-/// Where the tree's coordinates lie: around the cloud's centre, turned, and of about unit size.
+/// The frame of the tree's coordinates: centred on the cloud, rotated, and of about unit size.
 struct Frame {
     center: DVec3,
     /// World units per unit of the tree; a power of two, so that scaling rounds nothing.
@@ -34,7 +34,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(bounds: &Bounds) -> Self {
+    fn around(bounds: &Bounds) -> Self {
         let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
         // Keeps squared distances of any float64 cloud away from overflow and underflow.
         let unit = if half_side > 0.0 { half_side.log2().floor().clamp(-1022.0, 1023.0).exp2() } else { 1.0 };
@@ -48,23 +48,23 @@ impl Frame {
     }
 }
 
-/// A squared distance in the tree's coordinates that what lies within `squared` by the given positions does not exceed:
-/// turning rounds coordinates of up to 4 by some 10⁻¹⁵.
+/// Widens a squared distance to the tree's coordinates, so that it covers everything within `squared` of the original
+/// positions: rotation rounds coordinates of up to 4 by some 10⁻¹⁵.
 fn widened(squared: f64) -> f64 {
     let distance = squared.sqrt() * (1.0 + 1e-12) + 1e-13;
     distance * distance
 }
 
-/// The distinct positions of a cloud and who stands there: a k-d tree doesn't like a thousand equal points.
+/// The distinct positions of a cloud and the points at each: a k-d tree handles a thousand equal points badly.
 ///
 /// Points have ranks: place by place in Morton order, so that consecutive queries touch the same leaves, and by normal
 /// within a place.
 pub(super) struct Places {
-    /// By rank, the index in the cloud.
+    /// The index in the cloud, by rank.
     pub order: Vec<usize>,
-    /// By rank.
+    /// Positions by rank.
     pub positions: Vec<DVec3>,
-    /// For each place its first rank, and their number behind the last.
+    /// For each place its first rank, with their number as the last entry.
     starts: Vec<u32>,
     /// Finds places.
     tree: ImmutableKdTree<f64, 3>,
@@ -80,7 +80,7 @@ fn position_key(p: DVec3) -> [u64; 3] {
 fn normal_key(normal: Vec3) -> [i32; 3] {
     let first = normal.to_array().into_iter().find(|x| *x != 0.0).unwrap_or_default();
     let normal = if first < 0.0 { -normal } else { normal };
-    // As `f32::total_cmp` compares them.
+    // In the order of `f32::total_cmp`.
     (normal + Vec3::ZERO).to_array().map(|x| {
         let bits = x.to_bits() as i32;
         bits ^ (((bits >> 31) as u32) >> 1) as i32
@@ -88,10 +88,10 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 }
 
 impl Places {
-    /// Of finite positions; `None` if there are none.
-    pub fn of(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
-        let bounds = Bounds::of(positions.iter().copied())?;
-        let frame = Frame::of(&bounds);
+    /// From finite positions; `None` if empty.
+    pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        let bounds = Bounds::enclosing(positions.iter().copied())?;
+        let frame = Frame::around(&bounds);
         let codes = morton::codes(positions, &bounds);
         let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
         let mut keyed: Vec<(u64, usize)> = codes.into_par_iter().zip(0..positions.len()).collect();
@@ -120,7 +120,7 @@ impl Places {
         self.starts.len() - 1
     }
 
-    /// The ranks of the points that stand at a place.
+    /// The ranks of the points at a place.
     pub fn members(&self, place: usize) -> Range<usize> {
         self.starts[place] as usize..self.starts[place + 1] as usize
     }
@@ -134,20 +134,21 @@ impl Places {
         self.positions[self.starts[place] as usize]
     }
 
-    /// How many of the `k` nearest others of a point at `place` stand elsewhere: none if there are k others here.
+    /// The number of the `k` nearest others of a point at `place` that have another position: 0 if `k` others share
+    /// this one.
     fn elsewhere(&self, place: usize, k: usize) -> usize {
         (k + 1).saturating_sub(self.members(place).len())
     }
 
-    /// The ranks of those of the `k` nearest others of a point at `place` that stand elsewhere, in their order, and the
-    /// distance of the last in [`Places::unit`]s.
+    /// The ranks of those of the `k` nearest others of a point at `place` that have another position, in their order,
+    /// and the distance of the last in [`Places::unit`]s.
     pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
         let wanted = self.elsewhere(place, k);
         if wanted == 0 {
             return (Vec::new(), 0.0);
         }
         let here = self.frame.local(self.position(place));
-        // Each place found stands for at least one point; the first is this one.
+        // Each place found has at least one point; the first is this one.
         let asked = NonZero::<usize>::MIN.saturating_add(wanted + SPARE);
         let near = self.tree.query(&here).nearest_n::<SquaredEuclidean<f64>>(asked).execute();
         let exhausted = near.len() < asked.get();
@@ -180,7 +181,7 @@ impl Places {
         places
     }
 
-    /// The squared distance of the place that holds the last of so many points.
+    /// The squared distance of the place that contains the last of `wanted` points.
     fn distance_of_last(&self, places: &[(f64, usize)], wanted: usize) -> f64 {
         let mut found = 0;
         let last = places.iter().find(|(_, place)| {
@@ -227,7 +228,7 @@ impl Places {
 /// The neighbors elsewhere of all places, if they were kept.
 pub(super) struct Lists {
     k: usize,
-    /// By block of places, `k` entries for each of them.
+    /// By block of places, `k` entries per place.
     kept: Option<Vec<Vec<u32>>>,
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-/// Two principal axes whose variances differ by less than this share of the largest one can't be told apart: rounding
+/// Two principal axes whose variances differ by less than this share of the largest one are indistinguishable: rounding
 /// turns an axis by about 10⁻¹⁶ over that share.
 const LEAST_GAP: f64 = 1e-9;
 
@@ -61,7 +61,7 @@ fn principal_axes(mut a: DMat3) -> ([f64; 3], DMat3) {
             turn.col_mut(q)[p] = sin;
             turn.col_mut(p)[q] = -sin;
             a = turn.transpose() * a * turn;
-            // Zero but for rounding.
+            // Zero except for rounding.
             a.col_mut(q)[p] = 0.0;
             a.col_mut(p)[q] = 0.0;
             axes *= turn;

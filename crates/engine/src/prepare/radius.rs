@@ -15,7 +15,7 @@ use super::neighbors::Places;
 /// bar's length is set to the number of distinct places.
 pub fn estimate(positions: &[DVec3], neighbors: usize, progress: &Progress) -> Vec<f32> {
     let k = neighbors.min(positions.len().saturating_sub(1));
-    let Some(places) = Places::of(positions, None).filter(|_| k > 0) else {
+    let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
         return vec![0.0; positions.len()];
     };
     let (distances, _) = places.visit(k, false, progress, |_, _, distance| distance);

@@ -17,13 +17,13 @@ use crate::points::Points;
 pub(crate) struct Ties {
     /// Group after group.
     places: Vec<u32>,
-    /// Where each group ends among the places.
+    /// The end of each group among the places.
     ends: Vec<u32>,
 }
 
 impl Ties {
     /// The groups of positions in canonical order.
-    pub fn of(positions: &[DVec3]) -> Self {
+    pub fn find(positions: &[DVec3]) -> Self {
         let bits = |i: usize| positions[i].to_array().map(f64::to_bits);
         let mut ties = Self::default();
         for i in 1..positions.len() {
@@ -52,7 +52,7 @@ impl Ties {
         self.places.is_empty()
     }
 
-    /// Adds the groups of other points, which stand elsewhere.
+    /// Adds the groups of other points, at other positions.
     pub fn extend(&mut self, others: &Self, place: impl Fn(u32) -> u32) {
         let before = self.places.len() as u32;
         self.places.extend(others.places.iter().map(|other| place(*other)));
@@ -64,8 +64,8 @@ impl Ties {
         (0..self.ends.len()).into_par_iter().map(move |group| &self.places[start(group)..self.ends[group] as usize])
     }
 
-    /// Puts points of equal position into canonical order, identical ones by `origins`, where each point stood before any
-    /// order, which move along. Whether any had to move. `points.file_order` stays as it is.
+    /// Puts points of equal position into canonical order, and identical ones in the order of `origins`, their original
+    /// places, which move along. Returns true if any point moved. `points.file_order` stays unchanged.
     pub fn settle(&self, points: &mut Points, origins: &mut [u32]) -> bool {
         let by_all = |points: &Points, origins: &[u32], a: u32, b: u32| {
             let [a, b] = [a as usize, b as usize];
@@ -112,9 +112,9 @@ mod tests {
 
     #[test]
     fn groups_are_found_and_zeros_of_two_signs_are_two_places() {
-        let ties = Ties::of(&at(&[1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 0.0, -0.0]));
+        let ties = Ties::find(&at(&[1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 0.0, -0.0]));
         assert_eq!((ties.places.as_slice(), ties.ends.as_slice()), ([1, 2, 3, 4, 5].as_slice(), [3, 5].as_slice()));
-        assert!(Ties::of(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::of(&[]).is_empty());
+        assert!(Ties::find(&at(&[1.0, 2.0, 1.0])).is_empty() && Ties::find(&[]).is_empty());
         let mut both = ties.clone();
         both.extend(&ties, |place| 100 - place);
         assert_eq!(
@@ -132,7 +132,7 @@ mod tests {
             radii: vec![1.0, 4.0, 3.0, 4.0, 0.0],
             ..Points::default()
         };
-        let (ties, mut origins) = (Ties::of(&points.positions), vec![7, 9, 5, 6, 8]);
+        let (ties, mut origins) = (Ties::find(&points.positions), vec![7, 9, 5, 6, 8]);
         assert!(ties.settle(&mut points, &mut origins));
         assert_eq!(points.opacities, [0.9, 0.1, 0.5, 0.5, 0.0]);
         assert_eq!(points.radii, [1.0, 3.0, 4.0, 4.0, 0.0]);

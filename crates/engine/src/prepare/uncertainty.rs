@@ -1,4 +1,4 @@
-//! How uncertain it is that a point lies on a surface (Seemann et al., Eq. 21), with the radii of Eq. 20.
+//! The uncertainty of a point lying on a surface (Seemann et al., Eq. 21), with the radii of Eq. 20.
 
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
@@ -9,32 +9,32 @@ use super::normal::smallest_axis;
 use super::radius;
 use crate::cloud::field;
 
-/// What one visit of every point's neighbors gives, in the order of the cloud.
+/// The result of one pass over every point's neighbors, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// Eq. 20, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
-    /// The normals that were given, in place of missing ones the estimated ones; zero where there is none either.
+    /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
     /// F of Eq. 21, in [0, 1].
     pub fields: Vec<f32>,
 }
 
 /// F = r·Σ(2−|nᵢ·nⱼ|)² / K over the K nearest other points of each finite position, scaled so that the smallest of the
-/// cloud is 0 and the largest 1; 0 for all if they differ by rounding only.
+/// cloud is 0 and the largest 1; 0 for all if they differ only by rounding.
 ///
-/// `normals` are unit vectors, or zero where a point has none. A missing normal is the smallest principal axis of the
-/// point and its K neighbors. Where that is not one direction (all in one place, on a line, spread alike), the point stays
-/// without normal, which counts as perpendicular to every other: such places are no surface. With fewer than K other
-/// points K is their number. Neighbors are ordered by distance, then x, y, z,
-/// then normal, and sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
+/// `normals` are unit vectors, or zero for points without one. A missing normal is estimated as the smallest principal
+/// axis of the point and its K neighbors. If that is not a single direction (all at one position, on a line, equal
+/// spread), the point stays without normal, which counts as perpendicular to every other: such places are no surface.
+/// With fewer than K other points K is their number. Neighbors are ordered by distance, then x, y, z, then normal, and
+/// sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
 ///
-/// Takes about 4·K + 170 bytes for each point; without the 4·K, and slower, if those are more than 2 GiB.
+/// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &Progress) -> Surface {
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
     let k = neighbors.min(count.saturating_sub(1));
-    let Some(places) = Places::of(positions, normals).filter(|_| k > 0) else {
+    let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
         return Surface { radii: vec![0.0; count], normals: given(), fields: vec![0.0; count] };
     };
     let missing = given().contains(&Vec3::ZERO);
@@ -43,7 +43,7 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize,
         (distance, normal)
     });
 
-    // By rank, as everything up to here.
+    // Everything so far is by rank.
     let given = given();
     let mut ranked = vec![Vec3::ZERO; count];
     for (place, (_, estimated)) in seen.iter().enumerate() {
@@ -79,7 +79,7 @@ fn estimated_normal(places: &Places, place: usize, others: &[u32]) -> Vec3 {
     smallest_axis(own.chain(others.iter().map(|&rank| places.positions[rank as usize] - here)))
 }
 
-/// Eq. 21 of each point at a place but for a factor that they all have in common.
+/// Eq. 21 of each point at a place, without a factor common to all.
 fn spread(places: &Places, place: usize, others: &[u32], k: usize, distance: f64, normals: &[Vec3]) -> Vec<f64> {
     let here = places.members(place);
     // At least K others in the same place: the radius is 0.

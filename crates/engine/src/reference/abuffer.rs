@@ -1,4 +1,4 @@
-//! Exact transparency of discs (MCTB12): what count, scan, store, sort and blend must yield together.
+//! Exact transparency of discs (MCTB12): the combined result of count, scan, store, sort and blend.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{DiscShape, Discs, Falloff};
 
-/// One splat on one pixel.
+/// A splat's contribution to one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
     /// Depth along the viewing axis.
@@ -26,7 +26,7 @@ pub struct Composite {
     pub color: DVec3,
     /// A = 1 − ∏(1−αᵢ).
     pub alpha: f64,
-    /// z of the first fragment with α > 0, +inf where there is none.
+    /// z of the first fragment with α > 0, +inf if none has.
     pub depth: f64,
 }
 
@@ -50,7 +50,7 @@ pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) ->
     lists_at(camera, size, points, discs, &all)
 }
 
-/// As [`lists`], of these pixels alone: row · width + column, ascending.
+/// Like [`lists`], for these pixels alone: row · width + column, ascending.
 pub fn lists_at(
     camera: &Camera,
     size: [u32; 2],

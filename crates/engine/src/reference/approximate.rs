@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Hybrid, Method};
 
-/// z of the nearest fragment with α > 0, +inf where there is none.
+/// z of the nearest fragment with α > 0, +inf if none has.
 fn nearest(list: &[Fragment]) -> f64 {
     list.iter().filter(|f| f.alpha > 0.0).map(|f| f.z).fold(f64::INFINITY, f64::min)
 }
@@ -20,7 +20,7 @@ fn coverage(list: &[Fragment]) -> f64 {
     0.0 - list.iter().map(|f| (-f.alpha).ln_1p()).sum::<f64>().exp_m1()
 }
 
-/// Σwᵢcᵢ / Σwᵢ of the fragments with a weight, black where there is none.
+/// Σwᵢcᵢ / Σwᵢ of the fragments with a weight, black if none has.
 fn mean(list: &[Fragment], colors: &[DVec3], weight: impl Fn(&Fragment) -> f64) -> DVec3 {
     let total: f64 = list.iter().map(&weight).sum();
     let sum: DVec3 = list.iter().map(|f| colors[f.index as usize] * weight(f)).sum();
@@ -41,8 +41,8 @@ pub fn weighted(list: &[Fragment], colors: &[DVec3], depth_range: [f64; 2]) -> C
     Composite { color: alpha * color, alpha, depth: nearest(list) }
 }
 
-/// The naive picture (Tanaka et al. 2016, Fig. 6): the mean color of all fragments, whatever their opacity; opaque where
-/// there is any.
+/// The naive picture (Tanaka et al. 2016, Fig. 6): the mean color of all fragments regardless of opacity; opaque where
+/// at least one exists.
 pub fn average(list: &[Fragment], colors: &[DVec3]) -> Composite {
     let alpha = if list.is_empty() { 0.0 } else { 1.0 };
     Composite { color: mean(list, colors, |_| 1.0), alpha, depth: nearest(list) }

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 use crate::camera::{Camera, Projection};
 
-/// What is drawn for a point.
+/// The shape drawn for a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// The pixel that contains the projected centre.
@@ -20,14 +20,14 @@ pub enum Shape {
     Oriented,
 }
 
-/// A point as it is drawn.
+/// A point in its drawn form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Splat {
     /// World position; drawn only if it is finite.
     pub position: DVec3,
     /// World radius, at least 0.
     pub radius: f64,
-    /// World normal of any length; a zero one counts as none. Only [`Shape::Oriented`] looks at it.
+    /// World normal of any length; zero counts as missing. Only [`Shape::Oriented`] uses it.
     pub normal: Option<DVec3>,
     /// The outline.
     pub shape: Shape,
@@ -35,7 +35,7 @@ pub struct Splat {
     pub max_pixel_radius: f64,
 }
 
-/// One pixel of a footprint.
+/// A single pixel of a footprint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coverage {
     /// Column, from the left.
@@ -49,7 +49,7 @@ pub struct Coverage {
     pub rho: f64,
 }
 
-/// The pixels that a splat covers, row by row; none if it is not drawn.
+/// The pixels that a splat covers, row by row; empty if it is not drawn.
 pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage> {
     match Placed::new(camera, size, splat) {
         Some(placed) if placed.is_within_depth_range() => placed.window().filter_map(|p| placed.cover(p)).collect(),
@@ -57,9 +57,10 @@ pub fn footprint(camera: &Camera, size: [u32; 2], splat: &Splat) -> Vec<Coverage
     }
 }
 
-/// How far, in pixels, the splat is from covering another set of pixels: the distance from its rim to the nearest pixel
-/// centre, from its centre to the nearest pixel border where the always-covered pixel matters, and from its depth to
-/// `near` and `far` (in pixels over there). To first order for oriented discs; infinite for a non-finite position.
+/// The splat's distance, in pixels, from covering another set of pixels. It is the minimum over three distances: from
+/// its rim to the nearest pixel centre, from its centre to the nearest pixel border where the always-covered pixel
+/// matters, and from its depth to `near` and `far` (in pixels at that depth). To first order for oriented discs;
+/// infinite for a non-finite position.
 pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
     let Some(placed) = Placed::new(camera, size, splat) else { return f64::INFINITY };
     let depth = placed.depth_margin_px();
@@ -69,7 +70,7 @@ pub fn margin_px(camera: &Camera, size: [u32; 2], splat: &Splat) -> f64 {
     placed.window().map(|p| placed.rim_margin_px(p)).fold(depth.min(placed.home_margin_px()), f64::min)
 }
 
-/// What remains to be tested per pixel once a splat's centre is projected.
+/// The per-pixel test once a splat's centre is projected.
 enum Outline {
     Pixel,
     Disc { radius_px: f64 },
@@ -113,7 +114,7 @@ impl<'a> Placed<'a> {
         before_eye && z >= self.camera.near && z <= self.camera.far
     }
 
-    /// Whether a pixel contains the projected centre.
+    /// True if a pixel contains the projected centre.
     fn is_home(&self, pixel: DVec2) -> bool {
         self.center_px.floor() == pixel
     }
@@ -135,7 +136,7 @@ impl<'a> Placed<'a> {
         };
         let (z, rho) = match hit {
             Some(hit) => hit,
-            // The pixel's centre lies beyond the rim, so ρ is the rim's own.
+            // The pixel's centre is outside the rim, so ρ is the rim's own.
             None if self.is_home(pixel) => (self.position_view.z, 1.0),
             None => return None,
         };
@@ -202,7 +203,7 @@ impl<'a> Placed<'a> {
 
     /// Distance from the projected centre to the next pixel border, where that decides something.
     fn home_margin_px(&self) -> f64 {
-        // From these radii on, a flat shape reaches the centre of its own pixel wherever it lies in it.
+        // From these radii on, a flat shape reaches the centre of its own pixel from anywhere in it.
         let decides = match self.outline {
             Outline::Disc { radius_px } => radius_px < 0.5f64.sqrt(),
             Outline::Square { radius_px } => radius_px < 0.5,

@@ -5,12 +5,12 @@ use std::cmp::Ordering;
 
 use glam::{DMat3, DVec3};
 
-/// What Eq. 20 and 21 give for each point.
+/// The results of Eq. 20 and 21 for each point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// Eq. 20.
     pub radii: Vec<f64>,
-    /// Given or, where missing, estimated; zero where there is no single direction.
+    /// Given or, where missing, estimated; zero without a single direction.
     pub normals: Vec<DVec3>,
     /// Eq. 21, scaled to [0, 1].
     pub fields: Vec<f64>,
@@ -21,7 +21,7 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
     let k = neighbors.min(positions.len().saturating_sub(1));
     let upright = |n: DVec3| if (n.x, n.y, n.z) < (0.0, 0.0, 0.0) { -n } else { n };
     let lexical = |a: DVec3, b: DVec3| a.to_array().partial_cmp(&b.to_array()).unwrap_or(Ordering::Equal);
-    let of = |i: usize| {
+    let surface_at = |i: usize| {
         let mut others: Vec<usize> = (0..positions.len()).filter(|j| *j != i).collect();
         others.sort_by(|&a, &b| {
             let squared = |j: usize| positions[i].distance_squared(positions[j]);
@@ -32,7 +32,7 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
         others.truncate(k);
         others
     };
-    (0..positions.len()).map(of).collect()
+    (0..positions.len()).map(surface_at).collect()
 }
 
 /// Radii, normals and field of points with these normals, zero where one is missing.

@@ -1,8 +1,8 @@
-//! `image-space` (Dobrev, Rosenthal, Linsen 2010, Section 3): points on one pixel each, then filters of the image that close
-//! holes, replace what is seen through holes, smooth, and soften edges.
+//! `image-space` (Dobrev, Rosenthal, Linsen 2010, Section 3): points on one pixel each, then image filters that close
+//! holes, replace occluded points seen through holes, smooth, and soften edges.
 //!
-//! Depths are z in world units, +∞ for background; colors are premultiplied by alpha, background is all 0. What lies outside
-//! of the image is background. A filter reads one image whole and writes another.
+//! Depths are z in world units, +∞ for background; colors are premultiplied by alpha, background is all 0. Pixels
+//! outside of the image count as background. A filter reads one complete image and writes another.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use crate::camera::{Camera, Projection};
 use crate::points::Points;
 use crate::scene::ImageSpace;
 
-/// A layer of points: what the filters work on.
+/// A layer of points, the input and output of the filters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     /// Columns and rows.
@@ -25,7 +25,7 @@ pub struct Layer {
 
 /// The ring of eight neighbors as offsets (right, down), in the order of their angle.
 const RING: [[i64; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0]];
-/// Those of the ring that share an edge with the pixel.
+/// The neighbors that share an edge with the pixel.
 const EDGES: [[i64; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
 
 impl Layer {
@@ -44,7 +44,8 @@ impl Layer {
         self.neighbor(pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
     }
 
-    /// Whether one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring, all of them `beyond`.
+    /// True if one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring, all of them
+    /// `beyond`.
     fn is_masked(&self, pixel: usize, beyond: impl Fn(f64) -> bool) -> bool {
         let ring = RING.map(|offset| beyond(self.neighbor_depth(pixel, offset)));
         (0..8).any(|start| (start..start + 5).all(|i| ring[i % 8]))
@@ -81,7 +82,7 @@ impl Layer {
     pub fn occluded_replaced(&self, distance: f64) -> Self {
         self.taken(|pixel| {
             let d = self.depth[pixel];
-            // What is as near hides nothing, however small the distance is.
+            // Points at the same depth never occlude, however small the distance is.
             let floor = (d - distance).min(d.next_down());
             let stays = d.is_infinite() || self.is_masked(pixel, |depth| depth > floor);
             if stays { pixel } else { self.nearest(pixel) }
@@ -110,8 +111,8 @@ impl Layer {
         Self { rgba: (0..self.pixels()).map(smooth).collect(), ..self.clone() }
     }
 
-    /// How much of an edge of depth a pixel is (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with
-    /// L = 4d − Σ of the four edge neighbors' depths, background at `far`.
+    /// The strength of a depth edge at a pixel (Section 3.5, Table 2): t = min(1, |L| / (4·`distance`)) with L = 4d − Σ
+    /// of the four edge neighbors' depths, background at `far`.
     pub fn edge(&self, pixel: usize, distance: f64, far: f64) -> f64 {
         let known = |depth: f64| if depth.is_finite() { depth } else { far };
         let around: f64 = EDGES.iter().map(|offset| known(self.neighbor_depth(pixel, *offset))).sum();
@@ -165,7 +166,7 @@ pub fn layer_distance(set: Option<f32>, points: &Points) -> f64 {
     set.map_or_else(|| 0.01 * points.bounds().map_or(0.0, |bounds| bounds.diagonal()), f64::from)
 }
 
-/// What is drawn for a point: its pixel.
+/// The footprint of a point: its pixel.
 pub fn splat(points: &Points, index: usize) -> Splat {
     Splat {
         position: points.positions[index],

@@ -1,11 +1,12 @@
 //! The methods in float64 over slices, written from the equations; no device is involved.
 //!
 //! Nothing here is fast, nothing is shared with a shader: a method and its reference agree only if both are right.
-//! Hand-worked cases in `tests/reference/` check the references, the references check the device.
+//! Hand-worked cases in `crates/engine/tests/host/reference/` check the references, the references check the device.
 
 pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
+pub mod dealing;
 pub mod field;
 pub mod image_space;
 pub mod one_layer;
@@ -23,7 +24,7 @@ pub mod stochastic;
 
 use glam::DVec3;
 
-/// What a method yields, in float64; the twin of [`crate::image::Image`].
+/// A method's result in float64; the counterpart of [`crate::image::Image`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
@@ -32,7 +33,7 @@ pub struct Picture {
     pub height: u32,
     /// Premultiplied R, G, B and A = 1 − T per pixel, row by row from the top.
     pub rgba: Vec<[f64; 4]>,
-    /// z of the first fragment with α > 0, +inf where there is none.
+    /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f64>,
     /// Fragments on each pixel, those with α = 0 included.
     pub counts: Vec<u32>,

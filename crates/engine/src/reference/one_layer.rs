@@ -1,4 +1,4 @@
-//! One-layer transparency: the nearest soft points let through what else there is, which is opaque.
+//! One-layer transparency: the nearest soft points are transparent; everything behind them is opaque.
 
 use glam::DVec3;
 
@@ -13,19 +13,20 @@ use crate::scene::{BlendedSplats, OneLayer};
 /// The fragments of a pixel, soft and solid ones apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parts {
-    /// Of points with a field above the threshold.
+    /// Fragments of points with a field above the threshold.
     pub soft: Vec<Fragment>,
-    /// Of all others.
+    /// Fragments of all other points.
     pub solid: Vec<Fragment>,
 }
 
 impl Parts {
-    /// Whether a soft fragment lies behind the layer: farther than the layer's depth by more than the reach of its blending.
+    /// True if a soft fragment lies behind the layer: farther than the layer's depth by more than the reach of its
+    /// blending.
     fn is_behind(f: &Fragment, layer: f64, blend_depth: f64) -> bool {
         f.z > layer + blend_depth * f.radius
     }
 
-    /// What is opaque: the solid fragments, and the soft ones behind the layer.
+    /// The opaque fragments: the solid ones, and the soft ones behind the layer.
     fn others(&self, layer: f64, blend_depth: f64) -> Vec<Fragment> {
         let behind = self.soft.iter().filter(|f| Self::is_behind(f, layer, blend_depth));
         self.solid.iter().chain(behind).copied().collect()
@@ -46,7 +47,8 @@ impl Parts {
         }
     }
 
-    /// How close the pixel is to other sets of fragments, or to another order of layer and solids; as [`splats::margin`].
+    /// The pixel's distance from another set of fragments, or another order of layer and solids; like
+    /// [`splats::margin`].
     pub fn margin(&self, blend_depth: f64) -> f64 {
         let layer = self.soft.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
         let solid = self.solid.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);

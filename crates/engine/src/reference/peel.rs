@@ -9,7 +9,7 @@ use crate::camera::Camera;
 use crate::points::Points;
 use crate::scene::{Discs, Falloff};
 
-/// Fragments of each pixel in the order of the points, which says nothing about their depths.
+/// Fragments of each pixel in the order of the points, unsorted by depth.
 pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs) -> Vec<Vec<Fragment>> {
     let mut pixels = vec![Vec::new(); size[0] as usize * size[1] as usize];
     for index in 0..points.len() {
@@ -26,15 +26,15 @@ pub fn fragments(camera: &Camera, size: [u32; 2], points: &Points, discs: &Discs
     pixels
 }
 
-/// The nearest of some fragments behind `last`, or of all without one: the smallest (z, index) greater than the last
-/// one's. The index keeps apart what lies at one depth.
+/// The nearest fragment behind `last`, or of all without one: the smallest (z, index) greater than the last one's. The
+/// index separates fragments at equal depth.
 pub fn next(fragments: &[Fragment], last: Option<Fragment>) -> Option<Fragment> {
     let rank = |f: &Fragment| (f.z, f.index);
     let behind = fragments.iter().filter(|f| last.is_none_or(|last| rank(f) > rank(&last)));
     behind.copied().min_by(|a, b| a.z.total_cmp(&b.z).then(a.index.cmp(&b.index)))
 }
 
-/// Up to `layers` fragments of a pixel as they are peeled, nearest first; 0: until none is left.
+/// Up to `layers` fragments of a pixel in peeling order, nearest first; 0 peels all.
 pub fn peel(fragments: &[Fragment], layers: u32) -> Vec<Fragment> {
     let mut peeled: Vec<Fragment> = Vec::new();
     while layers == 0 || peeled.len() < layers as usize {

@@ -26,8 +26,8 @@ pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: Col
 }
 
 /// Lambert: c·(ambient + m·diffuse·max(0, n·l)). Phong adds the white highlight m·specular·max(0, r·v)^shininess, with
-/// r = 2(n·l)n − l, on the side that the light reaches (n·l > 0). The normal is turned toward the viewer first. Where there is
-/// no normal the color is as if the light came along it and as bright as the color is unlit: in full light it stays.
+/// r = 2(n·l)n − l, on the lit side (n·l > 0). The normal is turned toward the viewer first. Without a normal the light
+/// counts as coming along it, scaled to the brightness of the unlit color: in full light the color is unchanged.
 fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec3, color: DVec3, m: f64) -> DVec3 {
     if shading.model == ShadingModel::None {
         return color;

@@ -122,9 +122,9 @@ pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, dista
     nearest.occluded_replaced(distance).depth
 }
 
-/// How far before the border of the lit layer each point lies that is in a camera's image, in world units: lit where it is at
-/// least 0, that is where depth ≤ reference + `distance` / max(|n_z|, 0.1), n_z along the camera's axis; + `distance` without
-/// a normal. `None` outside of the image.
+/// The distance, in world units, of each point in a camera's image from the border of the lit layer. A point is lit if
+/// it is at least 0, that is, if depth ≤ reference + `distance` / max(|n_z|, 0.1), n_z along the camera's axis; +
+/// `distance` without a normal. `None` outside of the image.
 pub fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<Option<f64>> {
     let depths = reference_depths(camera, resolution, points, distance);
     let clearance = |index: usize| {
@@ -138,8 +138,8 @@ pub fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f
     (0..points.len()).map(clearance).collect()
 }
 
-/// Which points one light reaches. A point belongs to that of its images that holds it farthest along the axis: images of a
-/// cube may overlap. In none of them it is reached.
+/// The points that one light reaches. Images of a cube may overlap; a point belongs to the one where it is farthest
+/// along the axis. Points in no image are lit.
 pub fn lit(light: &[Camera], resolution: u32, points: &Points, distance: f64) -> Vec<bool> {
     let mut lit = vec![true; points.len()];
     let mut along = vec![f64::NEG_INFINITY; points.len()];

@@ -1,5 +1,5 @@
-//! Transparency of discs in the order of their centres: each pixel composes the discs that cover it by the depth of their
-//! centres, whatever their depth in that pixel.
+//! Transparency of discs in the order of their centres: each pixel composes the discs that cover it by the depth of
+//! their centres, regardless of their depth in that pixel.
 
 use glam::DVec3;
 

@@ -9,26 +9,26 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Picture;
 use super::abuffer::{Composite, Fragment, composite};
+use super::{Picture, dealing};
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
 use crate::prepare::ensembles::{Deal, Dealt, Surface};
 use crate::random::{key, threefry2x32};
 use crate::scene::{Spbr, SpbrSimplified};
 
-/// What tells the random words of this method from those of `stochastic`: "SPBR" on the second word of the key.
+/// Separates the random words of this method from those of `stochastic`: "SPBR" on the second word of the key.
 const STREAM: u32 = 0x5350_4252;
 
-/// What the two methods differ in.
+/// The differences between the two methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     /// L.
     pub ensembles: u32,
-    /// Whether points are left out or copied until their surface has its opacity, and a point weighs as much as its own
-    /// opacity asks for; else all of them are dealt, once.
+    /// If true, points are left out or copied until their surface has its opacity, and each point is weighted according
+    /// to its own opacity; else all of them are dealt, once.
     pub adjust: bool,
-    /// Whether a slanted surface has as many points over a pixel as its slant brings there (Eq. 2).
+    /// True if a slanted surface has as many more points over a pixel as its slant brings (Eq. 2).
     pub cos_theta: bool,
 }
 
@@ -70,14 +70,14 @@ pub fn over(front: (DVec3, f64), back: (DVec3, f64)) -> (DVec3, f64) {
     (front.0 + (1.0 - front.1) * back.0, front.1 + (1.0 - front.1) * back.1)
 }
 
-/// How a cloud is dealt under a camera.
+/// The dealing of a cloud for a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Depth at which a point is one pixel wide: z of the cloud's center, or, where that is behind the camera or close to it,
     /// half of that of the deepest corner of its box, and not before `near`. Unused in an orthographic view.
     pub depth: f64,
-    /// The ratio k = L·(−ln(1 − α)) / (s ρ) of points dealt to points there are, before it is cut to L. 1 for a rule that
-    /// doesn't adjust.
+    /// The ratio k = L·(−ln(1 − α)) / (s ρ) of dealt points to existing points, before it is limited to L. 1 for a rule
+    /// that doesn't adjust.
     pub ratio: f64,
     /// M = round(k N), of all ensembles together.
     pub slots: u64,
@@ -86,11 +86,11 @@ pub struct Share {
     pub unit: f64,
 }
 
-/// Of a cloud without density k is infinite: its points are in every ensemble. Of one that is not to be seen it is 0.
+/// For a cloud without density k is infinite: its points are in every ensemble. For an invisible cloud it is 0.
 pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rule: &Rule) -> Share {
     let points = surface.points.end - surface.points.start;
     let own = &dealt.points.positions[surface.points.start as usize..surface.points.end as usize];
-    let corners = Bounds::of(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
+    let corners = Bounds::enclosing(own.iter().copied()).map_or([surface.center; 8], |bounds| bounds.corners());
     let deepest = corners.iter().map(|corner| camera.to_view(*corner).z).fold(f64::NEG_INFINITY, f64::max);
     let depth = camera.to_view(surface.center).z.max(0.5 * deepest).max(camera.near);
     // Points over a pixel, if all are in every ensemble.
@@ -106,11 +106,11 @@ pub fn share(camera: &Camera, height: u32, dealt: &Dealt, surface: &Surface, rul
     Share { depth, ratio, slots, unit: wanted.min(most) }
 }
 
-/// A point as it is drawn.
+/// A point in its drawn form.
 struct Drawn {
     at: DVec2,
     z: f64,
-    /// In pixels; below 1 the probability with which it is drawn.
+    /// In pixels; below 1 it is the probability of being drawn.
     area: f64,
 }
 
@@ -128,8 +128,8 @@ fn drawn(view: &View<'_>, share: &Share, index: usize) -> Option<Drawn> {
     Some(Drawn { at, z, area: nearer * nearer * own * slant(view, index) })
 }
 
-/// Pixels of an image: the one that holds the projected point, or those whose centers lie in a square of its area, the lower
-/// sides included.
+/// Pixels of an image: the one that holds the projected point, or those whose centers lie in a square of its area,
+/// including the lower sides.
 fn pixels(drawn: &Drawn, size: [u32; 2]) -> impl Iterator<Item = usize> + use<> {
     let Drawn { at, area, .. } = *drawn;
     let [width, height] = size.map(i64::from);
@@ -147,14 +147,14 @@ fn pixels(drawn: &Drawn, size: [u32; 2]) -> impl Iterator<Item = usize> + use<> 
     rows.flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
 }
 
-/// Whether an ensemble has a point that covers less than a pixel.
+/// True if an ensemble draws a point that covers less than a pixel.
 fn is_drawn(area: f64, index: usize, ensemble: u32, seed: u64) -> bool {
     let [low, high] = key(seed);
     let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
     f64::from(word) < area * 4_294_967_296.0
 }
 
-/// How much of a point is wanted for an opacity, if a whole one brings about `unit` ([`Share::unit`]): never more than all.
+/// The weight of a point for an opacity, if a whole point gives about `unit` ([`Share::unit`]); at most 1.
 fn weight(opacity: f64, unit: f64) -> f64 {
     let wanted = points_per_pixel(opacity);
     if wanted == 0.0 { 0.0 } else { (wanted / unit).min(1.0) }
@@ -173,7 +173,7 @@ fn slant(view: &View<'_>, index: usize) -> f64 {
     }
 }
 
-/// What an image is made from.
+/// The inputs of an image.
 #[derive(Clone, Copy)]
 struct View<'a> {
     camera: &'a Camera,
@@ -183,10 +183,10 @@ struct View<'a> {
     seed: u64,
 }
 
-/// The image, and the standard error of each pixel's color, infinite if there is one ensemble alone. A is the share of
-/// ensembles that drew something on a pixel, `counts` how many points they drew there in all, the hidden ones included.
+/// The image, and the standard error of each pixel's color, infinite for a single ensemble. A is the share of ensembles
+/// that drew something on a pixel, `counts` the total number of points they drew there, including occluded ones.
 ///
-/// `colors` holds a color for each point, shaded and in the space that blending runs in ([`super::shading::shade`]).
+/// `colors` holds a color for each point, shaded and in the color space of the blending ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],
@@ -195,10 +195,10 @@ pub fn render(
     rule: &Rule,
     seed: u64,
 ) -> (Picture, Vec<DVec3>) {
-    render_with(camera, size, dealt, colors, rule, seed, Deal::hand)
+    render_hands(camera, size, dealt, colors, rule, seed, dealing::hands)
 }
 
-/// As [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
+/// Like [`render`], with the points of an ensemble, counted from the cloud's first, from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],
@@ -208,13 +208,32 @@ pub fn render_with(
     seed: u64,
     hand: impl Fn(&Deal, u32) -> Vec<u64>,
 ) -> (Picture, Vec<DVec3>) {
+    let hands = |deal: &Deal| (0..deal.ensembles).map(|ensemble| hand(deal, ensemble)).collect();
+    render_hands(camera, size, dealt, colors, rule, seed, hands)
+}
+
+fn render_hands(
+    camera: &Camera,
+    size: [u32; 2],
+    dealt: &Dealt,
+    colors: &[DVec3],
+    rule: &Rule,
+    seed: u64,
+    hands: impl Fn(&Deal) -> Vec<Vec<u64>>,
+) -> (Picture, Vec<DVec3>) {
     let view = View { camera, size, dealt, rule: *rule, seed };
     let count = size[0] as usize * size[1] as usize;
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
+    let of = |(surface, place): (&Surface, u32)| {
+        let share = share(camera, size[1], dealt, surface, rule);
+        let points = surface.points.end - surface.points.start;
+        hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
+    };
+    let hands: Vec<Vec<Vec<u64>>> = dealt.surfaces.iter().zip(0..).map(of).collect();
     for ensemble in 0..rule.ensembles {
-        let image = draw(&view, ensemble, &hand, &mut counts);
+        let image = draw(&view, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
             if let Some(index) = index {
                 let (sum, squares, drawn) = &mut sums[pixel];
@@ -240,18 +259,11 @@ pub fn render_with(
 }
 
 /// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
-fn draw(
-    view: &View<'_>,
-    ensemble: u32,
-    hand: impl Fn(&Deal, u32) -> Vec<u64>,
-    counts: &mut [u32],
-) -> Vec<(f64, Option<usize>)> {
+fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
-    for (surface, place) in view.dealt.surfaces.iter().zip(0..) {
+    for (surface, hands) in view.dealt.surfaces.iter().zip(hands) {
         let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
-        let points = surface.points.end - surface.points.start;
-        let deal = Deal { points, slots: share.slots, ensembles: view.rule.ensembles, place, seed: view.seed };
-        for point in hand(&deal, ensemble) {
+        for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
             let Some(point) = drawn(view, &share, index) else { continue };
             if point.area < 1.0 && !is_drawn(point.area, index, ensemble, view.seed) {
@@ -268,8 +280,8 @@ fn draw(
     image
 }
 
-/// The image to which the mean tends as ensembles grow in number: each point is in a share k/L of them, independently of the
-/// others but for one part in their number, so that it is the image of points of this opacity, or less where less than a
+/// The limit of the mean as the number of ensembles grows. Each point is in a share k/L of them, independently of the
+/// others except for one part in their number. So it is the image of points of this opacity, or less where less than a
 /// pixel is drawn, blended front to back. `counts` are the points on a pixel.
 pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], rule: &Rule) -> Picture {
     let view = View { camera, size, dealt, rule: *rule, seed: 0 };

@@ -19,7 +19,7 @@ pub fn splat(points: &Points, index: usize, shape: Shape, settings: &ScreenSplat
     }
 }
 
-/// How far a fragment moves toward the viewer, in drawn radii: w of Schütz and Wimmer 2015.
+/// The displacement of a fragment toward the viewer, in drawn radii: w of Schütz and Wimmer 2015.
 fn moved(relief: Relief, rho: f64) -> f64 {
     match relief {
         Relief::Flat => 0.0,
@@ -29,8 +29,9 @@ fn moved(relief: Relief, rho: f64) -> f64 {
     }
 }
 
-/// The whole image: the smallest z wins, after fragments have moved toward the viewer by as much as `relief` says, the smaller index among equal ones; opacity is ignored. `colors` holds a color
-/// for each point, shaded and in the space that the image is in ([`super::shading::shade`]).
+/// The whole image: the smallest z wins, after fragments are displaced toward the viewer according to `relief`, and the
+/// smaller index among equal ones; opacity is ignored. `colors` holds a color for each point, shaded and in the color
+/// space of the image ([`super::shading::shade`]).
 pub fn render(
     camera: &Camera,
     size: [u32; 2],

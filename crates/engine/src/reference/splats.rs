@@ -1,5 +1,5 @@
-//! Opaque splats in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): what visibility, attributes and
-//! normalisation must yield together. [`super::splat`] is about those of which the nearest one wins.
+//! Opaque splats blended in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): the combined result of
+//! visibility, attributes and normalisation. [`super::splat`] covers opaque splats where only the nearest one counts.
 
 use glam::DVec3;
 
@@ -64,12 +64,12 @@ pub fn lists(
     pixels
 }
 
-/// What lies deeper is hidden: min(zᵢ + `blend_depth`·rᵢ), +inf where nothing is.
+/// The depth beyond which fragments are occluded: min(zᵢ + `blend_depth`·rᵢ), +inf for no fragments.
 pub fn limit(list: &[Fragment], blend_depth: f64) -> f64 {
     list.iter().map(|f| f.z + blend_depth * f.radius).fold(f64::INFINITY, f64::min)
 }
 
-/// A pixel: Σwᵢcᵢ / Σwᵢ, w = exp(−2ρ²), of the fragments that are not hidden; A = 1 where there is any, and the smallest z.
+/// A pixel: Σwᵢcᵢ / Σwᵢ, w = exp(−2ρ²), of the visible fragments; A = 1 where at least one exists, and the smallest z.
 pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite {
     let limit = limit(list, blend_depth);
     let seen = || list.iter().filter(|f| f.z <= limit);
@@ -84,8 +84,8 @@ pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite
     }
 }
 
-/// How close a pixel is to another set of fragments: the smallest distance of a depth from the limit, over the depth. At the
-/// limit itself, as the nearest fragment is with a `blend_depth` of 0, a fragment counts at any precision.
+/// A pixel's distance from another set of fragments: the smallest distance of a depth from the limit, over the depth. A
+/// fragment at the limit itself, such as the nearest one with a `blend_depth` of 0, counts at any precision.
 pub fn margin(list: &[Fragment], blend_depth: f64) -> f64 {
     let limit = limit(list, blend_depth);
     let apart = |f: &Fragment| ((f.z - limit) / f.z).abs();

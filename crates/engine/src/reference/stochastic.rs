@@ -1,9 +1,9 @@
-//! Multi-sample stochastic transparency (Enderton, Sintorn, Shirley, Luebke, "Stochastic Transparency", 2011), depth-based:
-//! what the masks of [`crate::random`] make of a pixel's fragments.
+//! Multi-sample stochastic transparency (Enderton, Sintorn, Shirley, Luebke, "Stochastic Transparency", 2011),
+//! depth-based: applies the masks of [`crate::random`] to a pixel's fragments.
 //!
-//! Samples come in strata of four. Each fragment covers some samples of a stratum; a sample holds the nearest fragment that
-//! covers it. A fragment is visible in the samples that hold nothing nearer, whether it covers them or not (the paper's
-//! Section 3.2), and counts with opacity and color there.
+//! Samples come in strata of four. Each fragment covers some samples of a stratum; a sample holds the nearest fragment
+//! that covers it. A fragment is visible in the samples that hold nothing nearer, even if it doesn't cover them itself
+//! (the paper's Section 3.2), and counts with opacity and color there.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::points::Points;
 use crate::random::{STRATUM, mask, word};
 use crate::scene::Stochastic;
 
-/// What a stratum says about a pixel.
+/// The estimate of a stratum for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stratum {
     /// Σ α c vis.
@@ -23,7 +23,7 @@ pub struct Stratum {
     pub alpha: f64,
     /// Share of the stratum's samples that were asked for.
     pub weight: f64,
-    /// z of the nearest fragment that any of these samples holds, +inf where they hold none.
+    /// z of the nearest fragment that any of these samples holds, +inf if they are empty.
     pub depth: f64,
 }
 
@@ -36,12 +36,12 @@ pub struct Estimate {
     pub alpha: f64,
     /// The nearest depth over all samples, +inf where they hold nothing.
     pub depth: f64,
-    /// Standard error of the color, from the spread of the strata: infinite where there is only one.
+    /// Standard error of the color, from the spread of the strata: infinite for a single one.
     pub stderr: DVec3,
 }
 
-/// One stratum of a pixel, of which `samples` (1 to 4) are looked at. `masks` holds for each fragment of the sorted list
-/// which samples it covers.
+/// One stratum of a pixel; `samples` (1 to 4) of its samples are used. `masks` holds the covered samples for each
+/// fragment of the sorted list.
 pub fn stratum(list: &[Fragment], colors: &[DVec3], masks: &[u32], samples: u32) -> Stratum {
     // The place in the list of the first fragment that covers a sample: the smallest rank.
     let held: Vec<Option<usize>> = (0..samples).map(|s| masks.iter().position(|mask| mask >> s & 1 == 1)).collect();
@@ -60,13 +60,14 @@ pub fn stratum(list: &[Fragment], colors: &[DVec3], masks: &[u32], samples: u32)
     found
 }
 
-/// The strata of a pixel for so many samples. `words` gives the random word of a fragment (its index) in a stratum.
+/// The strata of a pixel for this number of samples. `words` gives the random word of a fragment (its index) in a
+/// stratum.
 pub fn strata(list: &[Fragment], colors: &[DVec3], samples: u32, words: impl Fn(u32, u32) -> u32) -> Vec<Stratum> {
-    let of = |p: u32| {
+    let stratum_at = |p: u32| {
         let masks: Vec<u32> = list.iter().map(|f| mask(f.alpha as f32, words(f.index, p))).collect();
         stratum(list, colors, &masks, (samples - p * STRATUM).min(STRATUM))
     };
-    (0..samples.div_ceil(STRATUM)).map(of).collect()
+    (0..samples.div_ceil(STRATUM)).map(stratum_at).collect()
 }
 
 /// The strata together. `exact` is A = 1 − ∏(1 − α), by which alpha correction scales the color; without it, the means.
@@ -77,13 +78,13 @@ pub fn estimate(strata: &[Stratum], exact: Option<f64>) -> Estimate {
     let alpha: f64 = strata.iter().map(|s| s.weight * s.alpha).sum();
     // Both are ratios of sums over strata, C = f ΣX / ΣY with X = w C_p and Y = w, or f = A and Y = w A_p; the error is
     // that of a ratio (Cochran, "Sampling Techniques", Section 2.11): f / mean(Y) · sqrt(Σ(X − R Y)² / (P (P − 1))).
-    let (factor, of) = match exact {
+    let (factor, visible) = match exact {
         Some(exact) => (exact, (|s: &Stratum| s.weight * s.alpha) as fn(&Stratum) -> f64),
         None => (1.0, (|s: &Stratum| s.weight) as fn(&Stratum) -> f64),
     };
-    let below: f64 = strata.iter().map(of).sum();
+    let below: f64 = strata.iter().map(visible).sum();
     let ratio = if below > 0.0 { color / below } else { DVec3::ZERO };
-    let squares: DVec3 = strata.iter().map(|s| (s.weight * s.color - ratio * of(s)).powf(2.0)).sum();
+    let squares: DVec3 = strata.iter().map(|s| (s.weight * s.color - ratio * visible(s)).powf(2.0)).sum();
     let spread = (squares / (count * (count - 1.0))).map(f64::sqrt);
     let stderr = match strata.len() {
         1 => DVec3::INFINITY,
@@ -111,7 +112,7 @@ pub fn render(
     render_with(camera, size, points, colors, settings, |pixel, splat, p| word(seed, pixel, splat, p))
 }
 
-/// As [`render`], with random words by pixel, splat and stratum from elsewhere.
+/// Like [`render`], with random words by pixel, splat and stratum from elsewhere.
 pub fn render_with(
     camera: &Camera,
     size: [u32; 2],

@@ -231,8 +231,22 @@ fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Entries)) {
     }
 }
 
+/// As a scene file writes it.
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(x) => write!(f, "{x:?}"),
+            Self::Integer(i) => write!(f, "{i}"),
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Word(word) => write!(f, "{word:?}"),
+            Self::Numbers(list) => write!(f, "{list:?}"),
+            Self::Integers(list) => write!(f, "{list:?}"),
+        }
+    }
+}
+
 impl Setting {
-    fn into_value(self, place: &Place) -> Value {
+    pub(super) fn into_value(self, place: &Place) -> Value {
         let node = |value| Node { place: place.clone(), value };
         match self {
             Self::Number(x) => Value::Float(x),

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::error::Error;
+use super::schema::MAX_COORDINATE;
 use super::settings::{CameraSettings, Scene};
-use super::table::MAX_COORDINATE;
 use crate::camera::{Camera, Projection};
 use crate::cloud::{Bounds, UpAxis};
 use crate::points::Points;

@@ -5,17 +5,22 @@
 
 mod along;
 mod assemble;
+mod choice;
 mod document;
 mod error;
 mod framing;
 mod keys;
 mod layers;
 mod method;
+mod methods;
 mod open;
 mod overrides;
 mod parse;
 mod photo;
 pub mod procedural;
+#[cfg(test)]
+mod reference;
+mod schema;
 mod settings;
 mod table;
 pub mod tracked;
@@ -24,12 +29,15 @@ mod view;
 
 pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use choice::MethodChoice;
 pub use document::{Change, Document, Setting};
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
-pub use keys::{METHODS, SHADING_KEYS, SHADOW_KEYS, method_keys};
+pub use keys::{KeyTable, all_method_keys, method_keys, tables};
 pub use layers::note_of_layers;
+pub use methods::{Family, METHODS, Method};
 pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;
+pub use schema::{Key, Kind, Ladder, Range, Slider, Word, rounded};
 pub use settings::*;
 pub use view::{View, ViewName};

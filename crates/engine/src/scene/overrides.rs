@@ -3,6 +3,7 @@
 //! They are laid over the file's tree before any check, so that one set of checks serves both.
 
 use super::error::{Error, Place};
+use super::keys;
 use super::tree::{self, Entries, Node, Value};
 
 /// Segments of a key at most: none of a scene has as many, and each is a step of a recursion.
@@ -63,18 +64,12 @@ impl Overrides {
     }
 }
 
-/// Keys of which a scene has only one: the option wins over the file's other one.
-const RIVALS: [[&str; 3]; 2] = [["camera", "fov_y", "height"], ["method", "lambda", "softness"]];
-
+/// Takes out the file's key that excludes the one an option gives: the option wins.
 fn drop_rival(root: &mut Node, path: &[String]) {
     let [table, key] = path else { return };
-    for [owner, a, b] in RIVALS {
-        let rival = match key.as_str() {
-            key if key == a => b,
-            key if key == b => a,
-            _ => continue,
-        };
+    for [owner, own, rival] in keys::rivals() {
         if table == owner
+            && key == own
             && let Value::Table(entries) = &mut root.value
             && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(owner)
             && matches!(entries.get(rival), Some((Place::File { .. }, _)))

@@ -1,21 +1,59 @@
 //! `photo` of a `[[cloud]]`: where a picture stands in the world, and how it is bent.
 
-use std::path::Path;
-
 use glam::DVec3;
 
 use super::error::Error;
-use super::table::{Range, Table};
+use super::schema::{Key, Kind, Range};
+use super::table::Table;
 use crate::io::photo::{Heights, Photo};
 
-/// Reads the table inside that of a cloud; `None` if there is none. Files are relative to `folder`.
-pub(super) fn read(
-    cloud: &Table<'_>,
-    folder: Option<&Path>,
-    warnings: &mut Vec<String>,
-) -> Result<Option<Photo>, Error> {
-    let Some(node) = cloud.get("photo") else { return Ok(None) };
-    let table = cloud.table("photo")?;
+/// The keys of the table.
+pub(super) fn keys() -> Vec<Key> {
+    let key = |name, kind, unit, without, about| Key { kind, unit, without, ..Key::new(name, about) };
+    let length = "world units";
+    vec![
+        key(
+            "photo.origin",
+            Kind::Vector,
+            length,
+            "its middle is at (0, 0, 0)",
+            "Where the lower left corner of a picture stands.",
+        ),
+        key(
+            "photo.right",
+            Kind::Direction,
+            length,
+            "width 1 along x",
+            "From the left to the right edge of a picture; needs `photo.up`.",
+        ),
+        key(
+            "photo.up",
+            Kind::Direction,
+            length,
+            "along y, with square pixels",
+            "From the lower to the upper edge of a picture; needs `photo.right`.",
+        ),
+        key(
+            "photo.heights",
+            Kind::Text,
+            "",
+            "the picture is flat",
+            "A gray picture of heights, relative to the folder of the scene file; needs `photo.height_scale`.",
+        ),
+        key(
+            "photo.height_scale",
+            Kind::Number(Range::COORDINATE),
+            length,
+            "the picture is flat",
+            "The height of white over black; below 0 white is deepest.",
+        ),
+    ]
+}
+
+/// Reads the table inside that of a cloud; `None` if there is none.
+pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error> {
+    let Some(node) = cloud.get(key) else { return Ok(None) };
+    let table = cloud.table(key)?;
     table.refuse_unknown(&["origin", "right", "up", "heights", "height_scale"])?;
     let edges = match (table.direction("right")?, table.direction("up")?) {
         (None, None) => None,
@@ -33,16 +71,13 @@ pub(super) fn read(
         }
     };
     let scale = table.number("height_scale", Range::COORDINATE)?;
-    let heights = match (table.string("heights")?, scale) {
+    let heights = match (table.path_of("heights")?, scale) {
         (None, None) => None,
         (None, Some(_)) => {
-            warnings.push(format!("{}: `photo.height_scale` has no effect without `photo.heights`", node.place));
+            table.warn(format!("{}: `photo.height_scale` has no effect without `photo.heights`", node.place));
             None
         }
-        (Some(path), Some(scale)) => {
-            let path = folder.map_or_else(|| path.into(), |folder| folder.join(path));
-            Some(Heights { path, scale })
-        }
+        (Some(path), Some(scale)) => Some(Heights { path, scale }),
         (Some(_), None) => {
             let problem = "`photo.heights` needs `photo.height_scale`, the height of white over black in world units";
             return Err(Error::Conflict { place: node.place.clone(), problem: problem.into() });

@@ -1,65 +1,44 @@
 //! Typed reading of a table: every getter checks type and range and names the key, the place and what was expected.
 
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
 use glam::{DVec3, Vec3};
 
 use super::error::{Error, Place};
+use super::schema::Range;
 use super::tree::{Entries, Node, Value};
 use crate::words::nearest;
+
+/// What all tables of one scene share.
+#[derive(Default)]
+pub(crate) struct Context<'a> {
+    /// What files are relative to; `None`: the working directory.
+    pub folder: Option<&'a Path>,
+    /// What was given but has no effect, one sentence each.
+    pub warnings: RefCell<Vec<String>>,
+}
 
 /// A table of the scene and its dotted name.
 pub(crate) struct Table<'a> {
     entries: Option<&'a Entries>,
+    /// Keys that are there but not read.
+    hidden: Vec<&'a str>,
     name: String,
     pub place: Place,
-}
-
-/// Coordinates up to here can be squared twice and summed in float64, as a camera needs it.
-pub(crate) const MAX_COORDINATE: f64 = 1e75;
-
-/// The values a number may have. NaN and infinities are outside every range.
-#[derive(Clone, Copy)]
-pub(crate) struct Range {
-    min: f64,
-    max: f64,
-    /// Whether the ends themselves are allowed.
-    closed: bool,
-}
-
-impl Range {
-    pub const UNIT: Self = Self { min: 0.0, max: 1.0, closed: true };
-    pub const POSITIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: false };
-    pub const NOT_NEGATIVE: Self = Self { min: 0.0, max: f64::INFINITY, closed: true };
-    pub const COORDINATE: Self = Self { min: -MAX_COORDINATE, max: MAX_COORDINATE, closed: true };
-
-    pub const fn open(min: f64, max: f64) -> Self {
-        Self { min, max, closed: false }
-    }
-
-    pub fn contains(self, x: f64) -> bool {
-        x.is_finite() && if self.closed { self.min <= x && x <= self.max } else { self.min < x && x < self.max }
-    }
-
-    /// A phrase that follows "must be a number".
-    pub fn describe(self) -> String {
-        let Self { min, max, closed } = self;
-        match (min.is_finite(), max.is_finite(), closed) {
-            (true, false, true) => format!(" of at least {min}"),
-            (true, false, false) => format!(" above {min}"),
-            (_, _, true) => format!(" from {min:?} to {max:?}"),
-            (_, _, false) => format!(" between {min} and {max}, both excluded"),
-        }
-    }
+    context: &'a Context<'a>,
 }
 
 impl<'a> Table<'a> {
     /// The whole document.
-    pub fn root(node: &'a Node) -> Result<Self, Error> {
-        Self::new(node, String::new())
+    pub fn root(node: &'a Node, context: &'a Context<'a>) -> Result<Self, Error> {
+        Self::new(node, String::new(), context)
     }
 
-    fn new(node: &'a Node, name: String) -> Result<Self, Error> {
+    fn new(node: &'a Node, name: String, context: &'a Context<'a>) -> Result<Self, Error> {
+        let (hidden, place) = (Vec::new(), node.place.clone());
         match &node.value {
-            Value::Table(entries) => Ok(Self { entries: Some(entries), name, place: node.place.clone() }),
+            Value::Table(entries) => Ok(Self { entries: Some(entries), hidden, name, place, context }),
             other => Err(value_error(node, &name, format!("must be a table, found {}", other.describe()))),
         }
     }
@@ -69,7 +48,18 @@ impl<'a> Table<'a> {
     }
 
     pub fn get(&self, key: &str) -> Option<&'a Node> {
-        Some(&self.entries?.get(key)?.1)
+        if self.hidden.contains(&key) { None } else { Some(&self.entries?.get(key)?.1) }
+    }
+
+    /// The same table as if it didn't have some of its keys.
+    pub fn without(&self, hidden: Vec<&'a str>) -> Self {
+        let Self { entries, context, .. } = *self;
+        Self { entries, hidden, name: self.name.clone(), place: self.place.clone(), context }
+    }
+
+    /// Notes that something has no effect.
+    pub fn warn(&self, warning: String) {
+        self.context.warnings.borrow_mut().push(warning);
     }
 
     /// Keys with their places, in alphabetical order.
@@ -80,8 +70,11 @@ impl<'a> Table<'a> {
     /// A table inside this one; an absent one reads as empty.
     pub fn table(&self, key: &str) -> Result<Self, Error> {
         match self.get(key) {
-            Some(node) => Self::new(node, self.path(key)),
-            None => Ok(Self { entries: None, name: self.path(key), place: self.place.clone() }),
+            Some(node) => Self::new(node, self.path(key), self.context),
+            None => {
+                let (hidden, place) = (Vec::new(), self.place.clone());
+                Ok(Self { entries: None, hidden, name: self.path(key), place, context: self.context })
+            }
         }
     }
 
@@ -95,7 +88,8 @@ impl<'a> Table<'a> {
                 format!("must be written as [[{key}]], found {}", node.value.describe()),
             ));
         };
-        items.iter().enumerate().map(|(i, item)| Self::new(item, format!("{}.{i}", self.path(key)))).collect()
+        let table = |(i, item)| Self::new(item, format!("{}.{i}", self.path(key)), self.context);
+        items.iter().enumerate().map(table).collect()
     }
 
     /// Refuses keys that are not among `known`.
@@ -175,6 +169,15 @@ impl<'a> Table<'a> {
                 Err(self.error(key, node, format!("must be a string that is not empty, found {}", other.describe())))
             }
         }
+    }
+
+    /// A file, from the scene's folder.
+    pub fn path_of(&self, key: &str) -> Result<Option<PathBuf>, Error> {
+        if let Some(Node { value: Value::Path(path), .. }) = self.get(key) {
+            return Ok(Some(path.clone()));
+        }
+        let from = |path: &str| self.context.folder.map_or_else(|| path.into(), |folder| folder.join(path));
+        Ok(self.string(key)?.map(from))
     }
 
     /// One of a few words, each with its meaning.

@@ -1,7 +1,7 @@
-//! A window's images: a picture copied into them, and what egui draws over it.
+//! A window's images: a picture copied into them, and egui's drawing on top.
 //!
-//! A [`Screen`] belongs to one thread, while another one may render: the queue is shared under the submission lock, all
-//! else is the screen's own.
+//! A [`Screen`] belongs to one thread, while another one may render. The queue is shared under the submission lock;
+//! everything else belongs to the screen.
 
 mod panel;
 mod screen;

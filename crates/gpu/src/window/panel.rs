@@ -1,4 +1,4 @@
-//! What egui draws over a picture.
+//! The part of a window drawn by egui, on top of the picture.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -9,7 +9,7 @@ use egui_ash_renderer::{DynamicRendering, Options, Renderer, RendererError};
 
 use crate::{Context, Error};
 
-/// What is to be drawn, from [`egui::FullOutput`].
+/// The drawing to show, from [`egui::FullOutput`].
 pub struct Drawing {
     /// Triangles, clipped.
     pub primitives: Vec<ClippedPrimitive>,
@@ -19,7 +19,7 @@ pub struct Drawing {
     pub pixels_per_point: f32,
 }
 
-/// What egui has brought to a screen, as a whole: egui itself tells each change once.
+/// The complete content of egui's textures; egui itself reports each change once.
 #[derive(Default)]
 pub struct Textures(HashMap<TextureId, (ColorImage, TextureOptions)>);
 
@@ -28,7 +28,7 @@ pub struct Painter {
     renderer: Renderer,
     /// The textures as they are. The renderer would let go of what surrounds a part that changes; it gets all of it instead.
     pub textures: Textures,
-    /// Those that the device doesn't have as they are.
+    /// Textures whose current content is not on the device yet.
     stale: BTreeSet<TextureId>,
 }
 
@@ -41,7 +41,7 @@ fn failed(error: RendererError) -> Error {
 }
 
 impl Painter {
-    /// With the textures of an earlier screen, if there was one.
+    /// Starts with the textures of an earlier screen, if it had any.
     pub fn new(context: &Context, format: vk::Format, textures: Textures) -> Result<Self, Error> {
         let target = DynamicRendering { color_attachment_format: format, depth_attachment_format: None };
         let (raw, device) = (&context.instance.raw, context.device.clone());
@@ -64,13 +64,13 @@ impl Painter {
         }
     }
 
-    /// Whether [`Self::bring_textures`] has something to do.
+    /// True if [`Self::bring_textures`] has something to do.
     pub fn is_stale(&self) -> bool {
         !self.stale.is_empty()
     }
 
-    /// Brings textures to the device; nothing that was drawn with them is still under way. The caller holds the queue. What could not
-    /// be brought is tried again the next time.
+    /// Uploads textures; no drawing that uses them may be in flight. The caller holds the queue. Failed uploads are
+    /// retried the next time.
     pub fn bring_textures(&mut self, context: &Context, pool: vk::CommandPool) -> Result<(), Error> {
         let whole = |id: &TextureId| {
             self.textures.0.get(id).map(|(texture, options)| (*id, ImageDelta::full(texture.clone(), *options)))
@@ -96,7 +96,7 @@ impl Painter {
     }
 }
 
-/// Puts a part of a texture to its place; what lies outside is left out.
+/// Copies a part of a texture to its position; anything outside is dropped.
 fn insert(texture: &mut ColorImage, part: &ColorImage, [x, y]: [usize; 2]) {
     let [width, height] = texture.size;
     for row in 0..part.height().min(height.saturating_sub(y)) {

@@ -13,13 +13,13 @@ use crate::{Context, Device, Error, Kept, Memory};
 pub struct Picture<'a> {
     /// Columns and rows.
     pub size: [u32; 2],
-    /// The left upper corner in the window, in physical pixels. What lies outside of the window is not shown.
+    /// The upper left corner in the window, in physical pixels. The part outside of the window is not shown.
     pub at: [u32; 2],
     /// 4 bytes for each pixel.
     pub rgba: &'a [u8],
 }
 
-/// What became of a frame.
+/// The outcome of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
     /// The window shows it.
@@ -28,7 +28,7 @@ pub enum Shown {
     NotNow,
 }
 
-/// What a window shows. Holds the device; one frame is under way at a time.
+/// The content of a window. Holds the device; one frame is in flight at a time.
 pub struct Screen {
     context: Arc<Context>,
     device: Device,
@@ -40,15 +40,16 @@ pub struct Screen {
     fence: vk::Fence,
     painter: Option<Painter>,
     staging: Kept<u32>,
-    /// Whether the swapchain no longer fits the window.
+    /// True if the swapchain no longer fits the window.
     stale: bool,
 }
 
 impl Screen {
-    /// The screen of a device that was opened with [`Device::open_for`], with the textures of the one before it, if there was one.
+    /// The screen of a device that was opened with [`Device::open_for`], with the textures of an earlier screen, if
+    /// any.
     ///
     /// # Errors
-    /// [`Error::NoSurface`] if the window takes no 8-bit pictures, and whatever Vulkan says.
+    /// [`Error::NoSurface`] if the window accepts no 8-bit pictures, and Vulkan errors.
     pub fn new(device: &Device, textures: Textures) -> Result<Self, Error> {
         let context = device.0.clone();
         let format = swapchain::format(&context)?;
@@ -91,17 +92,17 @@ impl Screen {
         self.stale = true;
     }
 
-    /// What egui has brought so far, for a screen that takes this one's place.
+    /// The textures so far, for the next screen.
     pub fn take_textures(&mut self) -> Textures {
         self.painter.as_mut().map(|painter| std::mem::take(&mut painter.textures)).unwrap_or_default()
     }
 
-    /// Shows a picture with a drawing over it in a window of this size (physical pixels); returns when the device is done.
-    /// `about_to_present` is called just before the window gets the picture, if it does.
+    /// Shows a picture with a drawing over it in a window of this size (physical pixels); returns when the device is
+    /// done. `about_to_present` is called just before the picture is presented, if it is.
     ///
     /// # Errors
-    /// [`Error::Lost`] if the device or the surface is lost; a picture of another length than its size says is
-    /// [`Error::NoSurface`]. After an error for want of memory the next frame may do.
+    /// [`Error::Lost`] if the device or the surface is lost; [`Error::NoSurface`] if the picture's length doesn't match
+    /// its size. After running out of memory, the next frame may succeed.
     pub fn show(
         &mut self,
         size: [u32; 2],
@@ -149,7 +150,7 @@ impl Screen {
         if let Some(old) = self.swapchain.take() {
             self.destroy(&old);
         }
-        // SAFETY: whatever was submitted is over; what can't be reset is an error when it is begun.
+        // SAFETY: all submissions have finished; if resetting fails, beginning the command buffer reports it.
         let _ =
             unsafe { self.context.device.reset_command_buffer(self.commands, vk::CommandBufferResetFlags::empty()) };
         self.stale = true;
@@ -165,7 +166,7 @@ impl Screen {
         drop(guard);
     }
 
-    /// A swapchain that fits the window, or none while it has no area.
+    /// Creates a swapchain that fits the window, or none while it has no area.
     fn renew(&mut self, size: [u32; 2]) -> Result<(), Error> {
         let old = self.swapchain.take();
         let raw = old.as_ref().map(|old| old.raw);
@@ -194,7 +195,7 @@ impl Screen {
                 self.stale = true;
                 Ok(None)
             }
-            // A window that nobody sees may give none.
+            // An invisible window may provide no image.
             Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
             Err(result) => Err(failed("vkAcquireNextImageKHR")(result)),
         }
@@ -320,14 +321,14 @@ impl Drop for Screen {
     }
 }
 
-/// How long to wait for an image.
+/// How long to wait for an image, in nanoseconds.
 const PATIENCE_NS: u64 = 200_000_000;
 /// Around the picture, where the window has nothing else.
 const GRAY: f32 = 0.1;
 const COPIED: vk::ImageLayout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
 const DRAWN: vk::ImageLayout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
 
-/// The part of a picture that the window has room for; `None` if there is none.
+/// The part of a picture that fits the window; `None` if that is empty.
 fn region(picture: &Picture<'_>, extent: vk::Extent2D) -> Option<vk::BufferImageCopy> {
     let room = [extent.width.saturating_sub(picture.at[0]), extent.height.saturating_sub(picture.at[1])];
     let [width, height] = [picture.size[0].min(room[0]), picture.size[1].min(room[1])];

@@ -8,7 +8,7 @@ use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use crate::Error;
 
-/// What knows its window and display.
+/// Types that provide the handles of a window and its display.
 pub trait Handles: HasDisplayHandle + HasWindowHandle + Send + Sync {}
 
 impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> Handles for T {}
@@ -46,7 +46,7 @@ impl Surface {
         Ok(Self { loader: khr::surface::Instance::new(entry, instance), raw, _window: window })
     }
 
-    /// Whether queues of this family can present to the surface.
+    /// True if queues of this family can present to the surface.
     pub(crate) fn takes_from(&self, instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> bool {
         // SAFETY: plain queries on a live instance; the family is one of this device.
         let (extensions, supported) = unsafe {
@@ -59,7 +59,7 @@ impl Surface {
         swaps && supported.unwrap_or(false)
     }
 
-    /// Destroys the surface; what was made of it is gone.
+    /// Destroys the surface; everything created from it must be gone.
     pub(crate) fn destroy(self) {
         // SAFETY: swapchains hold the context, whose instance calls this at its own end.
         unsafe { self.loader.destroy_surface(self.raw, None) };

@@ -4,7 +4,7 @@ use ash::{khr, vk};
 
 use crate::{Context, Error};
 
-/// One format for all swapchains of a surface: 8 bits that are shown as they are, sRGB-encoded.
+/// The format of all swapchains of a surface: 8 bits, sRGB-encoded, shown without conversion.
 pub fn format(context: &Context) -> Result<vk::SurfaceFormatKHR, Error> {
     let Some(surface) = &context.instance.surface else { return Err(no_surface()) };
     // SAFETY: a plain query on a live surface.
@@ -76,7 +76,7 @@ impl Swapchain {
             .present_mode(vk::PresentModeKHR::FIFO)
             .clipped(true)
             .old_swapchain(old.unwrap_or_default());
-        // SAFETY: the surface is alive and supported by this device; nobody uses the old swapchain any more.
+        // SAFETY: the surface is alive and supported by this device; the old swapchain is no longer used.
         let raw = unsafe { loader.create_swapchain(&info, None) }.map_err(failed("vkCreateSwapchainKHR"))?;
         let acquired = vk::Semaphore::null();
         let mut made = Self { raw, extent, images: Vec::new(), views: Vec::new(), acquired, finished: Vec::new() };
@@ -91,7 +91,7 @@ impl Swapchain {
     }
 
     fn fill(&mut self, context: &Context, loader: &khr::swapchain::Device, format: vk::Format) -> Result<(), Error> {
-        // SAFETY: the swapchain was just made; what is made here is destroyed with it.
+        // SAFETY: the swapchain was just created; everything created here is destroyed with it.
         unsafe {
             self.images = loader.get_swapchain_images(self.raw).map_err(failed("vkGetSwapchainImagesKHR"))?;
             let acquired = context.device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None);
@@ -121,7 +121,7 @@ impl Swapchain {
             self.views.iter().for_each(|view| context.device.destroy_image_view(*view, None));
             self.finished.iter().for_each(|semaphore| context.device.destroy_semaphore(*semaphore, None));
             loader.destroy_swapchain(self.raw, None);
-            // After the swapchain, which may have an image of which nobody took note.
+            // Destroyed after the swapchain, which may have an acquired image that was not recorded.
             context.device.destroy_semaphore(self.acquired, None);
         }
     }

@@ -49,7 +49,7 @@ pub fn measure(device: &Device, subject: &Subject, count: usize, folder: &Path) 
     }
     let names = all.map(|contender| contender.name);
     let median = |index: usize| {
-        pellucid_lab::report::stress::Spread::of(places.iter().map(|place| place[index].0).collect()).median
+        pellucid_lab::report::stress::Spread::from_values(places.iter().map(|place| place[index].0).collect()).median
     };
     println!(
         "path of {count} frames, median ms: {}",

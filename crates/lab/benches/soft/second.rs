@@ -67,7 +67,7 @@ pub fn measure(device: &Device, subject: &Subject, rounds: usize, folder: &Path)
             }
         }
         let median = |frames: &[Timed]| Timed {
-            ms: Spread::of(frames.iter().map(|frame| frame.ms).collect()).median,
+            ms: Spread::from_values(frames.iter().map(|frame| frame.ms).collect()).median,
             bytes: frames.iter().map(|frame| frame.bytes).max().unwrap_or(0),
         };
         let repeated = median(&after[0]).ms;

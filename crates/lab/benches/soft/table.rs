@@ -59,7 +59,7 @@ pub fn measure(device: &Device, subject: &Subject, frames: usize) -> Result<Row>
             }
         }
     }
-    let ms = times.map(|times| Spread::of(times).median);
+    let ms = times.map(|times| Spread::from_values(times).median);
     let row = Row { source: "pellucid", name: subject.name.clone(), points: subject.points.len() as f64, ms };
     let [one_layer, soft] = row.ratios();
     for (contender, ms) in three.iter().zip(ms) {

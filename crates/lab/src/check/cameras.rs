@@ -2,39 +2,27 @@
 
 use glam::{DVec3, Vec3};
 
-use super::discs::{exact, roundings, with_peel};
-use super::naive::over;
+use super::discs::roundings;
+use super::lists::{exact, except, of_families, with_peel, with_samples};
+use super::naive::{is_between, over};
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, dot, pixels, pixels_apart};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::{abuffer, coverage};
-use pellucid_engine::scene::{
-    BlendedSplats, DiscShape, Discs, ImageSpace, Interpolated, Method, OneLayer, PeelLayers, ScreenSplats, Soft,
-    Stochastic,
-};
+use pellucid_engine::scene::{DiscShape, Discs, Family, Method};
 
 type Found = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let oriented = [Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs })];
-    let others = [
-        Method::Points,
-        Method::Circles(ScreenSplats::default()),
-        Method::Sphere(ScreenSplats::default()),
-        Method::Paraboloid(Interpolated::default()),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-        Method::SoftBase(Soft::default()),
-        Method::SoftConcentric(Soft::default()),
-        Method::SoftExpress(Soft::default()),
-        Method::OneLayer(OneLayer::default()),
-        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
-        Method::ImageSpace(ImageSpace::default()),
-        Method::PeelLayers(PeelLayers::default()),
-    ];
-    let all = [with_peel(), others.to_vec()].concat();
-    let limits = [with_peel(), others[..6].to_vec()].concat();
+    // The others go the way of one of these: averages that of `stochastic`, squares and cones that of circles and paraboloids.
+    let like = ["hybrid", "weighted", "average", "unsorted", "squares", "cone"];
+    let families = [Family::Discs, Family::Opaque, Family::Soft, Family::OneLayer, Family::Surfaces];
+    let all = with_samples(8, except(&like, of_families(&families)));
+    let limits = [with_peel(), except(&like, of_families(&[Family::Opaque]))].concat();
     [
         each(
             &exact(),
@@ -117,7 +105,7 @@ fn against_float64(
         render(&dots.iter().map(naive).collect::<Vec<_>>()).rgba.iter().map(|p| p.map(|c| c as f32)).collect();
     let error = if longest > 1 { pixels_apart(&image.rgba, &wanted.rgba) } else { f64::INFINITY };
     let bound = roundings(&method, longest) * HALF_ULP;
-    Ok(Finding { error, bound, naive: pixels_apart(&other, &wanted.rgba) })
+    Ok(Finding { error, bound, naive: Computed(pixels_apart(&other, &wanted.rgba)) })
 }
 
 fn narrow(stage: &mut Stage, method: Method) -> Found {
@@ -141,7 +129,7 @@ fn narrow(stage: &mut Stage, method: Method) -> Found {
         (2048.0 - y * (focal as f32 / z)).floor() as usize
     };
     let naive = dots.iter().filter(|dot| single(dot) != row(dot)).count();
-    Ok(Finding { error: error as f64, bound: 0.0, naive: naive as f64 })
+    Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
 fn wide(stage: &mut Stage, method: Method) -> Found {
@@ -190,7 +178,7 @@ fn depth_range(stage: &mut Stage, method: Method) -> Found {
     let mut by_key = shuffled.clone();
     by_key.sort_by(|a, b| key(a).total_cmp(&key(b)));
     let naive = apart(&over(&by_key), &wanted);
-    Ok(Finding { error: apart(&found, &wanted), bound: roundings(&method, 40) * HALF_ULP, naive })
+    Ok(Finding { error: apart(&found, &wanted), bound: roundings(&method, 40) * HALF_ULP, naive: Computed(naive) })
 }
 
 fn depth_limits(stage: &mut Stage, method: Method) -> Found {
@@ -201,7 +189,9 @@ fn depth_limits(stage: &mut Stage, method: Method) -> Found {
     let image = stage.image(&dots, camera, [4, 1], method)?;
     let wanted = [[0.0; 4], [1.0; 4], [1.0; 4], [0.0; 4]];
     // Clipped where (z - near) / (far - near) is not above 0 and below 1.
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 0.0, naive: 1.0 })
+    let naive = depths.map(|z| if is_between(z, 8.0, 1000.0) { [1.0; 4] } else { [0.0; 4] });
+    let naive = pixels_apart(&naive, &wanted);
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
 fn behind(stage: &mut Stage, method: Method) -> Found {
@@ -221,5 +211,11 @@ fn behind(stage: &mut Stage, method: Method) -> Found {
     let drawn = image.rgba.iter().flatten().map(|c| if *c == 0.0 { 0.0 } else { 1.0 }).fold(0.0, f64::max);
     let deep = if image.depth.iter().all(|z| *z == f32::INFINITY) { 0.0 } else { 1.0 };
     // Divided by a negative depth they lie in the image, upside down.
-    Ok(Finding { error: f64::max(drawn, deep), bound: 0.0, naive: 1.0 })
+    let focal = camera.focal_px(9) as f32;
+    let is_inside = |dot: &Dot| {
+        let p = dot.position.as_vec3();
+        [p.x, -p.y].iter().all(|x| (0.0..9.0).contains(&(4.5 + x * focal / -p.z)))
+    };
+    let naive = if dots.iter().any(is_inside) { 1.0 } else { 0.0 };
+    Ok(Finding { error: f64::max(drawn, deep), bound: 0.0, naive: Computed(naive) })
 }

@@ -3,35 +3,27 @@
 use glam::{DVec3, Vec3};
 
 use super::discs::roundings;
+use super::lists::{except, of_families, tilted, with_samples, with_soft};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::{Computed, Stated};
+use super::verdict::Trouble;
+use super::{Case, Finding, Lack, Stage, each, naive};
 use pellucid_engine::methods::Frame;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
-use pellucid_engine::scene::{
-    BlendedSplats, Density, DiscShape, Discs, Hybrid, LongLists, Method, Peel, Shells, Soft, Stochastic,
-};
+use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
 
 type Found = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
-    let discs = Discs::default();
-    let oriented = Discs { shape: DiscShape::Oriented, ..discs };
+    let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
     let soft = Soft { density: Density::Softness(0.05), shells: Shells::Fixed(2), ..Soft::default() };
-    let cut = [
-        Method::ABuffer(oriented),
-        Method::LinkedList(oriented),
-        Method::Peel(Peel { discs: oriented, ..Peel::default() }),
-        Method::Stochastic(Stochastic { samples: 8, ..Stochastic::default() }),
-        Method::Hybrid(Hybrid::default()),
-        Method::Weighted(discs),
-        Method::Average(discs),
-        Method::Unsorted(discs),
-        Method::Hqs(BlendedSplats::default()),
-        Method::Splats(BlendedSplats::default()),
-        Method::SoftBase(soft),
-        Method::SoftConcentric(soft),
-        Method::SoftExpress(soft),
-    ];
+    // The runs of `sorted` follow its windows, and opaque splats that are not blended have nothing to cut.
+    let blended = |method: &Method| method.key("blend_depth").is_some();
+    let discs = with_samples(8, except(&["sorted"], of_families(&[Family::Discs])));
+    let discs = discs.into_iter().map(|method| if method.is_exact(true) { tilted(method) } else { method });
+    let splats = Family::Opaque.methods().filter(blended);
+    let spheres = Family::Soft.methods().map(|method| with_soft(method, soft));
+    let cut: Vec<Method> = discs.chain(splats).chain(spheres).collect();
     let in_place = [Method::ABuffer(Discs { long_lists: LongLists::InPlace, ..oriented })];
     [
         each(&cut, "budget", "cut by a memory budget: no byte changes", budget),
@@ -84,8 +76,8 @@ fn budget(stage: &mut Stage, method: Method) -> Found {
     };
     let was_cut = cut.facts.windows > free.facts.windows || cut.facts.bands > free.facts.bands;
     let error = if was_cut { bytes_apart(&free.image, &cut.image) } else { f64::INFINITY };
-    // A pool of fixed size loses what comes last: the pixels beyond it, 20 bytes each.
-    Ok(Finding { error, bound: 0.0, naive: f64::from(size[0] * size[1] / 2) * 20.0 })
+    let why = "a pool of a fixed size loses the fragments that come last";
+    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
 fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
@@ -96,8 +88,12 @@ fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
     let size = [4, 3];
     let merged = stage.image(&dots, pixels(size), size, discs(LongLists::Merge))?;
     let sorted = stage.image(&dots, pixels(size), size, method)?;
-    // Kept as they came, every color differs.
-    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: f64::from(size[0] * size[1]) * 12.0 })
+    // Composed as they came; each disc covers every pixel.
+    let mut by_depth = dots.clone();
+    by_depth.sort_by(|a, b| b.position.z.total_cmp(&a.position.z));
+    let pixels = (size[0] * size[1]) as usize;
+    let naive = naive::bytes_apart(&vec![naive::over(&dots); pixels], &vec![naive::over(&by_depth); pixels]);
+    Ok(Finding { error: bytes_apart(&merged, &sorted), bound: 0.0, naive: Computed(naive) })
 }
 
 /// Layers of [`beyond`].
@@ -108,7 +104,7 @@ fn beyond(stage: &mut Stage, method: Method) -> Found {
     let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
     if side > 1536 {
         let what = format!("to bind less than {binding} bytes at a time: more fragments than are worth rendering");
-        return Err(Trouble::Lacks(what));
+        return Err(Trouble::Lacks(Lack::Limits, what));
     }
     let size = [side, side];
     let layer = |i: u32| Dot {
@@ -127,6 +123,6 @@ fn beyond(stage: &mut Stage, method: Method) -> Found {
     let found = stage.render(&cloud(&dots), &frame(pixels(size), size, method))?;
     let error = found.image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
     let error = if found.facts.bands > 1 { error } else { f64::INFINITY };
-    // What is written beyond the end of a binding is gone, and with it whole pixels.
-    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: wanted[3] })
+    let why = "what is written beyond the end of a binding is gone, and whole pixels with it";
+    Ok(Finding { error, bound: roundings(&method, LAYERS as usize) * HALF_ULP, naive: Stated { why } })
 }

@@ -2,21 +2,16 @@
 
 use glam::Vec3;
 
-use super::naive::over;
+use super::lists::{exact, with_peel};
+use super::naive::{gaussian, nearest, over, over_until};
 use super::stage::{Dot, HALF_ULP, apart, at, bytes_apart, cloud, composed, dot, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::{Computed, Stated};
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
 use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, Stochastic};
 
-/// The methods that keep every fragment.
-pub(super) fn exact() -> Vec<Method> {
-    let discs = Discs::default();
-    vec![Method::ABuffer(discs), Method::LinkedList(discs), Method::Sorted(discs)]
-}
-
-/// And the one that goes through all points once for each layer.
-pub(super) fn with_peel() -> Vec<Method> {
-    [exact(), vec![Method::Peel(Peel::default())]].concat()
-}
+/// Transmittance below half a step of 8 bits.
+pub(super) const SATURATED: f32 = 1.0 / 512.0;
 
 /// Methods whose A is exact, whatever they do to colors.
 fn exact_coverage() -> Vec<Method> {
@@ -78,7 +73,7 @@ fn faint(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found = stage.pixel(&dots, method)?;
     // Each rounding is relative to a sum that is at most the whole.
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted[3];
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&dots), &wanted) })
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots), &wanted)) })
 }
 
 fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -87,7 +82,7 @@ fn faint_a(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found = stage.pixel(&dots, method)?[3];
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted;
     let naive = apart(&[over(&dots)[3]], &[wanted]);
-    Ok(Finding { error: apart(&[found], &[wanted]), bound, naive })
+    Ok(Finding { error: apart(&[found], &[wanted]), bound, naive: Computed(naive) })
 }
 
 /// Opacity falls with the length, so that the last layers still count; colors differ from layer to layer.
@@ -101,8 +96,11 @@ fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Trouble>
     shuffled.rotate_left(n as usize / 3);
     let found = stage.pixel(&shuffled, method)?;
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted.into_iter().fold(0.0, f64::max);
-    // As they came.
-    let naive = if n > 1 { apart(&over(&shuffled), &wanted) } else { f64::INFINITY };
+    let naive = match n {
+        1 => Stated { why: "one layer is right by any formula; it is here as the shortest list" },
+        // As they came.
+        _ => Computed(apart(&over(&shuffled), &wanted)),
+    };
     Ok(Finding { error: apart(&found, &wanted), bound, naive })
 }
 
@@ -112,7 +110,7 @@ fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found = stage.pixel(&dots, method)?;
     let bound = roundings(&method, dots.len()) * HALF_ULP;
     // A depth test that lets only what is nearer pass keeps one of them.
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: apart(&over(&dots[..1]), &wanted) })
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots[..1]), &wanted)) })
 }
 
 /// Dots of the same depth that can be told apart by color alone.
@@ -135,7 +133,7 @@ fn permuted(stage: &mut Stage, method: Method, permute: fn(&mut Vec<Dot>)) -> Re
     let second = stage.image(&other, pixels([1, 1]), [1, 1], method)?;
     let arrived = |dots: &[Dot]| over(dots).map(f32::to_bits);
     let naive = arrived(&dots).iter().zip(arrived(&other)).filter(|(a, b)| **a != *b).count();
-    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: naive as f64 })
+    Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(naive as f64) })
 }
 
 pub(super) fn ties(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -164,16 +162,18 @@ fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found = [image.rgba[0].as_slice(), &[image.depth[0]]].concat();
     let wanted = [0.5, 0.5, 0.0, 1.0, 2.0];
     // Powers of two, exact; the depth is that of the first fragment with an opacity. Naive: that of the nearest.
-    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: 1.0 })
+    let naive = [over(&dots).as_slice(), &[nearest(&dots)]].concat();
+    Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(apart(&naive, &wanted)) })
 }
 
 fn nearly_opaque(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let opacity = 1.0 - f32::EPSILON / 2.0;
     let dots = [dot(1.0, Vec3::ZERO, opacity), dot(2.0, Vec3::ONE, 1.0)];
     let found = stage.pixel(&dots, method)?;
-    // 2^-24 of white; one rounding of a product. Stopping where an 8-bit step is saturated would lose it.
+    // 2^-24 of white; one rounding of a product. Stopping where an 8-bit step is saturated loses it.
     let wanted = [1.0 - f64::from(opacity); 3];
-    Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: wanted[0] })
+    let naive = apart(&over_until(&dots, SATURATED)[..3], &wanted);
+    Ok(Finding { error: apart(&found[..3], &wanted), bound: HALF_ULP * wanted[0], naive: Computed(naive) })
 }
 
 fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -185,7 +185,11 @@ fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> 
     // It has an opacity, so its depth is that of the image. 1 - T is 0.
     let depth = if image.depth[0] == 1.0 { 0.0 } else { 1.0 };
     let error = apart(&image.rgba[0], &[wanted; 4]);
-    Ok(Finding { error: error.max(depth), bound: 12.0 * HALF_ULP * wanted, naive: apart(&over(&dots), &[wanted; 4]) })
+    Ok(Finding {
+        error: error.max(depth),
+        bound: 12.0 * HALF_ULP * wanted,
+        naive: Computed(apart(&over(&dots), &[wanted; 4])),
+    })
 }
 
 fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -197,8 +201,10 @@ fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let image = stage.image(&dots, pixels([4, 1]), [4, 1], method)?;
     let wanted = [(-2f64).exp(); 4];
     let error = image.rgba.iter().map(|pixel| apart(pixel, &wanted)).fold(0.0, f64::max);
-    // Vulkan allows 3 + 2 · 2 units of an exponential.
-    Ok(Finding { error, bound: 16.0 * HALF_ULP * wanted[0], naive: f64::INFINITY })
+    // ρ counts as 1, products with 1 are exact, and the shaders' own exponential is within one unit (shared/elementary.wgsl).
+    let naive = (0..).zip(&radii).map(|(x, radius)| gaussian(beside(x).x as f32, *radius));
+    let naive = apart(&naive.collect::<Vec<f32>>(), &wanted);
+    Ok(Finding { error, bound: 2.0 * HALF_ULP * wanted[0], naive: Computed(naive) })
 }
 
 fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
@@ -208,6 +214,13 @@ fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found: Vec<f32> = image.rgba.iter().map(|c| c[3]).collect();
     let wanted: Vec<f64> = (0..25).map(|i| if i == 12 { 0.5 } else { 0.0 }).collect();
     let depth = (f64::from(image.depth[12]) - 3.0).abs();
-    // Without the rule of the always-covered pixel there is nothing.
-    Ok(Finding { error: apart(&found, &wanted).max(depth), bound: 0.0, naive: 0.5 })
+    // Where the ray of a pixel's centre meets the disc's plane, without the rule of the always-covered pixel: nowhere.
+    let (normal, center) = (disc.normal, disc.position.as_vec3());
+    let met = |pixel: u32| {
+        let start = at(pixel % 5, pixel / 5, 0.0).as_vec3();
+        let along = normal.dot(center - start) / normal.dot(Vec3::NEG_Z);
+        if (start + along * Vec3::NEG_Z).distance(center) <= disc.radius { disc.opacity } else { 0.0 }
+    };
+    let naive = apart(&(0..25).map(met).collect::<Vec<f32>>(), &wanted);
+    Ok(Finding { error: apart(&found, &wanted).max(depth), bound: 0.0, naive: Computed(naive) })
 }

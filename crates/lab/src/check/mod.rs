@@ -7,11 +7,13 @@ mod approximate;
 mod cameras;
 mod cuts;
 mod discs;
+mod lists;
 mod machinery;
 mod moved;
 mod naive;
 mod opaque;
 mod prepared;
+mod released;
 mod same;
 mod shadows;
 mod sizes;
@@ -22,15 +24,19 @@ mod stochastic;
 mod subjects;
 mod surfaces;
 mod table;
+mod verdict;
 
-use pellucid_engine::gpu::{self, Device};
+use pellucid_engine::gpu::Device;
+use pellucid_engine::methods;
 use pellucid_engine::scene::Method;
-use pellucid_engine::{Error, io, methods, scene};
 
+pub use released::{Regression, regression, released, released_table};
 pub use same::{Difference, difference};
 pub use stage::Stage;
 pub use subjects::{Follows, Subject, subjects};
 pub use table::{Group, groups, markdown};
+use verdict::Trouble;
+pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
 
 /// A hard case.
 pub struct Case {
@@ -42,89 +48,6 @@ pub struct Case {
 }
 
 type Run = Box<dyn Fn(&mut Stage) -> Result<Finding, Trouble>>;
-
-/// Why a case has no finding.
-#[derive(Debug)]
-enum Trouble {
-    /// The device lacks what it needs.
-    Lacks(String),
-    /// It could not be rendered.
-    Failed(Error),
-}
-
-impl From<methods::Error> for Trouble {
-    /// A device without subgroups has no methods that go through tiles, one without writes from fragment shaders no
-    /// rasteriser; what a case of this size can't bind or allocate, a device has no room for. Everything else is wrong.
-    fn from(error: methods::Error) -> Self {
-        if is_lack(&error) { Self::Lacks(error.to_string()) } else { Self::Failed(error.into()) }
-    }
-}
-
-/// Whether an error says that the device lacks what a method needs: subgroups, the rasteriser's stores, room.
-pub fn is_lack(error: &methods::Error) -> bool {
-    use gpu::Error::{OutOfMemory, TooLarge};
-    use methods::Error::{Gpu, NoHardwareRaster, NoSubgroups};
-    matches!(error, NoSubgroups { .. } | NoHardwareRaster { .. } | Gpu(OutOfMemory { .. } | TooLarge { .. }))
-}
-
-impl From<gpu::Error> for Trouble {
-    fn from(error: gpu::Error) -> Self {
-        methods::Error::from(error).into()
-    }
-}
-
-impl From<io::Error> for Trouble {
-    fn from(error: io::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-impl From<scene::Error> for Trouble {
-    fn from(error: scene::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-/// What became of a case.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Finding {
-    /// Largest error found; NaN and infinity are errors too.
-    pub error: f64,
-    /// Largest error allowed.
-    pub bound: f64,
-    /// Error of the naive formula in the same place, in float32 on the host: above the bound.
-    pub naive: f64,
-}
-
-impl Finding {
-    /// Whether the error is within the bound.
-    pub fn passes(&self) -> bool {
-        // NaN is not.
-        self.error <= self.bound
-    }
-}
-
-/// The verdict on a case.
-#[derive(Debug)]
-pub enum Verdict {
-    /// It was run.
-    Found(Finding),
-    /// The device lacks what it needs.
-    NotApplicable(String),
-    /// It could not be rendered.
-    Failed(Error),
-}
-
-impl Verdict {
-    /// Whether nothing is wrong; what does not apply is neither passed nor wrong.
-    pub fn is_wrong(&self) -> bool {
-        match self {
-            Self::Found(finding) => !finding.passes(),
-            Self::NotApplicable(_) => false,
-            Self::Failed(_) => true,
-        }
-    }
-}
 
 /// All cases, family by family. No two have the same name.
 pub fn cases() -> Vec<Case> {
@@ -169,11 +92,7 @@ fn each(
 impl Case {
     /// Runs the case.
     pub fn run(&self, stage: &mut Stage) -> Verdict {
-        match (self.run)(stage) {
-            Ok(finding) => Verdict::Found(finding),
-            Err(Trouble::Lacks(what)) => Verdict::NotApplicable(what),
-            Err(Trouble::Failed(error)) => Verdict::Failed(error),
-        }
+        (self.run)(stage).into()
     }
 }
 

@@ -6,8 +6,10 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use pellucid_engine::progress::Progress;
 
-use super::stage::{HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, one};
+use super::stage::{Dot, HALF_ULP, apart, bytes_apart, composed, dot, frame, pixels};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, naive, one};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::io;
@@ -46,8 +48,10 @@ fn all_equal(stage: &mut Stage) -> Found {
     let wanted = composed(&vec![dot; 500]);
     // Four roundings for each of a run of 256, and for each run.
     let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
-    // Nothing, where a radius of 0 covers no pixel's centre; or a radius of 0 / 0.
-    Ok(Finding { error: apart(&found, &wanted), bound, naive: wanted[3] })
+    // Nothing, where a radius of 0 covers no pixel.
+    let covering: Vec<Dot> = vec![dot; 500].into_iter().filter(|dot| naive::covers(dot, [0, 0])).collect();
+    let naive = apart(&naive::over(&covering), &wanted);
+    Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(naive) })
 }
 
 /// 1000 points, 1/16 apart.
@@ -74,7 +78,7 @@ fn line() -> Found {
     let ends = apart(&[found[0], found[999]], &[2.0 * wanted; 2]);
     // With the point itself as one of K, its neighbors are 23, of which the last is as far, but K is 25 with them all.
     let naive = apart(&[(2.0 * 12.0 / 16.0 / 25f64.sqrt()) as f32], &[wanted]);
-    Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive })
+    Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive: Computed(naive) })
 }
 
 fn plane() -> Found {
@@ -84,11 +88,13 @@ fn plane() -> Found {
     let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
     let surface = uncertainty::estimate(&positions, None, 24, &Progress::hidden());
     let off = |normal: &Vec3| f64::from(normal.x.abs().max(normal.y.abs()).max((normal.z.abs() - 1.0).abs()));
-    let error = surface.normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
+    let most =
+        |normals: &[Vec3]| normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
+    let error = most(&surface.normals);
     // In float32 the rows of the grid fall together: the plane is a line, with any normal across it.
-    let rows: Vec<f32> = positions.iter().map(|p| p.y as f32).collect();
-    let together = rows.iter().zip(&positions).any(|(y, p)| f64::from(*y) != p.y);
-    Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: if together { 1.0 } else { 0.0 } })
+    let rounded: Vec<DVec3> = positions.iter().map(|p| p.as_vec3().as_dvec3()).collect();
+    let naive = most(&uncertainty::estimate(&rounded, None, 24, &Progress::hidden()).normals);
+    Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
 fn georeferenced() -> Found {
@@ -99,7 +105,7 @@ fn georeferenced() -> Found {
     let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r)).collect();
     let naive = apart(&[middle_in_float32(&turned)], &[wanted[500]]);
     // All places and differences are exact.
-    Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive })
+    Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
 fn scale() -> Found {
@@ -108,8 +114,9 @@ fn scale() -> Found {
     let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r) * 1000.0).collect();
     let most = wanted.iter().copied().fold(0.0, f64::max);
     // Both were rounded.
-    let naive = most - most / 1000f64.sqrt();
-    Ok(Finding { error: apart(&radii(&large), &wanted), bound: 2.0 * most * HALF_ULP, naive })
+    let printed: Vec<f32> = here.iter().map(|r| r * 1000f32.sqrt()).collect();
+    let naive = apart(&printed, &wanted);
+    Ok(Finding { error: apart(&radii(&large), &wanted), bound: 2.0 * most * HALF_ULP, naive: Computed(naive) })
 }
 
 /// A cloud as a text file; each row is position, color, alpha, normal, radius.
@@ -118,6 +125,14 @@ fn ply(rows: &[&str]) -> String {
     let properties: String = names.iter().map(|name| format!("property float {name}\n")).collect();
     let header = format!("ply\nformat ascii 1.0\nelement vertex {}\n{properties}end_header\n", rows.len());
     header + &rows.join("\n") + "\n"
+}
+
+/// A row as its numbers say.
+fn as_read(row: &str) -> Option<Dot> {
+    let numbers: Vec<f32> = row.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
+    let [x, y, z, red, green, blue, opacity, nx, ny, nz, radius] = *numbers else { return None };
+    let (position, normal) = (Vec3::new(x, y, z).as_dvec3(), Vec3::new(nx, ny, nz));
+    Some(Dot { position, color: Vec3::new(red, green, blue), opacity, radius, normal, field: 0.0 })
 }
 
 fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
@@ -155,6 +170,13 @@ fn not_finite(stage: &mut Stage) -> Found {
     let (found, wanted) = (picture(stage, &odd)?, picture(stage, &meant)?);
     let drawn = wanted.rgba[1..].iter().all(|pixel| pixel[3] > 0.0) && wanted.rgba[0] == [0.0; 4];
     let error = if drawn { bytes_apart(&found, &wanted) } else { f64::INFINITY };
-    // What is not finite spreads over its pixel.
-    Ok(Finding { error, bound: 0.0, naive: f64::INFINITY })
+    // Blended as it is, what is not finite spreads over its pixel.
+    let mut blended = wanted.rgba.clone();
+    for dot in odd.iter().filter_map(|row| as_read(row)) {
+        if let Some(pixel) = blended.get_mut(dot.position.x.max(0.0) as usize) {
+            *pixel = naive::over(&[dot]);
+        }
+    }
+    let naive = naive::bytes_apart(&blended, &wanted.rgba);
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }

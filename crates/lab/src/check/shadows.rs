@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, at, cloud, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, one};
+use super::verdict::Naive::{Computed, Stated};
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, one};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::shadows::lights;
@@ -81,7 +83,7 @@ fn slanted(stage: &mut Stage) -> Found {
         // The same d̃ whatever the angle: as where there is no normal.
         naive += dark(Vec3::ZERO)?;
     }
-    Ok(Finding { error, bound: 0.0, naive })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
 /// The pixels of a light's image onto which some points fall.
@@ -109,7 +111,7 @@ fn behind(stage: &mut Stage) -> Found {
             naive += hit(&view.camera, resolution, &below).iter().filter(|pixel| !covered.contains(*pixel)).count();
         }
     }
-    Ok(Finding { error, bound: 0.0, naive: naive as f64 })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
 fn half_a_disc(stage: &mut Stage) -> Found {
@@ -134,8 +136,18 @@ fn half_a_disc(stage: &mut Stage) -> Found {
     let reach = (FLOOR - LID) * radius.to_radians().tan();
     let border = (0.125 + 65.0 / f64::from(resolution)) / reach * 2.0 / PI;
     let error = if mean.is_nan() { f64::INFINITY } else { (mean - 0.5).abs() };
-    // One light: all or nothing.
-    Ok(Finding { error, bound: errors + border, naive: 0.5 })
+    // One light in the middle: all of it or nothing, by whether a point of the lid falls onto its pixel.
+    let is_lid = |p: &&DVec3| p.z == -LID;
+    let is_covered = points.bounds().is_some_and(|bounds| {
+        let views = lights::views(DOWN, &bounds, resolution);
+        let pixels = |positions: &[DVec3]| -> HashSet<[u32; 2]> {
+            views.iter().flat_map(|view| hit(&view.camera, resolution, positions)).collect()
+        };
+        let lid: Vec<DVec3> = points.positions.iter().filter(is_lid).copied().collect();
+        !pixels(&lid).is_disjoint(&pixels(&[below.position]))
+    });
+    let naive: f64 = if is_covered { 0.0 } else { 1.0 };
+    Ok(Finding { error, bound: errors + border, naive: Computed((naive - 0.5).abs()) })
 }
 
 /// Points all over a sphere, as evenly as on a sunflower.
@@ -159,7 +171,7 @@ fn inside(stage: &mut Stage) -> Found {
     let forward = -lamp.normalize();
     let unseen = |i: &usize| is_outer(*i) && (points.positions[*i] - lamp).dot(forward) <= 0.0;
     let naive = (0..points.len()).filter(unseen).count();
-    Ok(Finding { error, bound: 0.0, naive: naive as f64 })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
 /// Points on a grid of 1/1024 in a cube of side 2.
@@ -195,7 +207,7 @@ fn georeferenced(stage: &mut Stage) -> Found {
         // A scene without shadow, or without light, would say nothing.
         error += if here.contains(&0.0) && here.contains(&1.0) { 0.0 } else { f64::INFINITY };
     }
-    Ok(Finding { error, bound: 0.0, naive })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
 fn along(stage: &mut Stage) -> Found {
@@ -206,8 +218,10 @@ fn along(stage: &mut Stage) -> Found {
     let is_lit = |i: usize| points.positions[i].x < 0.5 + 5.2;
     let error = wrong(&found, |i| if is_lit(i) { 1.0 } else { 0.0 });
     // d̃ / 0 is any distance.
-    let naive = (0..points.len()).filter(|i| !is_lit(*i)).count();
-    Ok(Finding { error, bound: 0.0, naive: naive as f64 })
+    let reach = 0.52 / Vec3::Z.dot(Vec3::X);
+    let is_naively_lit = |i: usize| (points.positions[i].x as f32) < 0.5 + reach;
+    let naive = (0..points.len()).filter(|i| is_naively_lit(*i) != is_lit(*i)).count();
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
 fn one_pixel(stage: &mut Stage) -> Found {
@@ -217,21 +231,25 @@ fn one_pixel(stage: &mut Stage) -> Found {
     let found = shares(stage, &points, &lit_frame(DOWN, hard(1, 5.0), 0))?;
     let mut error = wrong(&found, |i| if points.positions[i].z == -LID { 1.0 } else { 0.0 });
     error += wrong(&shares(stage, &cloud(&floor), &lit_frame(DOWN, hard(1, 5.0), 0))?, |_| 1.0);
-    // A free pixel on each side: resolution - 2 is negative, and the image mirrored, or empty.
-    Ok(Finding { error, bound: 0.0, naive: floor.len() as f64 })
+    let why =
+        "a free pixel on each side leaves an image of one pixel with a negative size, so that it is mirrored or empty";
+    Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
 fn all_equal(stage: &mut Stage) -> Found {
     let place = at(3, 4, 5.0);
-    let mut error = 0.0;
+    let (mut error, mut naive) = (0.0, 0);
     for count in [1, 500] {
         let points = cloud(&vec![Dot { position: place, ..Dot::default() }; count]);
         for light in [DOWN, Light::Position(place + DVec3::Z), Light::Position(DVec3::ZERO), Light::Position(place)] {
             // d̃ of 1% of a diagonal of 0.
             let shadows = Shadows { min_layer_distance: None, ..hard(64, 1.0) };
             error += wrong(&shares(stage, &points, &lit_frame(light, shadows, 0))?, |_| 1.0);
+            // Places in a box without an extent are 0 / 0: in no pixel of the light's image.
+            let in_box =
+                points.bounds().map(|bounds| (place - bounds.min).as_vec3() / (bounds.max - bounds.min).as_vec3());
+            naive += if in_box.is_some_and(|x| (0.0..=1.0).contains(&x.x)) { 0 } else { count };
         }
     }
-    // Places in a box without an extent are 0 / 0.
-    Ok(Finding { error, bound: 0.0, naive: f64::INFINITY })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }

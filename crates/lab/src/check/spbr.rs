@@ -6,8 +6,10 @@ use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::stage::{at, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, each, one};
+use super::stage::{apart, at, frame, pixels};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each, one};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
 use pellucid_engine::random::threefry2x32;
@@ -90,17 +92,38 @@ fn alphas(stage: &mut Stage, dealt: &Dealt, method: Method) -> Result<Vec<f64>, 
     Ok(image.rgba.iter().map(|pixel| f64::from(pixel[3])).collect())
 }
 
-/// Mean and variance. Pixels are as good as independent: points fall on them at random.
-fn moments(values: &[f64]) -> (f64, f64) {
-    let mean = values.iter().sum::<f64>() / PIXELS;
-    (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (PIXELS - 1.0))
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The mean of A against what it should be; `naive` is what it would be instead.
-fn mean_alpha(found: &[f64], wanted: f64, naive: f64) -> Finding {
-    let (mean, variance) = moments(found);
-    let bound = ERRORS * (variance / PIXELS).sqrt();
-    Finding { error: (mean - wanted).abs(), bound, naive: (naive - wanted).abs() }
+/// Pixels are as good as independent: points fall on them at random.
+fn variance(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
+}
+
+/// The variance of A of a pixel whose points are dealt k times to [`ENSEMBLES`] images.
+///
+/// An image leaves a pixel free with probability 1 − α, so that its A is one of two values, with variance α (1 − α). For k ≤ 1 no
+/// two images share a point, and their mean is binomial. A point that is in k of L images is in none of two of them with
+/// probability (L − k)(L − k − 1) / (L (L − 1)); there are Poisson's number of points over a pixel, −ln(1 − α) L / k in the mean,
+/// which leaves both images free with probability e to the power of that mean times the rest of it.
+fn known_variance(alpha: f64, k: f64) -> f64 {
+    let count = f64::from(ENSEMBLES);
+    let both_free = if k <= 1.0 {
+        (1.0 - alpha).powi(2)
+    } else {
+        let in_neither = (count - k) * (count - k - 1.0) / (count * (count - 1.0));
+        ((-alpha).ln_1p() * count / k * (1.0 - in_neither)).exp()
+    };
+    let covariance = both_free - (1.0 - alpha).powi(2);
+    (alpha * (1.0 - alpha) + (count - 1.0) * covariance) / count
+}
+
+/// The mean of A against what it should be, for points that are dealt k times; `naive` is what it would be instead.
+fn mean_alpha(found: &[f64], wanted: f64, k: f64, naive: f64) -> Finding {
+    let bound = ERRORS * (known_variance(wanted, k) / PIXELS).sqrt();
+    Finding { error: (mean(found) - wanted).abs(), bound, naive: Computed((naive - wanted).abs()) }
 }
 
 /// Points over a pixel such that the ratio is k: k = L (−ln(1 − α)) / ρ.
@@ -118,7 +141,7 @@ fn white_plane(stage: &mut Stage, k: f64) -> Found {
         // Eq. 1 over segments of 7 pixels: n = ln(1 - α) / ln(1 - 1/7), over 7 pixels.
         1.0 - (-(0.5f64.ln() / (1.0 - 1.0 / 7.0f64).ln()) / 7.0).exp()
     };
-    Ok(mean_alpha(&found, 0.5, naive))
+    Ok(mean_alpha(&found, 0.5, k, naive))
 }
 
 fn tilted(stage: &mut Stage, method: Method) -> Found {
@@ -128,7 +151,7 @@ fn tilted(stage: &mut Stage, method: Method) -> Found {
         Method::Spbr(Spbr { cos_theta: true, .. }) => both,
         _ => [both[1], both[0]],
     };
-    Ok(mean_alpha(&alphas(stage, &list, method)?, wanted, naive))
+    Ok(mean_alpha(&alphas(stage, &list, method)?, wanted, 0.5, naive))
 }
 
 fn two_planes(stage: &mut Stage, method: Method) -> Found {
@@ -136,17 +159,19 @@ fn two_planes(stage: &mut Stage, method: Method) -> Found {
     let back = plane(4, density(0.7, 0.5), 0.0, 20.0, 0.7);
     let found = alphas(stage, &dealt(vec![back, front]), method)?;
     // Opacities that add up.
-    Ok(mean_alpha(&found, 0.4 + 0.6 * 0.7, 1.0))
+    Ok(mean_alpha(&found, 0.4 + 0.6 * 0.7, 0.5, f64::from((0.4f32 + 0.7).min(1.0))))
 }
 
 fn independent(stage: &mut Stage, method: Method) -> Found {
     let list = dealt(vec![plane(5, density(0.5, 1.0), 0.0, 10.0, 0.5)]);
-    let (_, variance) = moments(&alphas(stage, &list, method)?);
+    let found = variance(&alphas(stage, &list, method)?);
     let wanted = 0.5 * 0.5 / f64::from(ENSEMBLES);
     // The variance of a sample variance: 2 and the excess kurtosis, -2 / L, over n.
     let bound = ERRORS * (2.0 / PIXELS).sqrt();
     // The same image L times.
-    Ok(Finding { error: (variance / wanted - 1.0).abs(), bound, naive: f64::from(ENSEMBLES) - 1.0 })
+    let same = |i: u32| if threefry2x32([i, 0], [0, 0])[0] < u32::MAX / 2 { 1.0 } else { 0.0 };
+    let naive = variance(&(0..4096).map(same).collect::<Vec<f64>>());
+    Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((naive / wanted - 1.0).abs()) })
 }
 
 /// One point in the middle of each pixel.
@@ -162,13 +187,17 @@ fn grid(opacity: f32) -> Dealt {
 }
 
 fn extremes(stage: &mut Stage, method: Method) -> Found {
-    let mut error = 0f64;
+    let (mut error, mut naive) = (0f64, 0f64);
     for opacity in [0.0, 1.0] {
         let found = alphas(stage, &grid(opacity), method)?;
         error = found.iter().map(|alpha| (alpha - f64::from(opacity)).abs()).fold(error, f64::max);
+        // ln(1 - α) is infinite, and so are the copies that are wanted: their part that is no whole number is none.
+        let copies = ENSEMBLES as f32 * -(1.0 - opacity).ln();
+        let part = copies - copies.floor();
+        let share = (copies.floor() + part) / ENSEMBLES as f32;
+        naive = naive.max(apart(&[share], &[opacity.into()]));
     }
-    // ln(1 - α) is infinite, and so are the points that are wanted.
-    Ok(Finding { error, bound: 0.0, naive: f64::INFINITY })
+    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
 fn once(stage: &mut Stage, method: Method) -> Found {
@@ -177,5 +206,28 @@ fn once(stage: &mut Stage, method: Method) -> Found {
     // Each point in each image with probability 1/7.
     let drawn = |i: u32| (0..7).filter(|e| threefry2x32([i, *e], [0, 0])[0] < u32::MAX / 7).count() as f64 / 7.0;
     let naive = (0..4096).map(|i| apart(&drawn(i))).fold(0.0, f64::max);
-    Ok(Finding { error: found.iter().map(apart).fold(0.0, f64::max), bound: 2.0 * f64::from(f32::EPSILON), naive })
+    Ok(Finding {
+        error: found.iter().map(apart).fold(0.0, f64::max),
+        bound: 2.0 * f64::from(f32::EPSILON),
+        naive: Computed(naive),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_known_variance_lies_between_one_image_and_independent_ones() {
+        let alone = |alpha: f64| alpha * (1.0 - alpha);
+        for alpha in [0.1, 0.5, 0.9] {
+            for k in [0.3, 1.0] {
+                assert!((known_variance(alpha, k) - alone(alpha) / 20.0).abs() < 1e-15);
+            }
+            let shared = [4.0, 19.0, 20.0].map(|k| known_variance(alpha, k));
+            assert!(shared[0] > alone(alpha) / 20.0 && shared[1] > shared[0], "{shared:?}");
+            // Each point in all images: they are the same.
+            assert!((shared[2] - alone(alpha)).abs() < 1e-15, "{shared:?}");
+        }
+    }
 }

@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, HALF_ULP, apart, at, cloud, composed, frame, pixels};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
 use pellucid_engine::methods::Frame;
 use pellucid_engine::random::word;
 use pellucid_engine::reference::abuffer::Fragment;
@@ -82,11 +84,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
-/// One pixel of [`LAYERS`] on the host, with the random words of another rule.
-fn on_host(samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
-    let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: LAYERS[i].1.into() };
-    let list: Vec<Fragment> = (0..LAYERS.len()).map(fragment).collect();
-    let colors: Vec<DVec3> = LAYERS.iter().map(|(color, _)| color.as_dvec3()).collect();
+/// One pixel of layers on the host, with the random words of another rule for a layer and a stratum.
+fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
+    let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
+    let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
+    let colors: Vec<DVec3> = layers.iter().map(|(color, _)| color.as_dvec3()).collect();
     let found = estimate(&strata(&list, &colors, samples, words), None);
     found.color.extend(found.alpha).to_array().map(|c| c as f32)
 }
@@ -98,15 +100,16 @@ fn unbiased(stage: &mut Stage, method: Method) -> Found {
     let all = images(stage, &dots, method, &seeds)?.concat();
     let of = |channel: usize| -> Vec<f64> { all.iter().map(|pixel| f64::from(pixel[channel])).collect() };
     // Each channel in units of its own standard error.
-    let error = |channel: usize| {
-        let values = of(channel);
-        (mean(&values) - wanted[channel]).abs() / (variance(&values) / values.len() as f64).sqrt()
+    let off = |values: &[f64], channel: usize| {
+        let parts = LAYERS.map(|(color, alpha)| (alpha.into(), f64::from(color.extend(1.0)[channel])));
+        (mean(values) - wanted[channel]).abs() / (known_variance(&parts) / values.len() as f64).sqrt()
     };
+    let error = |channel: usize| off(&of(channel), channel);
     // Masks that don't know the splat let every fragment of a pixel cover the same samples.
     let correlated: Vec<f64> =
-        (0..8192).map(|i| f64::from(on_host(4, |_, p| word(0, [i % 64, i / 64], 0, p))[2])).collect();
-    let naive = (mean(&correlated) - wanted[2]).abs() / (variance(&of(2)) / all.len() as f64).sqrt();
-    Ok(Finding { error: (0..4).map(error).fold(0.0, f64::max), bound: ERRORS, naive })
+        (0..8192).map(|i| f64::from(on_host(&LAYERS, 4, |_, p| word(0, [i % 64, i / 64], 0, p))[2])).collect();
+    let naive = off(&correlated, 2);
+    Ok(Finding { error: (0..4).map(error).fold(0.0, f64::max), bound: ERRORS, naive: Computed(naive) })
 }
 
 fn exact_alpha(stage: &mut Stage, method: Method) -> Found {
@@ -114,8 +117,43 @@ fn exact_alpha(stage: &mut Stage, method: Method) -> Found {
     let wanted = composed(&dots)[3];
     let image = &images(stage, &dots, method, &[1])?[0];
     let error = image.iter().map(|pixel| apart(&pixel[3..], &[wanted])).fold(0.0, f64::max);
-    let sampled = on_host(4, |index, p| word(1, [0, 0], index, p))[3];
-    Ok(Finding { error, bound: 20.0 * HALF_ULP, naive: apart(&[sampled], &[wanted]) })
+    let sampled = on_host(&LAYERS, 4, |index, p| word(1, [0, 0], index, p))[3];
+    Ok(Finding { error, bound: 20.0 * HALF_ULP, naive: Computed(apart(&[sampled], &[wanted])) })
+}
+
+/// Each mask that a fragment of opacity α may have for four samples, and its probability: 4α samples, rounded at random, of all
+/// rotations alike; two of them are neighbors with probability 11/16.
+fn masks(alpha: f64) -> Vec<(u32, f64)> {
+    let (fewer, part) = ((4.0 * alpha).floor() as u32, (4.0 * alpha).fract());
+    let of = |count: u32| -> Vec<(u32, f64)> {
+        let turned = |base: u32, share: f64| (0..4).map(move |by| ((base << by | base >> (4 - by)) & 15, share / 4.0));
+        match count {
+            0 => vec![(0, 1.0)],
+            1 => turned(0b0001, 1.0).collect(),
+            2 => turned(0b0011, 11.0 / 16.0).chain(turned(0b0101, 5.0 / 16.0)).collect(),
+            3 => turned(0b0111, 1.0).collect(),
+            _ => vec![(0b1111, 1.0)],
+        }
+    };
+    let weighted = |count, weight: f64| of(count).into_iter().map(move |(mask, share)| (mask, weight * share));
+    weighted(fewer, 1.0 - part).chain(weighted(fewer + 1, part)).filter(|(_, share)| *share > 0.0).collect()
+}
+
+/// The variance of a pixel of four samples, whose layers have these opacities and values, from near to far: each is worth α times
+/// its value times the share of samples that hold nothing nearer. By the probabilities of all masks, not from any image.
+fn known_variance(layers: &[(f64, f64)]) -> f64 {
+    // First and second moment of what the layers from some layer on are worth, by the samples that are still free.
+    let mut moments = [[0.0, 0.0]; 16];
+    for (alpha, value) in layers.iter().rev() {
+        moments = std::array::from_fn(|free| {
+            let own = alpha * value * f64::from((free as u32).count_ones()) / 4.0;
+            let behind = masks(*alpha).into_iter().map(|(mask, share)| (moments[free & !(mask as usize)], share));
+            let [first, second] = behind.fold([0.0, 0.0], |[a, b], ([m, q], share)| [a + share * m, b + share * q]);
+            [own + first, own * own + 2.0 * own * first + second]
+        });
+    }
+    let [mean, square] = moments[15];
+    square - mean * mean
 }
 
 /// What shines through a black layer of an opacity, before white: one number for each pixel.
@@ -129,38 +167,75 @@ fn rounding(stage: &mut Stage, method: Method) -> Found {
     // One sample of four with probability 0.4, none else.
     let error = (0.4f64 * 0.6 / 16.0 / PIXELS).sqrt();
     // Rounded to the nearest number, none ever.
-    Ok(Finding { error: (found - 0.9).abs(), bound: ERRORS * error, naive: 0.1 })
+    let naive = 1.0 - (4f32 * 0.1).round() / 4.0;
+    Ok(Finding { error: (found - 0.9).abs(), bound: ERRORS * error, naive: Computed(apart(&[naive], &[0.9])) })
 }
 
-fn neighbors(stage: &mut Stage, method: Method) -> Found {
-    // One or two samples of four, each as often.
-    let image = &through(stage, method, 0.375, &[0])?[0];
+/// An image of [`through`] an opacity on the host, with the random words of another rule: for a pixel and a layer; of a
+/// stratum, too.
+fn through_on_host(samples: u32, words: impl Fn([u32; 2], u32, u32) -> u32) -> Vec<f64> {
+    let layers = [(Vec3::ZERO, OPACITY), (Vec3::ONE, 1.0)];
+    let pixel = |i: u32| f64::from(on_host(&layers, samples, |index, p| words([i % 32, i / 32], index, p))[0]);
+    (0..1024).map(pixel).collect()
+}
+
+/// One or two samples of four, each as often.
+const OPACITY: f32 = 0.375;
+
+/// The largest correlation of an image with itself some pixels away, in standard errors.
+fn largest_correlation(image: &[f64]) -> f64 {
     let shifted = |by: [usize; 2]| {
         let inside = |i: &usize| i % 32 + by[0] < 32 && i / 32 + by[1] < 32;
         let here: Vec<usize> = (0..1024).filter(inside).collect();
         let of = |offset: usize| -> Vec<f64> { here.iter().map(|i| image[i + offset]).collect() };
         correlation(&of(0), &of(by[1] * 32 + by[0])) * (here.len() as f64).sqrt()
     };
-    let error = [[1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [16, 0], [0, 16]].map(shifted).into_iter().fold(0.0, f64::max);
-    // The same mask for all pixels.
-    Ok(Finding { error, bound: ERRORS, naive: PIXELS.sqrt() })
+    [[1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [16, 0], [0, 16]].map(shifted).into_iter().fold(0.0, f64::max)
+}
+
+fn neighbors(stage: &mut Stage, method: Method) -> Found {
+    let error = largest_correlation(&through(stage, method, OPACITY, &[0])?[0]);
+    // A texture of 16 × 16 masks, side by side.
+    let tiled = through_on_host(4, |[x, y], index, p| word(0, [x % 16, y % 16], index, p));
+    Ok(Finding { error, bound: ERRORS, naive: Computed(largest_correlation(&tiled)) })
 }
 
 fn seeds(stage: &mut Stage, method: Method) -> Found {
     let seeds = [0, 1, 2, 3, 4, 5, 6, 7, 8, 1 << 32, (1 << 32) + 1];
-    let images = through(stage, method, 0.375, &seeds)?;
-    let pairs = (0..images.len()).flat_map(|a| (a + 1..seeds.len()).map(move |b| (a, b)));
-    let error = pairs.map(|(a, b)| correlation(&images[a], &images[b])).fold(0.0, f64::max) * PIXELS.sqrt();
-    // Seeds of which only 32 bits count.
-    Ok(Finding { error, bound: ERRORS, naive: PIXELS.sqrt() })
+    let largest = |images: &[Vec<f64>]| {
+        let pairs = (0..images.len()).flat_map(|a| (a + 1..images.len()).map(move |b| (a, b)));
+        pairs.map(|(a, b)| correlation(&images[a], &images[b])).fold(0.0, f64::max) * PIXELS.sqrt()
+    };
+    let images = through(stage, method, OPACITY, &seeds)?;
+    // Only 32 bits of a seed count.
+    let short = seeds.map(|seed| through_on_host(4, |at, index, p| word(u64::from(seed as u32), at, index, p)));
+    Ok(Finding { error: largest(&images), bound: ERRORS, naive: Computed(largest(&short)) })
 }
 
 fn samples(stage: &mut Stage, method: Method) -> Found {
-    let found = variance(&through(stage, method, 0.375, &[0])?[0]);
+    let found = variance(&through(stage, method, OPACITY, &[0])?[0]);
     // A stratum has one sample or two of four; 16 of them.
     let wanted = 0.25 / 16.0 / 16.0;
     // The variance of a sample variance: 2 and the excess kurtosis, -2 / 16, over n.
     let bound = ERRORS * ((2.0 - 0.125) / PIXELS).sqrt();
     // The same word for all strata.
-    Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: 15.0 })
+    let alike = variance(&through_on_host(64, |at, index, _| word(0, at, index, 0)));
+    Ok(Finding { error: (found / wanted - 1.0).abs(), bound, naive: Computed((alike / wanted - 1.0).abs()) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_known_variance_is_that_of_many_pixels() {
+        let channel = LAYERS.map(|(color, alpha)| (f64::from(alpha), f64::from(color.y)));
+        let pixel = |i: u32| f64::from(on_host(&LAYERS, 4, |index, p| word(7, [i % 256, i / 256], index, p))[1]);
+        let values: Vec<f64> = (0..1 << 16).map(pixel).collect();
+        let (found, known) = (variance(&values), known_variance(&channel));
+        // The variance of a sample variance is below 2 σ⁴ / n for values that are as bounded as these; 4.5 errors.
+        assert!((found / known - 1.0).abs() < ERRORS * (2.0 / f64::from(1 << 16)).sqrt(), "{found}, not {known}");
+        // One layer: 4α is rounded at random, Bernoulli of a quarter of α.
+        assert!((known_variance(&[(0.375, 0.0), (1.0, 1.0)]) - 0.25 / 16.0).abs() < 1e-15);
+    }
 }

@@ -17,9 +17,9 @@ use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::prepare::{ensembles, order};
 use pellucid_engine::scene::{
-    BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Hybrid, ImageSpace, Interpolated, Light, LongLists,
-    Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows, Shells,
-    Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
+    BlendedSplats, ColorSpace, Density, DiscShape, Discs, Falloff, Family, Hybrid, ImageSpace, Interpolated, Light,
+    LongLists, Method, MethodChoice, OneLayer, Peel, PeelLayers, Raster, ScreenSplats, Shading, ShadingModel, Shadows,
+    Shells, Soft, SoftLayout, Spbr, SpbrSimplified, SplatShape, Stochastic,
 };
 
 /// A scene for a method.
@@ -105,7 +105,23 @@ impl Subject {
 
 /// All of them: at least one for each method that a scene file can name.
 pub fn subjects() -> Vec<Subject> {
-    [discs(), opaque(), soft(), surfaces(), ensembles_of_points()].into_iter().flatten().collect()
+    let mut all = [discs(), opaque(), soft(), surfaces(), ensembles_of_points()].concat();
+    let known = |all: &[Subject], method: &Method| all.iter().any(|subject| subject.choice.name() == method.name());
+    for method in Method::all() {
+        if !known(&all, &method) {
+            all.push(subject(method, "", clouds_of(method.family()), as_it_is));
+        }
+    }
+    all
+}
+
+/// What methods without a subject of their own are rendered on.
+fn clouds_of(family: Family) -> Vec<Points> {
+    match family {
+        Family::Surfaces | Family::Ensembles => clouds::surfaces(),
+        Family::Discs => clouds::many(),
+        _ => clouds::few(),
+    }
 }
 
 /// Columns and rows of the images: no multiple of a tile.

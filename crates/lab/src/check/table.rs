@@ -1,6 +1,6 @@
 //! The list of cases as a table: docs/numerics.md holds it.
 
-use super::{Case, Finding, Verdict};
+use super::{Case, Finding, Naive, Verdict, released};
 
 /// A case and the methods for which it is run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,19 +40,23 @@ impl Group {
     }
 }
 
-/// A Markdown table of cases that were run, by what they are about: the largest error found and allowed, and the smallest of the
-/// naive formula.
+/// A Markdown table of cases that were run, by what they are about: the largest error found, measured by the last release and
+/// allowed, and the smallest of the naive formula.
 pub fn markdown(results: &[(&Case, Verdict)]) -> String {
-    let mut table =
-        "| case | methods | what is known | error | bound | naive |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut table = "| case | methods | what is known | error | last release | bound | naive |\n\
+                     |---|---|---|---|---|---|---|\n"
+        .to_owned();
     for group in groups(results.iter().map(|(case, _)| *case)) {
-        let found: Vec<Finding> = group.members.iter().filter_map(|i| finding(&results[*i].1)).collect();
-        let most = |of: fn(&Finding) -> f64| found.iter().map(of).fold(0.0, f64::max);
-        let naive = found.iter().map(|finding| finding.naive).fold(f64::INFINITY, f64::min);
+        let members = || group.members.iter().map(|i| &results[*i]);
+        let found: Vec<Finding> = members().filter_map(|(_, verdict)| finding(verdict)).collect();
         let numbers = if found.len() < group.members.len() {
-            "not applicable | |".to_owned()
+            "not applicable | | |".to_owned()
         } else {
-            format!("{} | {} | {}", number(most(|f| f.error)), number(most(|f| f.bound)), number(naive))
+            let most = |of: fn(&Finding) -> f64| number(found.iter().map(of).fold(0.0, f64::max));
+            let before =
+                members().map(|(case, _)| released(&case.name)).try_fold(0.0, |most, error| Some(error?.max(most)));
+            let before = before.map_or("new".to_owned(), number);
+            format!("{} | {before} | {} | {}", most(|f| f.error), most(|f| f.bound), naive(&found))
         };
         table += &format!("{} {numbers} |\n", group.columns());
     }
@@ -64,6 +68,23 @@ fn finding(verdict: &Verdict) -> Option<Finding> {
         Verdict::Found(finding) => Some(*finding),
         _ => None,
     }
+}
+
+/// The smallest error that was computed, and what was stated in place of others.
+fn naive(found: &[Finding]) -> String {
+    let (mut least, mut parts): (Option<f64>, Vec<String>) = (None, Vec::new());
+    for finding in found {
+        match finding.naive {
+            Naive::Computed(error) => least = Some(least.map_or(error, |least| least.min(error))),
+            Naive::Stated { why } => {
+                let part = format!("stated: {why}");
+                if !parts.contains(&part) {
+                    parts.push(part);
+                }
+            }
+        }
+    }
+    least.map(number).into_iter().chain(parts).collect::<Vec<_>>().join("; ")
 }
 
 /// Two digits; whole numbers are counts.
@@ -79,10 +100,11 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::{Trouble, one};
+    use crate::check::verdict::Trouble;
+    use crate::check::{Lack, one};
 
     fn case(name: &str, about: &'static str) -> Case {
-        one(name, about, |_| Err(Trouble::Lacks("everything".into())))
+        one(name, about, |_| Err(Trouble::Lacks(Lack::Limits, "everything".into())))
     }
 
     #[test]
@@ -93,14 +115,26 @@ mod tests {
         assert_eq!(rows, ["| `x` | `a`, `b` | first |", "| `y` | `a` | second |", "| `y` | `b` | third |"]);
         assert_eq!(found[0].members, [0, 2]);
 
-        let of = |error, bound, naive| Verdict::Found(Finding { error, bound, naive });
-        let lacks = || Verdict::NotApplicable("no subgroups".into());
-        let verdicts = [of(0.0, 2e-6, 0.5), of(12.0, 0.0, 3.0), of(1e-7, 1e-6, f64::INFINITY), lacks()];
+        let found = |error, bound, naive| Verdict::Found(Finding { error, bound, naive });
+        let verdicts = [
+            found(0.0, 2e-6, Naive::Computed(0.5)),
+            found(12.0, 0.0, Naive::Stated { why: "it is lost" }),
+            found(1e-7, 1e-6, Naive::Computed(f64::INFINITY)),
+            Verdict::NotApplicable(Lack::Subgroups, "no subgroups".into()),
+        ];
         let results: Vec<(&Case, Verdict)> = cases.iter().zip(verdicts).collect();
         let table = markdown(&results);
         let lines: Vec<&str> = table.lines().skip(2).collect();
-        assert_eq!(lines[0], "| `x` | `a`, `b` | first | 1.0e-7 | 2.0e-6 | 0.50 |");
-        assert_eq!(lines[1], "| `y` | `a` | second | 12 | 0 | 3 |");
-        assert_eq!(lines[2], "| `y` | `b` | third | not applicable | | |");
+        assert_eq!(lines[0], "| `x` | `a`, `b` | first | 1.0e-7 | new | 2.0e-6 | 0.50 |");
+        assert_eq!(lines[1], "| `y` | `a` | second | 12 | new | 0 | stated: it is lost |");
+        assert_eq!(lines[2], "| `y` | `b` | third | not applicable | | | |");
+    }
+
+    #[test]
+    fn a_group_shows_its_least_naive_error_and_each_statement_once() {
+        let of = |naive| Finding { error: 0.0, bound: 0.0, naive };
+        let stated = of(Naive::Stated { why: "it is lost" });
+        let all = [of(Naive::Computed(2.0)), stated, of(Naive::Computed(0.25)), stated];
+        assert_eq!(naive(&all), "0.25; stated: it is lost");
     }
 }

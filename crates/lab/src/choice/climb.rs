@@ -10,7 +10,7 @@ const PROBES: [u32; 2] = [4, 16];
 /// An extrapolated time has to be above the best by this factor for a step not to be tried.
 const DOUBT: f64 = 1.3;
 
-/// The fastest setting with an RMSE of at most `most`; if there is none, the most accurate of those tried.
+/// The fastest setting with an RMSE of at most `most`; if none exists, the most accurate of those tried.
 pub(super) fn by_error(trials: &mut Trials<'_>, all: &[Setting], most: f64) -> Result<Option<(Setting, Figures)>> {
     let mut best = Best { most, ms: None };
     for ladder in ladders(all) {
@@ -30,12 +30,12 @@ pub(super) fn by_error(trials: &mut Trials<'_>, all: &[Setting], most: f64) -> R
     trials.fastest(&found)
 }
 
-/// The most accurate setting of which a frame takes at most `budget` ms; if there is none, the fastest of those tried.
+/// The most accurate setting whose frame takes at most `budget` ms; if none exists, the fastest of those tried.
 pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> Result<Option<(Setting, Figures)>> {
     let occasion = trials.occasion();
     let (exact, others): (Vec<&Setting>, Vec<&Setting>) = all.iter().partition(|setting| setting.is_exact(&occasion));
     for setting in &exact {
-        // Peeling everything may take very long; its ladder tells.
+        // Peeling all layers may take very long; the ladder's steps show how long.
         if setting.effort.is_none() {
             trials.look(setting, Some(budget))?;
         }
@@ -53,7 +53,7 @@ pub(super) fn by_time(trials: &mut Trials<'_>, all: &[Setting], budget: f64) -> 
             }
         }
     }
-    // Two frames are not to be trusted: what they found is timed again until what is found stays.
+    // Two frames are not reliable: the best setting is timed again until it stays the best.
     loop {
         let fits = |setting: &&Setting| trials.figures(setting).is_some_and(|figures| figures.gpu_ms <= budget);
         let Some((found, figures)) = most_accurate(trials, all.iter().filter(fits)) else { break };
@@ -96,7 +96,7 @@ struct Best {
 }
 
 impl Best {
-    /// Takes note of a setting; whether it is accurate enough.
+    /// Records a setting. Returns true if it is accurate enough.
     fn note(&mut self, figures: Figures) -> bool {
         let fits = figures.rmse <= self.most;
         if fits {
@@ -165,7 +165,7 @@ fn descend(trials: &mut Trials<'_>, below: &[&Setting], best: &mut Best) -> Resu
     Ok(())
 }
 
-/// The time at `x` on the line through the last two points (x, ms), if there are two; never less than the last.
+/// The time at `x` on the line through the last two points (x, ms), if two exist; never less than the last time.
 fn affine(times: &[(f64, f64)], x: f64) -> Option<f64> {
     let [.., (x0, y0), (x1, y1)] = times else { return None };
     let slope = ((y1 - y0) / (x1 - x0)).max(0.0);

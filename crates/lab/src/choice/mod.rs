@@ -1,14 +1,16 @@
-//! Choosing a method and its setting by error or by time, from measurements on the very image that is to be rendered.
+//! Chooses a method and its setting by error or by time, from measurements on the very image to be rendered.
 //!
-//! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on composed
-//! linear R, G, B against the exact method, `abuffer` or `soft-base`, or against what ensembles tend to, in float64; its time the median device time of frames: the two of `tradeoff`'s Pareto front. What was
-//! measured is kept by scene, device and version, so that another wish on the same scene costs only what is new in it, and the
-//! same wish nothing.
+//! Every setting is measured as it will be rendered: same points, camera, size and seed. Its error is the RMSE on
+//! composed linear R, G, B, in float64, against the exact method (`abuffer` or `soft-base`) or against the limit that
+//! ensembles converge to. Its time is the median device time of frames. These are the two axes of `tradeoff`'s Pareto
+//! front. Measurements are cached by scene, device and version: another wish on the same scene only measures what is
+//! missing, and the same wish measures nothing.
 //!
-//! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is accurate
-//! enough or slower than the fastest one that is. Stochastic errors fall as samples^(−1/2): two small steps tell which one to
-//! try next, and that one is measured too. **By time**: the fastest exact method if it fits, else each ladder until a step
-//! takes too long. In the end whatever is close to the best takes turns with it for a few more frames.
+//! **By error**: the exact methods first; then each ladder of approximations from its cheap end, until a step is
+//! accurate enough or slower than the fastest accurate one. Stochastic errors fall as samples^(−1/2), so two small
+//! steps predict the next one to try, and that one is measured, too. **By time**: the fastest exact method if it fits,
+//! else each ladder until a step takes too long. In the end all candidates close to the best take turns with it for a
+//! few more frames.
 
 mod climb;
 mod trials;
@@ -26,26 +28,26 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Method};
 use trials::Trials;
 
-/// RMSE up to this is rounding: settings below it are equally accurate, and the fastest of them is taken.
+/// RMSE up to this is rounding: settings below it count as equally accurate, and the fastest of them wins.
 pub const EXACT: f64 = 1e-6;
 
-/// What is wished for; if both, the error counts and the time is only looked at.
+/// The requested limits. If both are given, the error decides and the time is only checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wish {
     /// The largest RMSE allowed: the fastest setting that keeps to it.
     pub max_error: Option<f64>,
-    /// The largest device time of a frame allowed, in ms: the most accurate setting that keeps to it.
+    /// The largest allowed device time of a frame, in ms; the most accurate setting within it is chosen.
     pub budget_ms: Option<f64>,
 }
 
 impl Wish {
-    /// Whether there is one at all.
+    /// True if any limit is given.
     pub fn is_any(&self) -> bool {
         self.max_error.is_some() || self.budget_ms.is_some()
     }
 }
 
-/// What is chosen from.
+/// The frame to choose for.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The scene's points, which `cloud` holds.
@@ -54,11 +56,11 @@ pub struct Subject<'a> {
     pub frame: Frame,
     /// Linear RGB.
     pub background: Vec3,
-    /// The only method that may be taken.
+    /// The only allowed method.
     pub only: Option<&'a str>,
 }
 
-/// What was measured of a setting.
+/// Measurements of a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Against the exact method, on this image.
@@ -67,20 +69,20 @@ pub struct Figures {
     pub gpu_ms: f64,
 }
 
-/// What was chosen.
+/// The chosen setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// The method with its setting.
     pub method: Method,
     /// The setting as options of the command line would give it; empty for the defaults.
     pub setting: String,
-    /// What was measured of it.
+    /// Its measurements.
     pub figures: Figures,
     /// The wish.
     pub wish: Wish,
-    /// What of the wish could not be fulfilled, in words.
+    /// The unfulfilled part of the wish, in words.
     pub warning: Option<String>,
-    /// Settings of which something is known.
+    /// The number of settings with measurements.
     pub known: usize,
     /// Frames that were rendered to choose; 0 if all was known before.
     pub frames: usize,
@@ -117,7 +119,7 @@ pub fn choose(
     let occasion = trials.occasion();
     let (mut all, _) = settings(&occasion, &Ladders::FINE);
     all.retain(|setting| subject.only.is_none_or(|only| only == setting.method.name()));
-    // Of two wishes the error decides.
+    // If both limits are given, the error decides.
     let asked =
         format!("{:?} {:?} {:?}", wish.max_error, wish.budget_ms.filter(|_| wish.max_error.is_none()), subject.only);
     let found = match (trials.chosen(&asked, &all), wish.max_error, wish.budget_ms) {
@@ -143,7 +145,7 @@ fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine:
     refusal.map_or_else(|| unknown().into(), Into::into)
 }
 
-/// What of a wish the chosen setting misses.
+/// The limits that the chosen setting misses.
 fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures) -> Option<String> {
     let error = wish.max_error.filter(|most| rmse > *most);
     let time = wish.budget_ms.filter(|most| gpu_ms > *most);

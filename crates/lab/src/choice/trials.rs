@@ -1,4 +1,4 @@
-//! Frames that are rendered to choose, and what is known from earlier ones.
+//! Trial frames, and results of earlier ones.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,12 +22,12 @@ use pellucid_engine::{Result, gpu, identity, metrics};
 const FRAMES: usize = 7;
 /// The same if a frame takes more than a second.
 const SLOW_FRAMES: usize = 3;
-/// How much slower than the best so far a setting may be at first sight and still deserve a second look.
+/// How much slower than the best so far a setting may be at first and still get a second trial.
 const CLOSE: f64 = 1.4;
 /// Folder of the cache.
 const KIND: &str = "choices";
 
-/// What is known of a setting.
+/// Measurements of one setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Record {
     rmse: f64,
@@ -36,7 +36,8 @@ struct Record {
 }
 
 impl Record {
-    /// With the median time; of few frames the least, since whatever disturbs one makes it slower.
+    /// The figures with the median time. With few frames the minimum is used, since disturbances only make frames
+    /// slower.
     fn figures(&self) -> Figures {
         let gpu_ms = if self.is_settled() { median(self.gpu_ms.clone()) } else { self.least() };
         Figures { rmse: self.rmse, gpu_ms }
@@ -46,17 +47,17 @@ impl Record {
         self.gpu_ms.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether more frames would tell little more.
+    /// True if more frames would add little information.
     fn is_settled(&self) -> bool {
         self.gpu_ms.len() >= if self.least() > 1e3 { SLOW_FRAMES } else { FRAMES }
     }
 }
 
-/// What is known of a scene, as the cache holds it.
+/// The cached measurements of a scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-struct Known {
+struct CachedRecords {
     max_list: u32,
-    /// By [`Setting::key`].
+    /// Keyed by [`Setting::key`].
     records: BTreeMap<String, Record>,
     /// The setting that was chosen, by what was wished for.
     #[serde(default)]
@@ -69,11 +70,11 @@ pub(super) struct Trials<'a> {
     cloud: &'a mut DeviceCloud,
     subject: &'a Subject<'a>,
     progress: &'a Progress,
-    /// That of the reference.
+    /// The reference frame.
     frame: Frame,
     formation: Formation,
     key: String,
-    known: Known,
+    known: CachedRecords,
     /// Settings that could not be rendered, and why the last of them could not.
     refused: BTreeSet<String>,
     pub refusal: Option<methods::Error>,
@@ -97,7 +98,7 @@ impl<'a> Trials<'a> {
         let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
         let key = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
         let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
-        let known: Option<Known> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        let known: Option<CachedRecords> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;
         let (is_new, known) = (known.is_none(), known.unwrap_or_default());
         let mut trials = Self {
@@ -128,7 +129,7 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// What was chosen for the same wish before: times differ from run to run, and what they decide must not.
+    /// The earlier choice for the same wish. Times differ from run to run, but the choice must not.
     pub fn chosen(&self, wish: &str, all: &[Setting]) -> Option<(Setting, Figures)> {
         let key = self.known.chosen.get(wish)?;
         let setting = all.iter().find(|setting| setting.key() == *key)?;
@@ -140,12 +141,12 @@ impl<'a> Trials<'a> {
         self.known.chosen.insert(wish, setting.key());
     }
 
-    /// What decides which settings apply.
+    /// The properties of the scene that decide which settings apply.
     pub fn occasion(&self) -> Occasion {
         Occasion::new(self.subject.arranged.points(), self.formation, self.known.max_list)
     }
 
-    /// Settings of which something is known.
+    /// The number of settings with measurements.
     pub fn known(&self) -> usize {
         self.known.records.len()
     }
@@ -155,8 +156,9 @@ impl<'a> Trials<'a> {
         self.known.records.get(&setting.key()).map(Record::figures)
     }
 
-    /// The figures of a setting, measured now unless they are known; `None` if it can't be rendered. `best`: the time of the
-    /// best setting so far; what is much slower gets one frame after that which pays for buffers and shaders, else two.
+    /// The figures of a setting, measured now unless they are cached; `None` if it can't be rendered. `best` is the
+    /// time of the best setting so far. The first frame pays for buffers and shaders; after it, a much slower setting
+    /// gets one frame, others two.
     pub fn look(&mut self, setting: &Setting, best: Option<f64>) -> Result<Option<Figures>> {
         if self.figures(setting).is_none() && !self.refused.contains(&setting.key()) {
             self.progress.set_message(format!("choosing the method: {}", setting.key()));
@@ -215,7 +217,7 @@ impl<'a> Trials<'a> {
         Ok(())
     }
 
-    /// The fastest of some settings that were measured: those close to it take turns until their medians are to be trusted.
+    /// The fastest of some measured settings: those close to it take turns until their medians are reliable.
     pub fn fastest(&mut self, settings: &[&Setting]) -> Result<Option<(Setting, Figures)>> {
         let ms = |trials: &Self, setting: &Setting| trials.figures(setting).map_or(f64::INFINITY, |f| f.gpu_ms);
         let least = settings.iter().map(|setting| ms(self, setting)).fold(f64::INFINITY, f64::min);
@@ -226,7 +228,7 @@ impl<'a> Trials<'a> {
         Ok(fastest.and_then(|setting| Some((setting.clone(), self.figures(setting)?))))
     }
 
-    /// Times settings in turns until their medians are to be trusted.
+    /// Times settings in turns until their medians are reliable.
     pub fn settle(&mut self, settings: &[&Setting]) -> Result<()> {
         let open = |trials: &Self, setting: &Setting| {
             trials.known.records.get(&setting.key()).is_some_and(|record| !record.is_settled())
@@ -241,7 +243,7 @@ impl<'a> Trials<'a> {
         while !left.is_empty() {
             for setting in &left {
                 self.progress.set_message(format!("choosing the method: {} again", setting.key()));
-                let renderer = renderers.of(setting.method.name())?;
+                let renderer = renderers.for_method(setting.method.name())?;
                 self.frames += 1;
                 let rendered = renderer.render(self.cloud, &Frame { method: setting.method, ..self.frame })?;
                 let ms = gpu(&rendered);

@@ -1,7 +1,7 @@
-//! Reports: measurements as tables, figures and one HTML page that needs nothing but itself.
+//! Reports: measurements as tables, figures and one self-contained HTML page.
 //!
-//! [`stress`] is the depth-complexity sweep, [`tradeoff`] accuracy against time. What they are made of serves any report:
-//! [`fit`] finds slopes, [`plot`] draws figures as SVG, [`page`] is the frame of a page.
+//! [`stress`] is the depth-complexity sweep, [`tradeoff`] compares accuracy with time. Both share their parts: [`fit`]
+//! finds slopes, [`plot`] draws figures as SVG, [`page`] is the frame of a page.
 
 pub mod fit;
 pub mod page;

@@ -36,7 +36,7 @@ summary { cursor: pointer; font-weight: 600; margin: .3rem 0; }
 tr.marked td, .sortable tr.marked td:first-child { background: #fdf3d8; }
 ";
 
-/// Nothing may be loaded; what the page carries may be shown and run.
+/// The page may not load anything; it may show and run what it contains.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
 
 /// A column of a table.
@@ -44,7 +44,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 pub struct Column {
     /// Its head.
     pub title: String,
-    /// Whether it holds words, which stand on the left, and not numbers.
+    /// True if it contains words, which are aligned left, rather than numbers.
     pub is_text: bool,
 }
 
@@ -101,9 +101,9 @@ pub fn table(columns: &[Column], rows: &[Vec<String>]) -> Markup {
 /// A cell of a table that can be sorted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// What is shown.
+    /// The displayed text.
     pub text: String,
-    /// What rows are sorted by; NaN, and words, by the text.
+    /// The sort key of rows; NaN, and words, sort by the text.
     pub value: f64,
 }
 
@@ -121,7 +121,7 @@ impl Cell {
     fn key(&self) -> String {
         match self.value {
             value if value.is_nan() => self.text.clone(),
-            // As JavaScript reads it.
+            // The form that JavaScript reads.
             value if value.is_infinite() => if value > 0.0 { "Infinity" } else { "-Infinity" }.to_owned(),
             value => value.to_string(),
         }
@@ -131,9 +131,9 @@ impl Cell {
 /// A row of a table that can be sorted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// As many as there are columns.
+    /// One cell per column.
     pub cells: Vec<Cell>,
-    /// Whether it stands out.
+    /// True if it is highlighted.
     pub is_marked: bool,
 }
 
@@ -158,7 +158,7 @@ pub fn sortable(columns: &[Column], lines: &[Line]) -> Markup {
     }
 }
 
-/// What makes [`sortable`] tables sort: once, at the end of a page.
+/// The script that sorts [`sortable`] tables, once at the end of a page.
 pub fn sorting() -> Markup {
     script(include_str!("sort.js"))
 }
@@ -168,7 +168,7 @@ pub fn script(text: &str) -> Markup {
     html! { script { (PreEscaped(text)) } }
 }
 
-/// Names and what they stand for.
+/// A list of names and their values.
 pub fn facts(rows: &[(&str, String)]) -> Markup {
     html! {
         table { tbody { @for (name, value) in rows { tr { td.text { (name) } td.long { (value) } } } } }

@@ -26,7 +26,7 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    /// Of a frame of discs.
+    /// The reference for a frame of discs.
     pub fn new(points: &Points, frame: &Frame, seed: u64) -> Self {
         let count = frame.size[0] as usize * frame.size[1] as usize;
         let mut pixels = seq::index::sample(&mut Pcg64::seed_from_u64(seed), count, SAMPLE.min(count)).into_vec();
@@ -37,7 +37,7 @@ impl Truth {
         Self { pixels, values: lists.iter().map(|list| composite(list, &colors)).collect() }
     }
 
-    /// How far an image is from it.
+    /// The error of an image against it.
     pub fn deviation(&self, image: &Image) -> Deviation {
         let (mut max, mut squares) = (0f64, 0f64);
         for (pixel, truth) in self.pixels.iter().zip(&self.values) {
@@ -64,7 +64,7 @@ pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> R
     Ok(Some(rounded(&picture)))
 }
 
-/// What the mean over ensembles tends to as their number grows, in float64; `None` for another method.
+/// The limit of the mean over ensembles as their number grows, in float64; `None` for other methods.
 pub(crate) fn ensembles(arranged: &Arranged, frame: &Frame) -> Option<Image> {
     let (Arranged::Dealt(dealt), Method::Spbr(settings)) = (arranged, frame.method) else { return None };
     let colors = shade(&dealt.points, &frame.camera, &frame.shading, frame.color);
@@ -83,7 +83,8 @@ fn rounded(picture: &Picture) -> Image {
     }
 }
 
-/// The picture of the solid points alone, as the device has it behind soft ones of no density; `None` if there are none.
+/// The picture of the solid points alone, as the device shows it behind soft points of zero density; `None` without
+/// solid points.
 fn solids(device: &Device, points: &Points, soft: &Soft, frame: &Frame) -> Result<Option<Image>, Error> {
     if points.fields.iter().all(|field| *field > soft.threshold) && !points.fields.is_empty() {
         return Ok(None);
@@ -117,7 +118,7 @@ mod tests {
             stderr: None,
         };
         assert_eq!(truth.deviation(&image([1.0; 4])), Deviation { max: 0.0, rmse: 0.0, pixels: 2 });
-        // One channel of six is off by 0.5; A counts for the largest difference alone.
+        // One of six channels is off by 0.5; A counts only for the largest difference.
         let Deviation { max, rmse, .. } = truth.deviation(&image([1.0, 0.5, 1.0, 0.25]));
         assert!(max == 0.75 && (rmse - (0.25f64 / 6.0).sqrt()).abs() < 1e-15);
         assert_eq!(truth.deviation(&image([f32::NAN; 4])).max, f64::INFINITY);

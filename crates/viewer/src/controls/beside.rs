@@ -1,6 +1,6 @@
 //! What else changes when a key does: keys that can't be beside it go, and numbers stop where they would pass one another.
 
-use pellucid_engine::scene::{Change, Light, Method, Setting, SoftLayout};
+use pellucid_engine::scene::{Change, Light, Method, Setting, SoftLayout, rounded};
 
 /// How far apart threshold and modulation stay: a step of their sliders.
 const APART: f32 = 0.001;
@@ -31,10 +31,10 @@ pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec
     let value = match (key, value, soft) {
         ("threshold", Some(Setting::Number(t)), _) => {
             let most = modulation.map_or(1.0, |most| (most - APART).max(0.0));
-            Some(Setting::Number(t.min(super::rounded(most))))
+            Some(Setting::Number(t.min(rounded(most))))
         }
         ("modulation", Some(Setting::Number(most)), Some(soft)) => {
-            Some(Setting::Number(most.max(super::rounded(above(soft.threshold)))))
+            Some(Setting::Number(most.max(rounded(above(soft.threshold)))))
         }
         (_, value, _) => value,
     };

@@ -1,9 +1,7 @@
 //! Every key has a control, and every place of a control is a scene.
 
 use super::*;
-use pellucid_engine::scene::{
-    Change, Document, Light, METHODS, Method, Overrides, SHADING_KEYS, SHADOW_KEYS, Scene, method_keys,
-};
+use pellucid_engine::scene::{Change, Document, Light, METHODS, Method, Overrides, Scene, SoftLayout, method_keys};
 
 const EXTENT: Extent = Extent { diagonal: 250.0, median_radius: 0.125 };
 
@@ -18,9 +16,13 @@ fn ends(control: Control) -> Vec<Setting> {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
         Control::Count(from, to) => vec![Setting::Integer(from), Setting::Integer(to)],
         Control::Flag => vec![Setting::Flag(false), Setting::Flag(true)],
-        Control::Choice(words) => words.iter().map(|word| Setting::Word((*word).to_owned())).collect(),
+        Control::Choice(words) => words.iter().map(|word| Setting::Word(word.name.to_owned())).collect(),
         Control::Color => vec![Setting::Numbers(vec![0.0; 3]), Setting::Numbers(vec![1.0; 3])],
     }
+}
+
+fn names(keys: &[Key]) -> Vec<&'static str> {
+    keys.iter().map(|key| key.name).collect()
 }
 
 fn is_on(entry: &Entry) -> bool {
@@ -74,13 +76,13 @@ fn every_key_of_every_method_has_a_control_with_its_value() {
         let document = document(name);
         for key in method_keys(name) {
             let entry = |scene: &Scene| {
-                control(&scene.method.representative(), key, EXTENT)
+                method(&scene.method.representative(), key, EXTENT)
                     .unwrap_or_else(|| panic!("{name}: {key} has no control"))
             };
             let method = document.scene().unwrap().method.representative();
             moves(&document, &format!("method.{key}"), &entry, &|value| method_changes(&method, key, value));
         }
-        assert_eq!(control(&document.scene().unwrap().method.representative(), "nonsense", EXTENT), None);
+        assert_eq!(method(&document.scene().unwrap().method.representative(), "nonsense", EXTENT), None);
     }
 }
 
@@ -91,12 +93,12 @@ fn every_key_of_shading_and_shadows_has_a_control() {
             "[[cloud]]\npath = 'a.ply'\n[method]\nname = 'points'\n[shadows]\n[shading]\nmodel = 'phong'\nlight = {light}"
         );
         let document = Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap();
-        let given = document.clone().scene().unwrap().shading.light;
-        for key in SHADING_KEYS.iter().filter(|key| **key != "light") {
+        let given = document.clone().scene().unwrap().shading;
+        for key in names(&given.keys()).into_iter().filter(|key| *key != "light") {
             let dotted = format!("shading.{key}");
-            let entry = |scene: &Scene| shading(&scene.shading, key).expect(key);
+            let entry = |scene: &Scene| entry(&find(scene.shading.keys(), key).expect(key), EXTENT).expect(key);
             // The model of this scene is not the default.
-            if *key == "model" {
+            if key == "model" {
                 let mut document = document.clone();
                 for end in ends(entry(&document.scene().unwrap()).control) {
                     let scene = document.change(&changes(&dotted, Some(end.clone()))).unwrap();
@@ -106,9 +108,9 @@ fn every_key_of_shading_and_shadows_has_a_control() {
                 moves(&document, &dotted, &entry, &|value| changes(&dotted, value));
             }
         }
-        for key in SHADOW_KEYS.iter().filter(|key| **key != "method") {
+        for key in names(&Shadows::default().keys()) {
             let dotted = format!("shadows.{key}");
-            let entry = |scene: &Scene| shadows(&scene.shadows.unwrap(), given, key, EXTENT).expect(key);
+            let entry = |scene: &Scene| shadows(&scene.shadows.unwrap(), given.light, key, EXTENT).expect(key);
             moves(&document, &dotted, &entry, &|value| changes(&dotted, value));
         }
     }
@@ -153,12 +155,12 @@ fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
         document.change(&method_changes(&method, key, Some(value))).unwrap().method.representative()
     };
     // In whichever order: what the other slider begins with is the same density.
-    let lambda = control(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
+    let lambda = method(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
     let method = set("lambda", lambda.value);
-    assert_eq!(control(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
-    assert!(!is_on(&control(&method, "softness", EXTENT).unwrap()));
+    assert_eq!(super::method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));
+    assert!(!is_on(&super::method(&method, "softness", EXTENT).unwrap()));
     let method = set("softness", Setting::Number(0.75));
-    assert!(!is_on(&control(&method, "lambda", EXTENT).unwrap()));
+    assert!(!is_on(&super::method(&method, "lambda", EXTENT).unwrap()));
     set("modulation", Setting::Number(0.75));
     let method = set("layout", Setting::Word("paper".into()));
     assert_eq!(method.soft().unwrap().modulation, None);

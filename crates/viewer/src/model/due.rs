@@ -1,28 +1,30 @@
-//! What is asked of the worker, and when: drafts while things move, finer pictures at rest, then how accurate they are.
+//! Decides which task the worker gets, and when: drafts while things move, finer pictures at rest, then a measurement
+//! of their accuracy.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{Model, Way};
+use super::{Model, PictureState};
 use crate::accuracy::Standing;
 use crate::draft::Effort;
 use crate::worker::{Request, Task};
 use pellucid_engine::scene::Scene;
 
-/// How much longer each picture may take than the one before it, at rest: all drafts together take a third of the last one's time.
+/// At rest, how many times longer each picture may take than the one before it: all drafts together take a third of the
+/// last one's time.
 const REFINING: f64 = 4.0;
 
-/// Milliseconds for the first picture at rest, if the budget while things move is less: what the eye hardly waits for.
+/// Milliseconds for the first picture at rest if the budget while things move is less: a delay the eye hardly notices.
 const FIRST_AT_REST_MS: f64 = 250.0;
 
 /// Pictures at rest after which nothing is left out any more.
 const MOST_REFINED: u32 = 6;
 
-/// How long nothing may move for the picture to be held against the exact one.
+/// How long nothing may move before the picture is compared with the exact one.
 pub(super) const STILL: Duration = Duration::from_millis(500);
 
 impl Model {
-    /// What the worker is to do next, if anything.
+    /// The worker's next task, if any is due.
     pub fn next_task(&mut self, now: Instant) -> Option<Task> {
         if let Some(task) = self.tasks.pop_front() {
             return Some(task);
@@ -30,30 +32,30 @@ impl Model {
         let effort = self.effort(now).filter(|_| !self.busy && !self.viewport.size.contains(&0));
         let Some((effort, refined)) = effort else { return self.measure(now) };
         self.serial += 1;
-        self.way = Way::Asked(self.serial, refined);
+        self.picture_state = PictureState::Requested(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
         let (scene, pose, serial) = (Arc::new(scene), self.pose, self.serial);
         Some(Task::Show(Box::new(Request { scene, pose, effort, serial })))
     }
 
-    /// How much work the next picture is worth, if one is due, and how often it was refined then.
+    /// The effort the next picture may take, if one is due, and its refinement count.
     fn effort(&self, now: Instant) -> Option<(Effort, u32)> {
         let moving = now < self.rest_at();
-        match self.way {
+        match self.picture_state {
             // However late this is asked: a long frame may have kept the window waiting.
-            Way::Changed => Some((Effort::Moving(self.budget_ms), 0)),
-            Way::Draft(_) if moving => None,
-            Way::Draft(MOST_REFINED) => Some((Effort::Whole, MOST_REFINED)),
-            Way::Draft(refined) => {
+            PictureState::Stale => Some((Effort::Moving(self.budget_ms), 0)),
+            PictureState::Draft(_) if moving => None,
+            PictureState::Draft(MOST_REFINED) => Some((Effort::Whole, MOST_REFINED)),
+            PictureState::Draft(refined) => {
                 let first = (REFINING * self.budget_ms).max(FIRST_AT_REST_MS);
                 Some((Effort::Refining(first * REFINING.powi(refined as i32)), refined + 1))
             }
-            Way::Rest | Way::Asked(..) => None,
+            PictureState::Current | PictureState::Requested(..) => None,
         }
     }
 
-    /// A measurement of the picture at rest, if it is an approximation that was not measured yet.
+    /// A measurement of the picture at rest, if it is an approximation and has not been measured.
     fn measure(&mut self, now: Instant) -> Option<Task> {
         let serial = self.unmeasured().filter(|_| !self.busy && now >= self.changed_at + STILL)?;
         self.measured = Some(serial);
@@ -61,7 +63,7 @@ impl Model {
     }
 
     fn unmeasured(&self) -> Option<u64> {
-        let picture = self.picture.as_deref().filter(|_| self.way == Way::Rest)?;
+        let picture = self.picture.as_deref().filter(|_| self.picture_state == PictureState::Current)?;
         let approximates = matches!(picture.accuracy.standing, Some(Standing::Approximation(_)));
         (approximates && self.measured != Some(picture.serial)).then_some(picture.serial)
     }

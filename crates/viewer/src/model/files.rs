@@ -37,7 +37,7 @@ impl Model {
         self.busy = !self.pending.is_empty();
     }
 
-    /// Whether another scene is on its way, whose clouds are no longer those of this one; if so, it is said.
+    /// True while another scene is being opened, whose clouds differ from the current ones; leaves a message if so.
     pub(super) fn is_leaving(&mut self) -> bool {
         let leaving = self.pending.contains(&true);
         if leaving {
@@ -46,20 +46,20 @@ impl Model {
         leaving
     }
 
-    /// What the names of saved files begin with.
+    /// The stem of the names of saved files.
     pub(super) fn stem(&self) -> String {
-        // One file, in whose name there may be spaces, or the first of several.
+        // Either one file, whose name may contain spaces, or the first of several.
         let whole = PathBuf::from(&self.name);
         let first = if whole.exists() { whole } else { PathBuf::from(self.name.split(' ').next().unwrap_or_default()) };
         first.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// Writes the scene as it is shown, with or without its picture, once there is a camera.
+    /// Writes the scene as shown, with or without its picture, once the camera is known.
     pub fn save(&mut self, picture: bool) {
         self.save_to(picture, None);
     }
 
-    /// As [`Model::save`], to a file of this name.
+    /// Like [`Model::save`], to a file of this name.
     pub fn save_to(&mut self, picture: bool, to: Option<PathBuf>) {
         if self.navigator.is_none() || self.viewport.size.contains(&0) {
             self.message = Some(("nothing is shown yet that could be saved".to_owned(), false));
@@ -125,7 +125,7 @@ impl Model {
         }
     }
 
-    /// What was written, and the command that makes a film of a path.
+    /// Lists the files that were written, with the command that makes a film of a path.
     pub(super) fn saved(&self, files: &[PathBuf]) -> String {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
         let text = format!("saved {}", names.join(" and "));

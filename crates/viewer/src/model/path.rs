@@ -1,4 +1,4 @@
-//! The path of key frames: what the window's buttons and keys do with it.
+//! The path of key frames: actions of the window's buttons and keys.
 
 use std::path::PathBuf;
 
@@ -19,12 +19,12 @@ const TURN: usize = 16;
 const TURN_PACE: f64 = 1.0;
 
 impl Model {
-    /// What is looked at, once there is a picture of it.
+    /// The extent of the scene, once a picture of it has arrived.
     fn subject(&self) -> Option<Subject> {
         self.navigator.map(|navigator| navigator.subject()).or(self.picture.as_ref().map(|picture| picture.subject))
     }
 
-    /// What keys that don't say take, as `render --path` does.
+    /// Values for keys that leave them open, as `render --path` chooses them.
     fn defaults(&self) -> Option<Defaults> {
         Some(path_defaults(&self.scene.camera, self.subject()?.up))
     }
@@ -38,7 +38,7 @@ impl Model {
         Some(key_of(&shown))
     }
 
-    /// Changes the route; what makes no path is said.
+    /// Changes the route; a change that makes no valid path becomes a message.
     fn change_route(&mut self, change: impl FnOnce(&mut Route, &Defaults) -> Result<(), Problem>) -> bool {
         let Some(defaults) = self.defaults() else {
             self.message = Some(("nothing is shown yet".to_owned(), false));
@@ -215,7 +215,7 @@ impl Model {
         }
     }
 
-    /// Takes in a file of cameras, as soon as there is a picture whose size and vertical it may need.
+    /// Takes in a file of cameras, as soon as a picture exists: its size and vertical may be needed.
     pub fn take_path(&mut self, file: PathBuf, source: Source) {
         self.arriving = Some((file, source));
         self.receive_path();
@@ -252,7 +252,7 @@ impl Model {
         if self.is_leaving() {
             return;
         }
-        // With its own camera: what keys leave open is that of the scene.
+        // Keep the scene's own camera: it supplies what keys leave open.
         let mut document = self.document.clone();
         match document.put("image.size", Setting::Integers(self.viewport.size.to_vec())) {
             Ok(()) => {

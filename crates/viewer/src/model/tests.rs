@@ -1,4 +1,4 @@
-//! What is asked for and when, and what is saved.
+//! Which tasks are requested and when, and which files are saved.
 
 use std::path::Path;
 
@@ -82,7 +82,7 @@ fn only_the_latest_request_counts() {
     let first = asked(&mut model, now).unwrap();
     assert_eq!((first.serial, first.effort, first.scene.image.size), (2, Effort::Moving(33.0), SIZE));
     model.navigate(|navigator| navigator.pan(DVec2::X, 48.0));
-    // What changed meanwhile is asked for at once, and the picture that comes is of the past.
+    // A change in the meantime is requested at once; the picture that arrives is outdated.
     let second = asked(&mut model, now).unwrap();
     assert_ne!(first.pose, second.pose);
     assert!(asked(&mut model, now).is_none());
@@ -137,7 +137,7 @@ fn what_was_stopped_is_asked_for_again() {
     model.take_in(News::Stopped(first.serial)).unwrap();
     let second = asked(&mut model, now + REST).unwrap();
     assert_eq!((second.pose, second.effort), (first.pose, Effort::Moving(33.0)));
-    // What nobody waits for any more is nothing new.
+    // News nobody waits for changes nothing.
     model.take_in(News::Stopped(first.serial)).unwrap();
     assert!(asked(&mut model, now + REST).is_none());
 }
@@ -161,7 +161,7 @@ fn approximations_at_rest_are_held_against_the_exact_picture_once() {
     let measured = Accuracy { rungs: Vec::new(), against: Some(Reference::Exact("abuffer")), standing: None };
     model.take_in(News::Measured(serial, measured.clone())).unwrap();
     assert_eq!(model.picture().unwrap().accuracy, measured);
-    // One that was stopped is tried again.
+    // A stopped picture is requested again.
     let (mut model, now) = settled();
     model.picture.as_mut().unwrap().accuracy.standing =
         Some(Standing::Approximation(pellucid_engine::scene::Method::ABuffer(Default::default())));

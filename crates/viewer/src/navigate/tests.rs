@@ -1,4 +1,4 @@
-//! What must hold of every movement, far from the origin, too.
+//! Properties of every movement, also far from the origin.
 
 use super::*;
 use pellucid_engine::scene::camera_at;

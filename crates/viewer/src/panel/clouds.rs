@@ -9,9 +9,9 @@ use crate::census::{Census, class_name};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{CloudSettings, Method, Setting};
+use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 
-/// Clouds that are listed among the other controls; more of them scroll by themselves, in so many points.
+/// Clouds that are listed among the other controls; longer lists scroll on their own.
 const MANY: usize = 15;
 const ROOM: f32 = 330.0;
 
@@ -63,20 +63,20 @@ fn list(ui: &mut Ui, model: &mut Model, blended: bool) {
     }
 }
 
-/// What a cloud is called.
+/// The display name of a cloud.
 pub fn name(settings: &CloudSettings, i: usize) -> String {
     let stem = settings.path.file_stem();
     stem.map_or_else(|| format!("cloud {i}"), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// One opacity for all clouds.
+/// A single opacity for all clouds.
 fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     let (mut least, mut most, mut sum) = (1.0f32, 0.0f32, 0.0);
     for cloud in clouds {
         (least, most, sum) = (least.min(cloud.opacity), most.max(cloud.opacity), sum + f64::from(cloud.opacity));
     }
     let (value, label) = if least == most {
-        (controls::rounded(most), "all opacities")
+        (rounded(most), "all opacities")
     } else {
         (controls::thousandths(sum / clouds.len() as f64), "all (mean)")
     };
@@ -88,7 +88,7 @@ fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
     }
 }
 
-/// What a cloud has beside its opacity.
+/// A cloud's settings other than its opacity.
 fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, census: Option<&Census>) {
     let method = model.scene().method;
     let unknown = Census::default();
@@ -109,7 +109,7 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
             row(ui, model, &format!("cloud.{i}.{key}"), key, entry);
         }
     }
-    // Of a single cloud it has a section.
+    // A single cloud has its own section for this.
     if method.needs_field() && model.scene().clouds.len() > 1 {
         field::chooser(ui, model, &i.to_string(), &[i]);
     }

@@ -1,4 +1,4 @@
-//! What tells soft points from solid ones: the field F, its classes or axis, and how it is spread.
+//! The field F that separates soft points from solid ones: its classes or axis, and its distribution.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,11 +7,10 @@ use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
 use crate::census::{BINS, FieldFacts, class_name};
-use crate::controls::rounded;
 use crate::hints::hint;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{Change, Setting};
+use pellucid_engine::scene::{Change, Setting, rounded};
 
 /// The classes that a choice of classes begins with: vegetation.
 const VEGETATION: [u8; 3] = [3, 4, 5];
@@ -76,7 +75,7 @@ pub fn chooser(ui: &mut Ui, model: &mut Model, target: &str, clouds: &[usize]) {
     }
 }
 
-/// The changes that give clouds a field, or the default one. What only another field has goes.
+/// The changes that give clouds a field, or the default one. Keys that belong only to another field are removed.
 fn to_field(target: &str, word: Option<&str>, counts: &BTreeMap<u8, usize>) -> Vec<Change> {
     let key = |name: &str| format!("cloud.{target}.{name}");
     let soft = VEGETATION.into_iter().filter(|code| counts.contains_key(code)).map(u32::from).collect();
@@ -171,7 +170,7 @@ fn range(ui: &mut Ui, census: &crate::census::Census, field: &str, clouds: usize
     }
 }
 
-/// How F is spread, by powers of ten, and where the threshold cuts it.
+/// The distribution of F, in powers of ten, and the threshold's position in it.
 fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
     let width = 1.0 / BINS as f64;
     let middle = |bin: usize| (bin as f64 + 0.5) * width;

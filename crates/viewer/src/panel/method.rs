@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     }
     for key in method_keys(method.name()) {
         let dotted = format!("method.{key}");
-        if let Some(entry) = controls::control(&method.representative(), key, model.extent())
+        if let Some(entry) = controls::method(&method.representative(), key, model.extent())
             && let (Some(edit), _) = edit_row(ui, model, &dotted, &controls::label(key), entry)
         {
             model.change(&controls::method_changes(&method.representative(), key, edit.value()));

@@ -32,7 +32,7 @@ pub const VIEWS: [(ViewName, &str); 7] = [
     (ViewName::Iso, "iso"),
 ];
 
-/// Draws the panel; what is changed goes to the model at once.
+/// Draws the panel; changes go to the model at once.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     model.controls.clear();
     ui.spacing_mut().slider_width = SLIDER;
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn digits_go_in_threes() {
-        let of = |count| grouped(count).replace('\u{2009}', " ");
-        assert_eq!([0, 999, 1000, 1_234_567].map(of), ["0", "999", "1 000", "1 234 567"]);
+        let spaced = |count| grouped(count).replace('\u{2009}', " ");
+        assert_eq!([0, 999, 1000, 1_234_567].map(spaced), ["0", "999", "1 000", "1 234 567"]);
     }
 }

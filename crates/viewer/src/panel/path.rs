@@ -80,9 +80,9 @@ fn row(ui: &mut Ui, model: &mut Model, at: usize) {
     }
     match time {
         Some(mut seconds) => {
-            let of = |at: usize| model.route.keys().get(at).and_then(|key| key.time);
-            let least = at.checked_sub(1).and_then(of).map_or(f64::NEG_INFINITY, |time| time + 1e-3);
-            let most = of(at + 1).map_or(f64::INFINITY, |time| time - 1e-3);
+            let time_of = |at: usize| model.route.keys().get(at).and_then(|key| key.time);
+            let least = at.checked_sub(1).and_then(time_of).map_or(f64::NEG_INFINITY, |time| time + 1e-3);
+            let most = time_of(at + 1).map_or(f64::INFINITY, |time| time - 1e-3);
             let range = least.min(seconds)..=most.max(seconds);
             if ui.add(DragValue::new(&mut seconds).range(range).speed(0.05).suffix(" s").max_decimals(3)).changed() {
                 model.time_key(at, seconds);

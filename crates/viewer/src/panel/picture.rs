@@ -1,24 +1,19 @@
-//! The picture: what is behind it, how it is blended, and what is over it.
+//! The picture: its background, its blending, and its overlays.
 
 use egui::Ui;
 
 use super::row::row;
-use crate::controls::{Control, Entry, Presence, rounded};
+use crate::controls;
 use crate::model::Model;
-use pellucid_engine::scene::{ColorSpace, Setting};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let image = model.scene().image;
-    let background = Setting::Numbers(image.background.to_array().map(rounded).to_vec());
-    let always = |control, value| Entry { control, value, presence: Presence::Always };
-    row(ui, model, "image.background", "background", always(Control::Color, background));
-    let word = match image.color {
-        ColorSpace::Linear => "linear",
-        ColorSpace::Encoded => "encoded",
-    };
-    let choice = always(Control::Choice(&["linear", "encoded"]), Setting::Word(word.to_owned()));
-    row(ui, model, "image.color", "blended in", choice);
+    for (key, label) in [("background", "background"), ("color", "blended in")] {
+        if let Some(entry) = controls::find(image.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
+            row(ui, model, &format!("image.{key}"), label, entry);
+        }
+    }
     ui.checkbox(&mut model.shows.passes, "times of the passes (T)");
     if let Some(picture) = model.picture() {
         let [width, height] = picture.size;

@@ -13,17 +13,17 @@ const BUTTON: f32 = 20.0;
 /// Room that a switch takes before a control, in points.
 const SWITCH: f32 = 26.0;
 
-/// What was done to a key.
+/// An edit of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
-    /// It got a value.
+    /// Sets the key to a value.
     To(Setting),
-    /// It was taken out.
+    /// Removes the key.
     Out,
 }
 
 impl Edit {
-    /// The value, if there is one.
+    /// The new value, if any.
     pub fn value(self) -> Option<Setting> {
         match self {
             Self::To(value) => Some(value),
@@ -32,7 +32,7 @@ impl Edit {
     }
 }
 
-/// A row whose key changes by itself; whether its name was clicked.
+/// A row that applies its own edits. Returns true if its name was clicked.
 pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> bool {
     let (edit, clicked) = edit_row(ui, model, key, label, entry);
     match edit {
@@ -43,20 +43,20 @@ pub fn row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry)
     clicked
 }
 
-/// A control with its name and, if its key is given, a button that takes it out; notes where the control is. What was done, and
-/// whether the name was clicked.
+/// A control with its name and, if its key is given, a button that removes the key; records the control's position.
+/// Returns the edit, and true if the name was clicked.
 pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: Entry) -> (Option<Edit>, bool) {
     let given = model.is_given(key);
-    let Entry { control, value, presence } = entry;
+    let Entry { control, value, presence, about } = entry;
     ui.horizontal(|ui| {
         if presence != Presence::Always {
-            // What the switch takes, so that numbers stand below each other.
+            // Leave room for the switch, so that numbers align below each other.
             ui.spacing_mut().slider_width -= SWITCH;
         }
-        let (on, mut edit) = switch(ui, model, key, &presence, &value);
+        let (on, mut edit) = switch(ui, model, key, &presence, &value, about);
         if on {
             let (response, changed) = change(ui, key, label, control, value);
-            note(ui, model, key, &response.on_hover_text(hint(key)));
+            note(ui, model, key, &response.on_hover_text(about));
             edit = edit.or(changed.map(Edit::To));
         }
         if let (Presence::Optional { without, .. }, false) = (&presence, on) {
@@ -64,7 +64,7 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
         }
         let has_button = given && presence == Presence::Always;
         let room = ui.available_width() - if has_button { BUTTON } else { 0.0 };
-        let named = (control != Control::Flag).then(|| name_within(ui, key, label, room));
+        let named = (control != Control::Flag).then(|| name_within(ui, about, label, room));
         if has_button && takes_out(ui, model, key) {
             edit = Some(Edit::Out);
         }
@@ -74,7 +74,14 @@ pub fn edit_row(ui: &mut Ui, model: &mut Model, key: &str, label: &str, entry: E
 }
 
 /// The switch before a control, if it has one; whether it is on.
-fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start: &Setting) -> (bool, Option<Edit>) {
+fn switch(
+    ui: &mut Ui,
+    model: &mut Model,
+    key: &str,
+    presence: &Presence,
+    start: &Setting,
+    about: &str,
+) -> (bool, Option<Edit>) {
     let (mut on, radio) = match presence {
         Presence::Always => return (true, None),
         Presence::Optional { on, .. } => (*on, false),
@@ -84,28 +91,27 @@ fn switch(ui: &mut Ui, model: &mut Model, key: &str, presence: &Presence, start:
     let response = if radio { ui.radio(on, "") } else { ui.checkbox(&mut on, "") };
     note(ui, model, &format!("{key}?"), &response);
     let clicked = if radio { response.clicked() && !was } else { response.changed() };
-    response.on_hover_text(hint(key));
+    response.on_hover_text(about);
     let edit = clicked.then(|| if was { Edit::Out } else { Edit::To(start.clone()) });
     (was, edit)
 }
 
-/// What a row is called, as long as there is room.
+/// The name of a row, as long as the row has room for it.
 pub fn name(ui: &mut Ui, key: &str, label: &str) -> Response {
     let room = ui.available_width() - BUTTON;
-    name_within(ui, key, label, room)
+    name_within(ui, hint(key), label, room)
 }
 
-fn name_within(ui: &mut Ui, key: &str, label: &str, room: f32) -> Response {
+fn name_within(ui: &mut Ui, about: &str, label: &str, room: f32) -> Response {
     let label = Label::new(label).truncate().selectable(false).sense(Sense::click());
     let shown = ui.scope(|ui| {
         ui.set_max_width(room.max(0.0));
         ui.add(label)
     });
-    let said = hint(key);
-    if said.is_empty() { shown.inner } else { shown.inner.on_hover_text(said) }
+    if about.is_empty() { shown.inner } else { shown.inner.on_hover_text(about) }
 }
 
-/// The button that takes a given key out; those with a switch have none.
+/// The button that removes a given key; keys with a switch have none. Returns true if it was clicked.
 pub fn takes_out(ui: &mut Ui, model: &mut Model, key: &str) -> bool {
     let response = ui.add(Button::new(RichText::new("⟲").size(11.0)).frame(false)).on_hover_text("back to the default");
     note(ui, model, &format!("{key} default"), &response);
@@ -146,7 +152,8 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
             (response, changed)
         }
         (Control::Choice(words), Setting::Word(word)) => {
-            let (response, chosen) = choice(ui, key, &word, words);
+            let words: Vec<&str> = words.iter().map(|word| word.name).collect();
+            let (response, chosen) = choice(ui, key, &word, &words);
             (response, chosen.map(|word| Setting::Word(word.to_owned())))
         }
         (Control::Color, Setting::Numbers(color)) => {
@@ -165,7 +172,7 @@ fn slider(x: &mut f64, from: f64, to: f64) -> Slider<'_> {
     Slider::new(x, from..=to).clamping(SliderClamping::Edits).update_while_editing(false)
 }
 
-/// One of some words, and the one that was chosen instead.
+/// A choice between words; returns the one that was chosen, if it changed.
 pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (Response, Option<&'a str>) {
     let mut chosen = word;
     let combo = ComboBox::from_id_salt(key).selected_text(word).width(110.0).truncate();
@@ -177,7 +184,7 @@ pub fn choice<'a>(ui: &mut Ui, key: &str, word: &'a str, words: &[&'a str]) -> (
     (shown.response, (chosen != word).then_some(chosen))
 }
 
-/// Three numbers, by their name; what they were changed to.
+/// Three numbers with a name; returns them if they changed.
 pub fn vector(ui: &mut Ui, model: &mut Model, key: &str, vector: [f64; 3], speed: f64) -> Option<[f64; 3]> {
     let mut changed = vector;
     ui.horizontal(|ui| {
@@ -206,7 +213,7 @@ mod tests {
     fn numbers_are_short() {
         for (x, wanted) in [(0.0, "0"), (0.012_345_6, "0.01235"), (1234.56, "1235"), (1.5e-7, "1.5e-7"), (2e9, "2e9")] {
             assert_eq!(short(x), wanted);
-            // What is written there can be typed again.
+            // The displayed text can be typed again.
             assert_eq!(wanted.parse(), Ok(significant(x)));
         }
     }

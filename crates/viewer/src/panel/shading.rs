@@ -7,7 +7,7 @@ use super::row::{choice, name, note, row, takes_out, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View};
+use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
 
 /// From where a light comes that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
     };
     for key in keys {
-        if let Some(entry) = controls::shading(&shading, key) {
+        if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
             row(ui, model, &format!("shading.{key}"), key, entry);
         }
     }
@@ -90,7 +90,7 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// The axis that elevations are counted from: what the scene's camera has at its top, else the clouds' vertical.
+/// The axis that elevations refer to: the up direction of the scene's camera, else the clouds' vertical.
 fn vertical(model: &Model) -> UpAxis {
     match model.scene().camera.up {
         Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
@@ -118,7 +118,7 @@ fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
     let light = if turned != angles {
         Some(direction(turned, up))
     } else {
-        // What has no direction is not taken, as while all three are typed anew.
+        // A vector without a direction is ignored, as happens while all three numbers are being typed.
         numbers.map(DVec3::from).filter(|v| v.try_normalize().is_some())
     };
     if let Some(light) = light {
@@ -140,12 +140,12 @@ fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
         UpAxis::Y => (DVec3::Z, DVec3::Y),
     };
     let [x, y] = [from.x, from.dot(front)];
-    // A vertical has none, and 0 would be 180 by the sign of a zero.
+    // A vertical direction has no azimuth, and the sign of a zero would make it 180.
     let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
     [azimuth, from.dot(vertical).clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
-/// Whether the section on shadows is there.
+/// True if the scene has a section on shadows.
 pub fn has_shadows(scene: &Scene) -> bool {
     scene.method.may_take_shadows()
 }
@@ -155,7 +155,7 @@ pub fn shadows(ui: &mut Ui, model: &mut Model) {
     let mut on = model.is_given("shadows");
     let response = ui.checkbox(&mut on, "cast shadows");
     note(ui, model, "shadows.method", &response);
-    // What was switched off comes back as it was.
+    // Shadows that were switched off return with the same settings.
     let id = egui::Id::new("shadows, switched off");
     if response.changed() && on {
         let kept: Option<(Shadows, Light)> = ui.data(|data| data.get_temp(id));
@@ -195,7 +195,7 @@ fn cast(kept: Option<(Shadows, Light)>, light: Light) -> Vec<Change> {
     let default = Shadows::default();
     let (shadows, before) = kept.unwrap_or((default, light));
     let same = std::mem::discriminant(&before) == std::mem::discriminant(&light);
-    let number = |x: f32| Setting::Number(controls::rounded(x));
+    let number = |x: f32| Setting::Number(rounded(x));
     let given = [
         ("method", Some(Setting::Word("texture".to_owned()))),
         ("samples", (shadows.samples != default.samples).then_some(Setting::Integer(shadows.samples))),

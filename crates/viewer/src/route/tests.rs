@@ -39,7 +39,7 @@ fn keys_come_behind_the_selected_one_and_go_where_they_are_moved() {
     route.shift(true, &defaults()).unwrap();
     assert_eq!((eyes(&route), route.selected()), (vec![0.0, 9.0, 1.0, 2.0, 3.0], Some(1)));
     route.shift(true, &defaults()).unwrap();
-    // It is the first one: there is nowhere to go.
+    // The first key can't move forward.
     route.shift(true, &defaults()).unwrap();
     assert_eq!((eyes(&route), route.selected()), (vec![9.0, 0.0, 1.0, 2.0, 3.0], Some(0)));
     route.shift(false, &defaults()).unwrap();
@@ -104,7 +104,7 @@ fn the_camera_runs_from_key_to_key_and_ends_there() {
     let mut route = four();
     assert_eq!((route.duration(), route.frames()), (6.0, 151));
     assert!(route.advance(1.0, &defaults()).unwrap().is_none(), "it does not run yet");
-    // From the end a path begins anew.
+    // From the end a path restarts.
     route.seek(6.0, &defaults()).unwrap();
     route.play();
     assert!(route.is_playing());

@@ -20,10 +20,10 @@ fn stage(device: &Device, clouds: Vec<Cloud>) -> Stage {
     Stage::new(device, clouds, SEED, None).unwrap()
 }
 
-/// The picture of a stage that knows nothing yet, with the renderer of one that is there.
-fn fresh(stage: &mut Stage, clouds: &[Cloud], scene: &Scene) -> Taken {
-    (stage.placed, stage.sources) = (None, Sources::new(clouds.to_vec(), SEED));
-    stage.take(scene, Pose::Scene, Effort::Whole).unwrap()
+/// The picture of a stage and a renderer that know nothing yet, which take the place of `other`.
+fn fresh(other: &mut Stage, device: &Device, clouds: &[Cloud], scene: &Scene) -> TakenPicture {
+    *other = stage(device, clouds.to_vec());
+    other.take(scene, Pose::Scene, Effort::Whole).unwrap()
 }
 
 /// A setting of each kind; each picture but the first few has all earlier ones in force.
@@ -49,7 +49,7 @@ fn changes(threshold: f64) -> Vec<(String, Setting)> {
     ]
 }
 
-/// Few samples, ensembles and layers: there are many pictures.
+/// Few samples, ensembles and layers, because the test takes many pictures.
 fn quick(document: &mut Document) {
     for (key, value) in [("samples", 4), ("ensembles", 6)] {
         document.put(&format!("method.{key}"), Setting::Integer(value)).unwrap();
@@ -75,7 +75,7 @@ fn each_setting_of(methods: &[&str]) {
                 let after = live.placed.as_ref().map(|placed| placed.arranged.points().positions.as_ptr());
                 following += usize::from(before == after);
                 let what = format!("{method} (by way of {there}), {key} = {value:?}");
-                assert_same(&taken, &fresh(&mut other, &clouds, &scene), &what);
+                assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &what);
                 assert_same_clouds(&mut live, &mut other, &what);
                 live.recycle(taken.rendered.image);
             }
@@ -85,7 +85,7 @@ fn each_setting_of(methods: &[&str]) {
     });
 }
 
-/// In halves, for two to run at a time.
+/// Split in halves, which the test runner can run in parallel.
 #[test]
 fn each_setting_of_each_method_gives_the_bytes_of_a_fresh_start() {
     each_setting_of(&METHODS[..METHODS.len() / 2]);
@@ -104,7 +104,7 @@ fn only_columns_that_changed_are_uploaded() {
         let mut stage = stage(device, vec![cloud(1, 60)]);
         let n = 60;
         let vector = 16 * n;
-        // All points but for normals' shares of light: four vectors and F.
+        // The upload of all points except for the normals' light terms: four vectors and F.
         let first = 4 * vector + 4 * n;
         let height = words("cloud.0.field", "height");
         let steps = [
@@ -152,7 +152,7 @@ fn dealt_points_stay_dealt_when_colors_and_opacities_change() {
                 assert_eq!(device.uploaded_bytes() - before, 16 * n, "{key}");
             }
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &key);
         }
     });
 }
@@ -197,10 +197,10 @@ fn stored_shadows_are_there_for_their_light_only() {
         for (key, value) in settings {
             let scene = document.set(&key, value.clone()).unwrap();
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &format!("{key} = {value:?}"));
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &format!("{key} = {value:?}"));
             views.push(taken.rendered.facts.light_views);
         }
-        // Cast only for a light that the file has none for, and once.
+        // Shadows are cast only for a light the file has none for, and only once.
         assert_eq!(views, [0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0]);
     });
 }
@@ -217,7 +217,7 @@ fn a_setting_that_a_cloud_has_nothing_for_leaves_the_others_in_force() {
         assert!(live.take(&scene, Pose::Scene, Effort::Whole).is_err() && live.placed.is_some());
         let scene = document.set("cloud.1.field", Setting::Word("height".into())).unwrap();
         let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-        assert_same(&taken, &fresh(&mut other, &clouds, &scene), "after an error");
+        assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), "after an error");
     });
 }
 
@@ -249,7 +249,7 @@ fn what_was_stopped_on_its_way_to_the_device_is_made_up_for() {
             }
             let scene = document.scene().unwrap();
             let taken = live.take(&scene, Pose::Scene, Effort::Whole).unwrap();
-            assert_same(&taken, &fresh(&mut other, &clouds, &scene), &key);
+            assert_same(&taken, &fresh(&mut other, device, &clouds, &scene), &key);
             assert_same_clouds(&mut live, &mut other, &key);
         }
     });
@@ -272,7 +272,8 @@ fn auto_is_asked_again_when_points_become_transparent() {
     });
 }
 
-/// What is cheapest depends on how large splats are, so that a whole picture asks for its own view, however it came about.
+/// The cheapest method depends on the splats' size, so `auto` considers the view of every whole picture, however it
+/// came about.
 #[test]
 fn auto_is_asked_for_the_view_of_each_whole_picture() {
     with_device(|device| {
@@ -282,7 +283,7 @@ fn auto_is_asked_for_the_view_of_each_whole_picture() {
             Pose::At(CameraSettings { eye, target, up, ..CameraSettings::default() })
         };
         let scene = document.scene().unwrap();
-        // "for 110 splats of 12.3 pixels": what the choice is made by.
+        // The load that the choice is based on: "for 110 splats of 12.3 pixels".
         let mut load = |pose, effort| {
             let why = stage.take(&scene, pose, effort).unwrap().why;
             why.split_once("; for ").unwrap().1.split(" pixels").next().unwrap().to_owned()

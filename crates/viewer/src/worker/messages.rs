@@ -1,4 +1,4 @@
-//! What the window asks for, and what it is told.
+//! Requests of the window, and the worker's replies.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,88 +21,89 @@ use pellucid_engine::scene::{Document, Scene};
 pub struct Request {
     /// The scene, with the size of the picture in it.
     pub scene: Arc<Scene>,
-    /// From where.
+    /// The camera's pose.
     pub pose: Pose,
-    /// How much may be left out.
+    /// The effort it may take.
     pub effort: Effort,
-    /// Counts requests.
+    /// Increases with each request.
     pub serial: u64,
 }
 
-/// What the thread is asked for.
+/// A request to the thread.
 pub enum Task {
-    /// A picture; only the latest one counts.
+    /// Render a picture; only the latest request counts.
     Show(Box<Request>),
-    /// How far the pictures of the view with this serial are off the exact one, if its method is an approximation.
+    /// Measure how far the pictures of the view with this serial are off the exact one, if its method is an
+    /// approximation.
     Measure(u64),
-    /// Other files instead of the scene.
+    /// Open other files in place of the scene.
     Open(Vec<PathBuf>),
-    /// A file of cameras.
+    /// Read a file of cameras.
     Cameras(PathBuf),
-    /// The scene as a file, with or without a picture of it.
+    /// Save the scene as a file, with or without a picture of it.
     Save(Box<Saving>),
 }
 
 /// A picture for the window.
 pub struct Picture {
-    /// That of its request.
+    /// The serial of its request.
     pub serial: u64,
-    /// From where it was asked for.
+    /// The requested pose.
     pub pose: Pose,
-    /// From where it is.
+    /// The camera.
     pub camera: Camera,
-    /// Of what.
+    /// The extent of the scene.
     pub subject: Subject,
     /// Columns and rows.
     pub size: [u32; 2],
     /// R, G, B, A bytes, sRGB-encoded, row by row.
     pub rgba: Vec<u8>,
-    /// Depth of each pixel, infinite where there is none.
+    /// Depth of each pixel, infinite where the pixel is empty.
     pub depths: Vec<f32>,
-    /// Whether nothing was left out.
+    /// True if nothing was left out.
     pub whole: bool,
-    /// What it has of the whole picture.
+    /// Description of the draft.
     pub draft: String,
     /// How accurate the pictures of this view are.
     pub accuracy: Accuracy,
-    /// The method that was taken.
+    /// The method that was used.
     pub method: &'static str,
     /// Its times.
     pub profile: FrameProfile,
-    /// What it met.
+    /// Its counts.
     pub facts: Facts,
-    /// The passes and why.
+    /// Its passes and their reasons.
     pub plan: Vec<Step>,
-    /// How F of the points is spread, if the method asks for it.
+    /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
 }
 
-/// What the thread has to say.
+/// News from the thread.
 pub enum News {
-    /// A picture is there.
+    /// A picture is finished.
     Picture(Box<Picture>),
-    /// Other files are there: their name and keys.
+    /// Other files are open: their name and scene document.
     Opened(String, Box<Document>),
-    /// What is known of the clouds, in the scene's order.
+    /// Statistics of the clouds, in the scene's order.
     Clouds(Arc<[Census]>),
-    /// Cameras are there, from this file.
+    /// Cameras were read from this file.
     Cameras(PathBuf, Box<Source>),
-    /// How far the pictures of the view with this serial are off the exact one.
+    /// The error of the pictures of the view with this serial against the exact one.
     Measured(u64, Accuracy),
-    /// The task of this serial was stopped, since a later one was there.
+    /// The task of this serial was stopped in favour of a later one.
     Stopped(u64),
     /// Files were written.
     Saved(Vec<PathBuf>),
-    /// The task of this serial failed (0: it had none); another one may do.
+    /// The task of this serial failed (0: it had none); another one may work.
     Failed(u64, String),
-    /// The thread has ended by a panic, which it has printed.
+    /// The thread ended with a panic, which it has printed.
     Gone,
-    /// Nothing can be rendered any more.
+    /// Rendering is no longer possible.
     Lost(Error),
 }
 
 impl Task {
-    /// Whether it may be stopped for a later picture: everything that is for the eye alone and may take long.
+    /// True if the task may be stopped for a later picture: it only serves the eye and may take long.
     pub(super) fn may_stop(&self) -> bool {
         match self {
             Self::Show(request) => !matches!(request.effort, Effort::Moving(_)),

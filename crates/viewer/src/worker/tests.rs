@@ -1,4 +1,6 @@
-//! What is rendered, what is stopped, what cameras are.
+//! Rendering, stopping and reading cameras in the worker.
+
+use pellucid_testing::skip::{NO_DEVICE, skip};
 
 use super::*;
 use crate::draft::Effort;
@@ -52,8 +54,7 @@ const SIZE: [u32; 2] = [48, 32];
 fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     let device = match Device::open(&gpu::DeviceOptions::validated()) {
         Ok(device) => device,
-        Err(error) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device: {error}"),
-        Err(error) => return eprintln!("skipped, no device: {error}"),
+        Err(error) => return skip(NO_DEVICE, &error.to_string()),
     };
     let folder = tempfile::tempdir().unwrap();
     let text: String = (0..300).map(|i| format!("{} {} {} {} 90 20\n", i % 20, i / 20, i % 7, i % 256)).collect();
@@ -68,14 +69,14 @@ fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
         ("cloud.0.radius", Setting::Number(1.5)),
     ];
     keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
-    let held = Held { clouds: opened.clouds, generated: false, tasks: Vec::new() };
-    let worker = Worker::start(&device, held, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
+    let workload = Workload { clouds: opened.clouds, generated: false, tasks: Vec::new() };
+    let worker = Worker::start(&device, workload, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
     test(&device, &worker, document, folder.path());
     drop(worker);
     assert_eq!(device.validation_messages(), Vec::<String>::new());
 }
 
-/// The next piece of news but for what is known of clouds; `meanwhile` is done until it is there.
+/// The next piece of news other than cloud statistics; repeats `meanwhile` until it arrives.
 fn news(worker: &Worker, mut meanwhile: impl FnMut()) -> News {
     let until = std::time::Instant::now() + std::time::Duration::from_secs(120);
     loop {
@@ -94,7 +95,7 @@ fn whole(document: &Document, pose: Pose, serial: u64) -> Task {
     Task::Show(Box::new(Request { scene, pose, effort: Effort::Whole, serial }))
 }
 
-/// Whoever stops a picture may be late, and meet the task behind it.
+/// A stop request may be late and hit the next task.
 #[test]
 fn what_is_to_be_written_is_written_whenever_something_is_stopped() {
     working(|device, worker, document, folder| {
@@ -111,7 +112,7 @@ fn what_is_to_be_written_is_written_whenever_something_is_stopped() {
     });
 }
 
-/// A picture that came to nothing may have left other points on the device.
+/// A failed picture may have left other points on the device.
 #[test]
 fn accuracy_is_that_of_the_picture_that_is_shown() {
     working(|_, worker, mut document, _| {
@@ -137,7 +138,7 @@ fn accuracy_is_that_of_the_picture_that_is_shown() {
     });
 }
 
-/// The same names and the same view, but other points.
+/// The same names and the same view, but different points.
 #[test]
 fn files_that_are_opened_again_have_no_accuracy_yet() {
     working(|_, worker, document, folder| {
@@ -151,7 +152,7 @@ fn files_that_are_opened_again_have_no_accuracy_yet() {
     });
 }
 
-/// The thread may have begun with a picture before whoever asked for it goes on.
+/// The thread may start a picture before the requester continues.
 #[test]
 fn a_picture_is_not_stopped_by_being_asked_for() {
     working(|_, worker, document, _| {
@@ -169,7 +170,7 @@ fn a_panic_is_news() {
     let teller = Teller { news: sender, bell: Bell(move || rings.send(()).unwrap()) };
     let thread = std::thread::spawn(move || {
         teller.tell(News::Stopped(1));
-        // Quietly: the hook that prints is everyone's.
+        // Resumes without the panic hook, which is global and would print.
         std::panic::resume_unwind(Box::new("a defect"));
     });
     for _ in 0..2 {

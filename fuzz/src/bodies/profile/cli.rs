@@ -8,13 +8,13 @@ pub mod limit;
 pub mod noise;
 
 /// Stands for the program's standard output and error.
-pub mod talk {
-    pub fn say(text: impl std::fmt::Display) {
+pub mod console {
+    pub fn print_stderr(text: impl std::fmt::Display) {
         drop(text.to_string());
     }
 
     pub fn print(text: &str) -> pellucid_engine::Result<()> {
-        say(text);
+        print_stderr(text);
         Ok(())
     }
 

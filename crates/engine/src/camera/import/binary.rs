@@ -64,7 +64,7 @@ impl<'a> Bytes<'a> {
         Ok(numbers)
     }
 
-    /// The bytes up to a zero, which is read as well.
+    /// Reads up to and including a zero byte, and returns the bytes before it.
     fn name(&mut self) -> Result<Vec<u8>, Error> {
         let mut name = Vec::new();
         let limit = self.left.min(MAX_NAME);
@@ -85,7 +85,7 @@ impl<'a> Bytes<'a> {
         self.file.seek_relative(bytes).map_err(|source| self.failed(source))
     }
 
-    /// A number of records of at least so many bytes, all of which the file has room for.
+    /// A number of records, each of at least `bytes` bytes, that is checked against the rest of the file.
     fn records(&mut self, bytes: u64, what: &str) -> Result<u64, Error> {
         let count = self.u64()?;
         if count > self.left / bytes {

@@ -11,8 +11,8 @@ use glam::{DQuat, DVec3};
 use super::{Cameras, Intrinsics, View, binary, check_count, content, is_place, lines, rotation, warnings};
 use crate::camera::path::Error;
 
-/// Models of a lens by COLMAP's number: name, number of parameters, and how many of the first are focal lengths; two of the
-/// principal point follow, and what bends lines.
+/// Lens models by COLMAP's number: name, number of parameters, and number of focal lengths, which come first. The two
+/// coordinates of the principal point follow, then the distortion parameters.
 pub const MODELS: [(&str, usize, usize); 12] = [
     ("SIMPLE_PINHOLE", 3, 1),
     ("PINHOLE", 4, 2),

@@ -35,7 +35,7 @@ fn camera(line: &str) -> Result<(u32, Intrinsics), String> {
     Ok((id, intrinsics(model, size, &parameters)?))
 }
 
-/// Two lines each: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`, and the image's points, which may be none.
+/// Two lines per image: `IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME`, and the image's points, possibly none.
 pub fn images(path: &Path) -> Result<Vec<Image>, Error> {
     let text = read_text(path)?;
     let mut images = Vec::new();
@@ -63,7 +63,7 @@ fn image(line: &str) -> Result<Image, String> {
     Ok(Image { name: name.as_bytes().to_vec(), rotation: [w, x, y, z], translation: [tx, ty, tz], camera })
 }
 
-/// What follows some words, spaces in it included.
+/// The rest of a line after some words, including its spaces.
 fn rest(line: &str, words: usize) -> Option<&str> {
     let mut rest = line.trim();
     for _ in 0..words {

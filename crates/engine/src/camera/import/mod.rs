@@ -1,7 +1,8 @@
 //! Cameras of other programs: nerfstudio's `transforms.json`, and COLMAP's models as text or binary files.
 //!
-//! Both become a [`CameraPath`] of one key for each picture, without a target. This program's camera is a pinhole with
-//! square pixels whose principal point is the picture's centre; what of a camera is different is left out with a warning.
+//! Both become a [`CameraPath`] with one key for each picture, without a target. This program's camera is a pinhole
+//! with square pixels whose principal point is the picture's centre; other properties of a camera are dropped with a
+//! warning.
 
 mod binary;
 mod colmap;
@@ -22,7 +23,7 @@ use crate::image::MAX_SIDE;
 /// Bytes of a text that is read at once, at most.
 const MAX_BYTES: u64 = 1 << 28;
 
-/// What a path was given as.
+/// The source of a path.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Key frames of this program.
@@ -38,11 +39,11 @@ pub struct Cameras {
     views: Vec<View>,
     /// Width and height in pixels of the pictures; of the first, if they differ.
     size: Option<[u32; 2]>,
-    /// What is left out or deserves attention, one sentence each.
+    /// Warnings about dropped properties and oddities, one sentence each.
     warnings: Vec<String>,
 }
 
-/// One of them: eye in world units, rotation from the camera's axes (x right, y up, −z forward) to the world's.
+/// One imported view: eye in world units, rotation from the camera's axes (x right, y up, −z forward) to the world's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct View {
     eye: DVec3,
@@ -54,7 +55,7 @@ struct View {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Angle {
     Vertical(f64),
-    /// Of a picture whose size the file doesn't say.
+    /// For a picture of unknown size.
     Horizontal(f64),
 }
 
@@ -76,11 +77,11 @@ impl Cameras {
 }
 
 impl Source {
-    /// Reads a file or a folder: key frames, nerfstudio's JSON (by its `frames`), or a COLMAP model (a folder, or one of its
-    /// files, or the folder above `sparse/0`).
+    /// Reads a file or a folder: key frames, nerfstudio's JSON (recognized by its `frames`), or a COLMAP model (a
+    /// folder, one of its files, or the folder above `sparse/0`).
     ///
     /// # Errors
-    /// What can't be read, damaged files, a file or folder that is none of these.
+    /// Unreadable or damaged files, and files or folders of any other kind.
     pub fn read(path: &Path) -> Result<Self, Error> {
         if let Some(folder) = colmap::model(path) {
             return Ok(Self::Cameras(colmap::read(&folder)?));
@@ -108,7 +109,7 @@ impl Source {
         }
     }
 
-    /// Width and height in pixels, if the file says.
+    /// Width and height in pixels, if the file gives them.
     pub fn size(&self) -> Option<[u32; 2]> {
         match self {
             Self::Path(path) => path.size,
@@ -116,7 +117,7 @@ impl Source {
         }
     }
 
-    /// What deserves attention, one sentence each.
+    /// Warnings, one sentence each.
     pub fn warnings(&self) -> &[String] {
         match self {
             Self::Path(_) => &[],
@@ -133,13 +134,14 @@ impl Source {
     }
 }
 
-/// Whether a file is one of cameras, by its name and what lies beside it: JSON, a folder, or a part of a COLMAP model.
+/// True if the path holds cameras, judged by its name and neighboring files: JSON, a folder, or a part of a COLMAP
+/// model.
 pub fn is_cameras(path: &Path) -> bool {
     let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     json || path.is_dir() || colmap::model(path).is_some()
 }
 
-/// What tells the two kinds of JSON apart.
+/// The keys that distinguish the two kinds of JSON.
 #[derive(Deserialize)]
 struct Kind {
     keys: Option<IgnoredAny>,
@@ -155,7 +157,7 @@ struct Intrinsics {
     center: Option<[f64; 2]>,
     /// Width and height in pixels.
     size: [f64; 2],
-    /// Whether the lens bends straight lines.
+    /// True if the lens bends straight lines.
     distorted: bool,
 }
 
@@ -182,7 +184,7 @@ impl Intrinsics {
     }
 }
 
-/// What all pictures' intrinsics deserve to be said of, one sentence each.
+/// Warnings about the intrinsics of all pictures, one sentence each.
 fn warnings(all: &[Intrinsics]) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut warn = |count: usize, what: &str| {

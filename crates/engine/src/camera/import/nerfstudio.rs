@@ -1,7 +1,8 @@
-//! nerfstudio's `transforms.json` (docs.nerf.studio, "Data conventions"), which Instant NGP and the synthetic scenes of NeRF
-//! have as well.
+//! nerfstudio's `transforms.json` (docs.nerf.studio, "Data conventions"), also used by Instant NGP and the synthetic
+//! scenes of NeRF.
 //!
-//! A frame's `transform_matrix` leads from the camera to the world; the camera's axes are OpenGL's: x right, y up, −z forward.
+//! A frame's `transform_matrix` maps the camera to the world; the camera's axes are OpenGL's: x right, y up, −z
+//! forward.
 
 use std::path::Path;
 
@@ -28,7 +29,7 @@ struct Frame {
     lens: Lens,
 }
 
-/// Of all frames, or of one.
+/// The lens of all frames, or of one.
 #[derive(Debug, Default, Deserialize)]
 struct Lens {
     camera_model: Option<String>,
@@ -50,8 +51,8 @@ struct Lens {
     p2: Option<f64>,
 }
 
-/// A frame's lens, as far as it is known.
-enum Known {
+/// The known lens parameters of a frame.
+enum KnownLens {
     Pixels(Intrinsics),
     Angle(Angle),
 }
@@ -65,11 +66,11 @@ pub fn read(text: &str, path: &Path) -> Result<Cameras, Error> {
         let wrong = |problem: String| content(path, format!("frames[{number}]: {problem}"));
         let lens = Both { frame: &frame.lens, file: &file.lens };
         let angle = match lens.known().map_err(wrong)? {
-            Known::Pixels(camera) => {
+            KnownLens::Pixels(camera) => {
                 intrinsics.push(camera);
                 camera.angle()
             }
-            Known::Angle(angle) => angle,
+            KnownLens::Angle(angle) => angle,
         };
         let (eye, turn) = pose(&frame.transform_matrix).map_err(wrong)?;
         views.push(View { eye, turn, angle });
@@ -129,7 +130,7 @@ impl Both<'_> {
         fisheye || values.into_iter().any(|value| self.get(value).is_some_and(|x| x != 0.0))
     }
 
-    fn known(&self) -> Result<Known, String> {
+    fn known(&self) -> Result<KnownLens, String> {
         let (angle_x, angle_y) = (self.get(|lens| lens.camera_angle_x), self.get(|lens| lens.camera_angle_y));
         for (name, angle) in [("camera_angle_x", angle_x), ("camera_angle_y", angle_y)] {
             if angle.is_some_and(|angle| !(angle > 0.0 && angle < std::f64::consts::PI)) {
@@ -140,8 +141,8 @@ impl Both<'_> {
         let size = self.get(|lens| lens.w).zip(self.get(|lens| lens.h));
         let Some((width, height)) = size else {
             return match (angle_y, angle_x) {
-                (Some(angle), _) => Ok(Known::Angle(Angle::Vertical(angle))),
-                (None, Some(angle)) => Ok(Known::Angle(Angle::Horizontal(angle))),
+                (Some(angle), _) => Ok(KnownLens::Angle(Angle::Vertical(angle))),
+                (None, Some(angle)) => Ok(KnownLens::Angle(Angle::Horizontal(angle))),
                 (None, None) if focal_x.or(focal_y).is_some() => Err("fl_x and fl_y need w and h".to_owned()),
                 (None, None) => {
                     Err("neither fl_x, fl_y, w and h nor camera_angle_x say what the camera sees".to_owned())
@@ -157,6 +158,6 @@ impl Both<'_> {
         let center = self.get(|lens| lens.cx).zip(self.get(|lens| lens.cy)).map(|(x, y)| [x, y]);
         let camera = Intrinsics { focal: [x, y], center, size: [width, height], distorted: self.is_distorted() };
         camera.check()?;
-        Ok(Known::Pixels(camera))
+        Ok(KnownLens::Pixels(camera))
     }
 }

@@ -2,12 +2,12 @@
 
 use std::ops::{Add, Mul, Sub};
 
-/// What can be interpolated: numbers and vectors.
+/// Types that can be interpolated: numbers and vectors.
 pub trait Value: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<T: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>> Value for T {}
 
-/// The pieces between knots: their lengths in the curve's parameter, and whether the last one leads back to knot 0.
+/// The pieces between knots: their lengths in the curve's parameter, and if the last one leads back to knot 0.
 #[derive(Debug, Clone)]
 pub struct Spans {
     lengths: Vec<f64>,
@@ -15,7 +15,7 @@ pub struct Spans {
 }
 
 impl Spans {
-    /// Lengths are finite and at least 0. A piece of length 0 is a rest: the curve stops there and starts anew.
+    /// Lengths are finite and at least 0. A piece of length 0 is a rest: the curve stops there and restarts.
     pub fn new(lengths: Vec<f64>, closed: bool) -> Self {
         Self { lengths, closed }
     }
@@ -30,7 +30,7 @@ impl Spans {
         self.lengths[span]
     }
 
-    /// The pieces before and after a knot, as far as there are any of some length.
+    /// The pieces before and after a knot, where they exist and have a length above 0.
     pub fn around(&self, knot: usize) -> [Option<usize>; 2] {
         let count = self.count();
         let before = match knot {
@@ -41,9 +41,9 @@ impl Spans {
         [before, after].map(|span| span.filter(|span| self.lengths.get(*span).is_some_and(|length| *length > 0.0)))
     }
 
-    /// The derivative at a knot, from the differences over the pieces: that of the parabola through the knot and its two
-    /// neighbors, which is what Catmull and Rom's spline has over any parameter (Barry and Goldman 1988). At an end such
-    /// that the second derivative is 0 there, so that two knots make a straight line.
+    /// The derivative at a knot, from the differences over the pieces: that of the parabola through the knot and its
+    /// two neighbors, which equals that of Catmull and Rom's spline over any parameter (Barry and Goldman 1988). At an
+    /// end it is chosen to make the second derivative 0 there, so that two knots make a straight line.
     pub fn slope<T: Value>(&self, knot: usize, difference: &dyn Fn(usize) -> T) -> Option<T> {
         let rate = |span: usize| difference(span) * (1.0 / self.lengths[span]);
         match self.around(knot) {
@@ -69,14 +69,14 @@ impl Spans {
         }
     }
 
-    /// The derivative at a knot such that the pieces nowhere leave the values at their ends: the weighted harmonic mean of
-    /// the rates beside it (Fritsch and Butland 1984), 0 at an extreme, and at an end the rate there.
+    /// The derivative at a knot that keeps each piece between the values at its ends: the weighted harmonic mean of the
+    /// adjacent rates (Fritsch and Butland 1984), 0 at an extreme, and at an end the adjacent rate.
     pub fn monotone_slope(&self, knot: usize, difference: &dyn Fn(usize) -> f64) -> f64 {
         let rate = |span: usize| difference(span) / self.lengths[span];
         match self.around(knot) {
             [Some(before), Some(after)] => {
                 let (a, b) = (rate(before), rate(after));
-                // By sign, since the product of small rates is 0.
+                // Compare signs, since the product of small rates underflows to 0.
                 if a == 0.0 || b == 0.0 || (a > 0.0) != (b > 0.0) {
                     return 0.0;
                 }

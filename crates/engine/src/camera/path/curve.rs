@@ -9,14 +9,14 @@ use super::{CameraPath, Defaults, Pose, Problem};
 
 /// A smooth motion that passes through every key exactly; docs/camera-paths.md derives it.
 ///
-/// Its parameter is centripetal (Lee 1989; no cusps between keys, Yuksel et al. 2011), and a monotone cubic leads from time
-/// to parameter, so that every key is met at its time. On each piece the eye is carried by a point on the line of sight,
-/// which is the target where the target rests (an orbit: the eye stays at its distance) and the eye where the eye rests
-/// (a look around), and otherwise lies between them.
+/// Its parameter is centripetal (Lee 1989; no cusps between keys, Yuksel et al. 2011), and a monotone cubic maps time
+/// to the parameter, so that every key is reached at its time. On each piece a point on the line of sight carries the
+/// eye. It is the target if the target rests (an orbit: the eye stays at its distance), the eye if the eye rests (a
+/// look around), and otherwise a point between them.
 #[derive(Debug, Clone)]
 pub struct Curve {
     knots: Vec<Knot>,
-    /// Of the knots; of a closed path also of the return to the first.
+    /// One per knot; a closed path adds the return to the first.
     times: Vec<f64>,
     /// The parameter at these times, and its derivative.
     places: Vec<[f64; 2]>,
@@ -24,7 +24,7 @@ pub struct Curve {
     direction: Direction,
     /// Derivative of the eye at each knot.
     eye_rates: Vec<DVec3>,
-    /// Of the distance to the target.
+    /// Rate of change of the distance to the target.
     reach_rates: Vec<f64>,
     closed: bool,
 }
@@ -41,7 +41,7 @@ impl Curve {
         if let Some(number) = knots.iter().position(|knot| knot.lens.orthographic != knots[0].lens.orthographic) {
             return Err(Problem::of_key(number, "", "is orthographic and others are not: a path is one or the other"));
         }
-        // From one key there is nowhere to go back from.
+        // A single key has nothing to return from.
         let closed = path.closed && knots.len() > 1;
         let times = times(path, closed);
         let spans = Spans::new(lengths(&knots, closed), closed);
@@ -125,13 +125,13 @@ impl Curve {
         [span, (span + 1) % self.knots.len()]
     }
 
-    /// The point on a key's line of sight that lies at this share of the way from the eye to the target.
+    /// The point on a key's line of sight at this share of the distance from the eye to the target.
     fn pivot(&self, knot: usize, share: f64) -> DVec3 {
         let knot = &self.knots[knot];
         knot.eye + knot.forward() * (share * knot.reach)
     }
 
-    /// How far toward the target the point lies that is to move least on these pieces: |Δeye| / (|Δeye| + |Δtarget|).
+    /// How far toward the target the point lies that moves least on these pieces: |Δeye| / (|Δeye| + |Δtarget|).
     fn share(&self, spans: impl IntoIterator<Item = usize>) -> f64 {
         let moved = |share: f64, span: usize| {
             let [a, b] = self.ends(span).map(|knot| self.pivot(knot, share));
@@ -140,7 +140,7 @@ impl Curve {
         let (mut eye, mut target) = (0.0, 0.0);
         for span in spans {
             eye += moved(0.0, span);
-            // What rounding alone moves is at rest.
+            // Movements as small as rounding errors count as rest.
             let scale = self.ends(span).map(|knot| self.knots[knot].eye.length() + self.knots[knot].reach);
             target += Some(moved(1.0, span)).filter(|moved| *moved > 1e-13 * (scale[0] + scale[1])).unwrap_or(0.0);
         }
@@ -153,7 +153,7 @@ impl Curve {
         forward * self.reach_rates[knot] + self.direction.forward_rate(knot, forward) * at.reach
     }
 
-    /// Derivative of the eye at a knot: what makes the carrying point there a Catmull-Rom spline.
+    /// Derivative of the eye at a knot that makes the carrying point there a Catmull-Rom spline.
     fn eye_rate(&self, knot: usize) -> DVec3 {
         let share = self.share(self.spans.around(knot).into_iter().flatten());
         let moved = |span: usize| {
@@ -191,8 +191,9 @@ fn times(path: &CameraPath, closed: bool) -> Vec<f64> {
     times
 }
 
-/// Centripetal lengths of the pieces: the root of how far the camera moves, turns and zooms. Angles count as the way of an
-/// eye that orbits at the mean distance of the targets, or, where there are none, at the mean way between two keys.
+/// Centripetal lengths of the pieces: the root of how far the camera moves, turns and zooms. Angles count as the path
+/// of an eye that orbits at the mean distance of the targets, or, without targets, at the mean distance between two
+/// keys.
 fn lengths(knots: &[Knot], closed: bool) -> Vec<f64> {
     let pieces = if closed { knots.len() } else { knots.len() - 1 };
     let pair = |i: usize| (&knots[i], &knots[(i + 1) % knots.len()]);
@@ -203,9 +204,9 @@ fn lengths(knots: &[Knot], closed: bool) -> Vec<f64> {
     let length = |i: usize| {
         let (a, b) = pair(i);
         let turned = angle(b.turn * a.turn.conjugate());
-        // What rounding alone turns is a rest.
+        // Turns as small as rounding errors count as rest.
         let turned = if turned < 1e-14 { 0.0 } else { turned };
-        // Depths hardly ever show; what they weigh keeps them from jumping where nothing else changes.
+        // Depth limits are hardly visible; including them only prevents jumps where nothing else changes.
         let depths = |knot: &Knot| [knot.near, knot.far].map(|depth| depth.unwrap_or(1.0).ln());
         let ([a_near, a_far], [b_near, b_far]) = (depths(a), depths(b));
         let cut = 1e-6 * ((b_near - a_near).abs() + (b_far - a_far).abs());

@@ -99,9 +99,10 @@ fn common_up(knots: &[Knot]) -> Option<DVec3> {
 
 /// The cubic of quaternions from `q` to `r` with these angular velocities at its ends, over a piece of length 1.
 ///
-/// Cumulative Bernstein polynomials 1 − (1 − s)³, 3s² − 2s³ and s³ weigh three rotations of which the first and the last
-/// have a third of the velocities, as the legs of a Bézier curve do, and the second is what is left from q to r. Turns
-/// around one axis commute and add up: the angle is then the Hermite cubic, and with equal velocities it is linear.
+/// Cumulative Bernstein polynomials 1 − (1 − s)³, 3s² − 2s³ and s³ weight three rotations. The first and the last have
+/// a third of the velocities, like the legs of a Bézier curve, and the second is the remaining rotation from q to r.
+/// Turns around one axis commute and add up: the angle is then the Hermite cubic, and with equal velocities it is
+/// linear.
 fn turned([q, r]: [DQuat; 2], [start, end]: [DVec3; 2], s: f64) -> DQuat {
     let (first, last) = (start / 3.0, end / 3.0);
     let middle = log(exp(-last) * r * q.conjugate() * exp(-first));
@@ -120,7 +121,7 @@ fn log(turn: DQuat) -> DVec3 {
     let turn = if turn.w < 0.0 { -turn } else { turn };
     let axis = DVec3::new(turn.x, turn.y, turn.z);
     let sine = axis.length();
-    // Of a small angle the sine is half of it: the quotient tends to 2.
+    // For a small angle the sine is half of it, so the quotient tends to 2.
     let factor = if sine > 1e-300 { 2.0 * sine.atan2(turn.w) / sine } else { 2.0 };
     axis * factor
 }

@@ -26,7 +26,7 @@ pub struct CameraPath {
     /// Width and height in pixels of the pictures that the path was made for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
-    /// Whether the path goes back from the last key to the first; in the file `loop`.
+    /// True if the path returns from the last key to the first; `loop` in the file.
     #[serde(default, rename = "loop", skip_serializing_if = "std::ops::Not::not")]
     pub closed: bool,
     /// At least one, at most [`MAX_KEYS`].
@@ -37,12 +37,13 @@ pub struct CameraPath {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
-    /// When, in any unit, ascending from key to key. All keys have one, or none: then they are equally far apart.
+    /// The key's time, in any unit, ascending from key to key. Either all keys have one or none, which spaces them
+    /// evenly.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The eye in world units.
     pub eye: [f64; 3],
-    /// What is at the image's centre, in world units.
+    /// The point at the image's centre, in world units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<[f64; 3]>,
     /// Direction of the image's top, with `target`; by default the scene's vertical.
@@ -58,16 +59,16 @@ pub struct Key {
     /// Instead of `fov_y`: world units over the image's height, orthographic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<f64>,
-    /// Nearest depth drawn, positive; all keys have one, or none. By default from the scene's bounds.
+    /// Nearest depth drawn, positive; either all keys have one or none. By default from the scene's bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<f64>,
-    /// Farthest depth drawn, above `near`; all keys have one, or none. By default from the scene's bounds.
+    /// Farthest depth drawn, above `near`; either all keys have one or none. By default from the scene's bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
 }
 
 impl Key {
-    /// A key of which only the eye is known; it needs a `target` or an `orientation`.
+    /// A key with only the eye; it needs a `target` or an `orientation`.
     pub fn at(eye: [f64; 3]) -> Self {
         Self {
             time: None,

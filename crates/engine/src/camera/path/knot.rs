@@ -12,14 +12,14 @@ pub struct Knot {
     /// Toward the image's right and top, and along the view: as a scene's camera has them, without the rounding of `turn`.
     pub axes: [DVec3; 3],
     pub projection: Projection,
-    /// Distance of the target; 0 if the key has none.
+    /// Distance of the target; 0 for a key without one.
     pub reach: f64,
     /// From the camera's axes (x right, y up, −z forward) to the world's.
     pub turn: DQuat,
     pub lens: Lens,
     pub near: Option<f64>,
     pub far: Option<f64>,
-    /// The unit vector that a target's `up` is; none for an orientation.
+    /// The unit vector of a target's `up`; `None` for an orientation.
     pub up: Option<DVec3>,
 }
 
@@ -32,7 +32,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    fn of(projection: Projection) -> Self {
+    fn from_projection(projection: Projection) -> Self {
         match projection {
             Projection::Perspective { fov_y } => Self { orthographic: false, log: -(0.5 * fov_y).tan().ln() },
             Projection::Orthographic { height } => Self { orthographic: true, log: height.ln() },
@@ -49,7 +49,7 @@ impl Lens {
 }
 
 impl Knot {
-    /// Of a key that was checked.
+    /// From a validated key.
     pub fn new(number: usize, key: &Key, defaults: &Defaults) -> Result<Self, Problem> {
         let eye = DVec3::from(key.eye);
         let projection = match (key.fov_y, key.height) {
@@ -75,7 +75,7 @@ impl Knot {
                 (turn, [right, top, forward], arm.length(), Some(up.normalize()))
             }
         };
-        let lens = Lens::of(projection);
+        let lens = Lens::from_projection(projection);
         Ok(Self { eye, axes, projection, reach, turn, lens, near: key.near, far: key.far, up })
     }
 

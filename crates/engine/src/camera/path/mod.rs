@@ -38,7 +38,7 @@ use glam::DVec3;
 
 use super::{Camera, Projection};
 
-/// What keys that don't say take.
+/// Values for keys that leave them open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Defaults {
     /// Direction of the image's top, of any length but 0.
@@ -47,7 +47,7 @@ pub struct Defaults {
     pub projection: Projection,
 }
 
-/// Where a camera stands and looks, in world units; the axes are orthonormal.
+/// Position and orientation of a camera, in world units; the axes are orthonormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// The eye.
@@ -60,9 +60,9 @@ pub struct Pose {
     pub forward: DVec3,
     /// Perspective or orthographic.
     pub projection: Projection,
-    /// Nearest depth drawn, if the path says.
+    /// Nearest depth drawn, if the path gives it.
     pub near: Option<f64>,
-    /// Farthest depth drawn, if the path says.
+    /// Farthest depth drawn, if the path gives it.
     pub far: Option<f64>,
 }
 
@@ -74,13 +74,13 @@ impl Pose {
     }
 }
 
-/// What is wrong with a path, and in which key.
+/// A defect of a path, and the key that has it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}{problem}")]
 pub struct Problem {
-    /// As in `keys[3].up: `, or nothing.
+    /// A prefix like `keys[3].up: `, or empty.
     pub place: String,
-    /// What, and what would help.
+    /// The defect, and a way to mend it.
     pub problem: String,
 }
 
@@ -116,15 +116,15 @@ pub enum Error {
         line: usize,
         /// From 1; 1 where only the line is known.
         column: usize,
-        /// What is wrong there.
+        /// The defect at this position.
         message: String,
     },
-    /// The file can be read, but what it says makes no path.
+    /// The file is readable, but its content is not a valid path.
     #[error("{path}: {problem}", path = path.display())]
     Content {
         /// The file.
         path: PathBuf,
-        /// What, and where in it.
+        /// The defect and its position.
         problem: Problem,
     },
 }

@@ -27,7 +27,7 @@ impl Turntable {
         Self { start, center, axis: axis.normalize_or(DVec3::Z) }
     }
 
-    /// So many poses, the first the camera's own and the last a step before it.
+    /// `count` poses: the first is the camera's own, the last one step before it.
     pub fn frames(&self, count: usize) -> Vec<Pose> {
         let Pose { eye, right, up, forward, projection, near, far } = self.start;
         let pose = |i: usize| {

@@ -38,7 +38,7 @@ const MAX_PACKET: u64 = 1 << 16;
 pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     check_header(source)?;
     let len = source.len;
-    // What the library does with a damaged file is not known; a panic is the file's fault.
+    // The library's behaviour on damaged files is unknown; a panic counts as a fault of the file.
     let cloud = decoder::guard(|| points(&mut source.reader, len, progress));
     match cloud {
         Ok(Ok(cloud)) => Ok(cloud),
@@ -47,7 +47,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     }
 }
 
-/// What is wrong, and where in the file.
+/// A defect, and its position in the file.
 struct Problem {
     place: String,
     cause: String,
@@ -99,7 +99,7 @@ fn points(file: impl Read + Seek, len: u64, progress: &Progress) -> Result<Cloud
     }
     let (numbers, clouds): (Vec<usize>, Vec<PointCloud>) = clouds.into_iter().unzip();
     check_claim(&numbers, &clouds, len)?;
-    let table = Table::of(&clouds);
+    let table = Table::for_scans(&clouds);
     progress.set_length(clouds.iter().map(|cloud| cloud.records).sum());
     let mut columns = Columns::new(&table.columns, FullScale::Typed)
         .map_err(|missing| Problem::new("E57 data", format!("no coordinate `{missing}`")))?;

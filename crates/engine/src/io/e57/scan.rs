@@ -1,4 +1,4 @@
-//! One scan of an E57 file: where its values go in the rows of the cloud.
+//! One scan of an E57 file: maps its values to the rows of the cloud.
 
 use std::collections::HashSet;
 
@@ -21,7 +21,7 @@ pub(super) struct Table {
 
 impl Table {
     /// The columns of some scans.
-    pub fn of(scans: &[PointCloud]) -> Self {
+    pub fn for_scans(scans: &[PointCloud]) -> Self {
         let mut columns = Vec::from(["x", "y", "z"].map(|name| Column::new(name, ScalarType::Double)));
         let mut add = |some: bool, new: &[&'static str]| {
             let at = columns.len();
@@ -40,8 +40,9 @@ impl Table {
 /// Names of the scalars that all scans have, and of those that some have. A column that other scans would have to fill
 /// could be as long as all of them.
 fn scalars(scans: &[PointCloud]) -> (Vec<String>, Vec<String>) {
-    let of = |scan: &PointCloud| scan.prototype.iter().filter_map(|record| scalar_name(&record.name)).collect();
-    let each: Vec<HashSet<String>> = scans.iter().map(of).collect();
+    let scalar_names =
+        |scan: &PointCloud| scan.prototype.iter().filter_map(|record| scalar_name(&record.name)).collect();
+    let each: Vec<HashSet<String>> = scans.iter().map(scalar_names).collect();
     let mut seen = HashSet::new();
     let all = scans.iter().flat_map(|scan| &scan.prototype).filter_map(|record| scalar_name(&record.name));
     all.filter(|name| seen.insert(name.clone())).partition(|name| each.iter().all(|names| names.contains(name)))
@@ -61,7 +62,7 @@ fn scalar_name(name: &RecordName) -> Option<String> {
     })
 }
 
-/// Whether a field of an extension is a classification, whatever the extension.
+/// True if an extension's field is a classification, for any extension.
 fn is_class(name: &str) -> bool {
     crate::cloud::CLASSIFICATION_NAMES.contains(&name.to_ascii_lowercase().as_str())
 }
@@ -71,7 +72,7 @@ fn normal_axis(name: &str) -> Option<usize> {
     ["normalX", "normalY", "normalZ"].iter().position(|known| *known == name)
 }
 
-/// Where a scan has its normals.
+/// The positions of a scan's normals.
 fn normal(scan: &PointCloud) -> Option<[usize; 3]> {
     let find = |axis: usize| {
         scan.prototype.iter().position(
@@ -92,7 +93,7 @@ pub(super) fn bits(kind: &RecordDataType) -> u64 {
     }
 }
 
-/// How a value is scaled to [0, 1].
+/// The scaling of a value to [0, 1].
 #[derive(Clone, Copy)]
 struct Limits {
     min: f64,
@@ -101,7 +102,7 @@ struct Limits {
 
 impl Limits {
     /// The limits that a scan gives for a field, else those of its type; a float without any is meant to be in [0, 1].
-    fn of(given: Option<(&RecordValue, &RecordValue)>, kind: &RecordDataType) -> Self {
+    fn from_range(given: Option<(&RecordValue, &RecordValue)>, kind: &RecordDataType) -> Self {
         // A limit may be of another type than the values: a scaled one is one only if the values are.
         let value = |value: &RecordValue| value.to_f64(kind).ok();
         let given = given.and_then(|(min, max)| Some((value(min)?, value(max)?)));
@@ -126,7 +127,7 @@ impl Limits {
 /// A field of a scan: its place among the values and its type.
 type Field<'a> = (usize, &'a RecordDataType);
 
-/// Where the values of a scan go.
+/// Maps the values of a scan to a row.
 pub(super) struct Scan<'a> {
     rotation: DQuat,
     translation: DVec3,
@@ -187,7 +188,7 @@ impl<'a> Scan<'a> {
         })
     }
 
-    /// Makes a row of a point's values; its position is NaN if the scan has none.
+    /// Converts a point's values to a row; its position is NaN if the scan lacks one.
     pub fn row(&self, values: &[RecordValue], row: &mut Vec<f64>) -> ::e57::Result<()> {
         row.clone_from(&self.empty);
         let value = |(at, kind): Field| values.get(at).map_or(Ok(f64::NAN), |value| value.to_f64(kind));
@@ -250,12 +251,12 @@ fn color_limits<'a>(scan: &PointCloud, fields: [Field<'a>; 3]) -> [(Field<'a>, L
         ]
     });
     let given = given.unwrap_or_default();
-    [0, 1, 2].map(|i| (fields[i], Limits::of(given[i], fields[i].1)))
+    [0, 1, 2].map(|i| (fields[i], Limits::from_range(given[i], fields[i].1)))
 }
 
 fn intensity_limits(scan: &PointCloud, (_, kind): Field) -> Limits {
     let given = scan.intensity_limits.as_ref();
-    Limits::of(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
+    Limits::from_range(given.and_then(|limits| limits.intensity_min.as_ref().zip(limits.intensity_max.as_ref())), kind)
 }
 
 /// No position, white, no normal, and intensity 0.

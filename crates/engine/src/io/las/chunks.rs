@@ -9,7 +9,7 @@ use laz::{LazItemType, LazVlr};
 use super::header::Header;
 use crate::io::{Error, Source, decoder};
 
-/// Points decoded at a time: what a chunk claims is not allocated before it is there.
+/// Points decoded at a time. Memory is allocated block by block, so that a false count costs nothing.
 const BLOCK: u64 = 1 << 16;
 
 /// Bytes of points decoded at a time, for point records that are as large as their 16 bits can say.
@@ -19,12 +19,12 @@ const BLOCK_BYTES: u64 = 16 << 20;
 /// sets of them.
 const MAX_COMPRESSED_RECORD: usize = 2048;
 
-/// Points of so many bytes that are decoded at a time.
+/// The number of points of this size that are decoded at a time.
 fn block(record_len: usize) -> u64 {
     BLOCK.min(BLOCK_BYTES / record_len.max(1) as u64)
 }
 
-/// A run of points that can be decoded without the others. It lies within the file.
+/// A run of points that can be decoded independently. It lies within the file.
 pub(super) struct Chunk {
     pub start: u64,
     pub bytes: u64,
@@ -144,7 +144,8 @@ fn chunk_table(source: &mut Source, header: &Header, laz: &LazVlr) -> Result<(Ch
     Ok((table, place))
 }
 
-/// Where the chunk table starts: the points start with it; a writer that couldn't go back puts it at the file's end.
+/// The position of the chunk table, stored where the points start; a writer that couldn't seek back stores it at the
+/// end of the file.
 fn table_place(source: &mut Source, header: &Header) -> std::io::Result<Option<u64>> {
     let mut bytes = [0; 8];
     for from in [SeekFrom::Start(header.start), SeekFrom::End(-8)] {
@@ -168,7 +169,7 @@ fn entry_count(source: &mut Source, place: u64) -> std::io::Result<u64> {
 }
 
 impl Chunk {
-    /// Hands the chunk's records on, some at a time, or says what is wrong with them.
+    /// Passes the chunk's records on in blocks, or returns the defect.
     pub fn decode(
         &self,
         header: &Header,

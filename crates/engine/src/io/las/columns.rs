@@ -21,7 +21,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// No points yet.
+    /// Empty columns.
     pub fn new(header: &Header) -> Self {
         Self {
             positions: Vec::new(),
@@ -104,8 +104,8 @@ fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
     column.extend(new.zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| value));
 }
 
-/// Linear colors of stored ones. Many writers put 8-bit values into the 16-bit fields: if no value of the file exceeds
-/// 255, they are such. Colors that are all zero are none.
+/// Converts stored colors to linear ones. Many writers put 8-bit values into the 16-bit fields: if no value of the file
+/// exceeds 255, they count as 8-bit. Colors that are all zero are dropped.
 fn linear(rgb: &[[u16; 3]]) -> Option<Vec<Vec3>> {
     let largest = rgb.par_iter().map(|&[r, g, b]| r.max(g).max(b)).max().filter(|&largest| largest > 0)?;
     let range = if largest <= 255 { 255 } else { u16::MAX };

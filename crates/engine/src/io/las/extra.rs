@@ -17,7 +17,7 @@ pub(super) struct Dimension {
     shift: f64,
 }
 
-/// The described scalar dimensions that lie within the extra bytes. Arrays and undescribed bytes are skipped.
+/// The described scalar dimensions within the extra bytes. Arrays and undescribed bytes are skipped.
 pub(super) fn dimensions(vlrs: &[Vlr], extra_bytes: u16) -> Vec<Dimension> {
     let Some(vlr) = vlrs.iter().find(|vlr| user_id(vlr) == b"LASF_Spec" && vlr.record_id == 4) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! What the header and the variable-length records of a LAS file say, checked against the file's size.
+//! The header and the variable-length records of a LAS file, checked against the file's size.
 
 use std::io::{Read, Seek, SeekFrom};
 
@@ -13,11 +13,11 @@ use crate::io::{Error, Source, decoder};
 /// Bytes of a variable-length record before its data.
 const VLR_HEADER: u64 = 54;
 
-/// Points that one compressed byte can hold at most. The arithmetic coder's models never get surer than 1 : 2¹⁵, so
-/// that even equal points take about 0.01 bits each: measured 830 points per byte. A claim above this is a lie.
+/// Upper bound on the points in one compressed byte. The probabilities of the arithmetic coder's models are limited to
+/// 1 : 2¹⁵, so even equal points take about 0.01 bits each: 830 points per byte were measured. A larger claim is false.
 const MAX_POINTS_PER_BYTE: u64 = 4096;
 
-/// How the points are stored, and how many.
+/// The storage and the number of the points.
 pub(super) struct Header {
     pub count: u64,
     pub record_len: usize,
@@ -25,7 +25,7 @@ pub(super) struct Header {
     pub transforms: Vector<Transform>,
     /// Byte at which the points start.
     pub start: u64,
-    /// How the points are compressed, if they are.
+    /// The compression of the points, if any.
     pub laz: Option<LazVlr>,
     /// The extra dimensions of a record.
     pub extra: Vec<Dimension>,
@@ -125,7 +125,7 @@ pub(super) fn user_id(vlr: &raw::Vlr) -> &[u8] {
     vlr.user_id.split(|&byte| byte == 0).next().unwrap_or_default()
 }
 
-/// Compares the claimed number of points with the bytes there are for them.
+/// Compares the claimed number of points with the available bytes.
 fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
     let left = source.len - header.start;
     let (possible, each) = match header.laz {

@@ -8,7 +8,7 @@ use crate::io::{Error, Source};
 /// Longest header that is read; a file without `DATA` is not read to its end for nothing.
 const MAX_HEADER: u64 = 1 << 20;
 
-/// How the points are stored.
+/// The storage of the points.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Encoding {
     Ascii,
@@ -16,7 +16,7 @@ pub(super) enum Encoding {
     Compressed,
 }
 
-/// Type of a number: what the letter of `TYPE` and the bytes of `SIZE` say together.
+/// Type of a number, from the letter of `TYPE` and the bytes of `SIZE`.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Float,
@@ -30,12 +30,12 @@ pub(super) struct Field {
     pub kind: Kind,
     /// Bytes of each number: 1, 2, 4 or 8.
     pub size: u8,
-    /// How many numbers.
+    /// The number of values.
     pub count: u64,
 }
 
 impl Field {
-    /// The type by which a channel finds its range; what PLY has no word for reads as float64.
+    /// The type that determines a channel's range; types unknown to PLY read as float64.
     pub fn scalar(&self) -> ScalarType {
         match (self.kind, self.size) {
             (Kind::Float, 4) => ScalarType::Float,
@@ -55,7 +55,7 @@ impl Field {
     }
 }
 
-/// What the header says.
+/// The parsed header.
 pub(super) struct Header {
     pub fields: Vec<Field>,
     pub points: u64,
@@ -118,7 +118,7 @@ impl Lines {
         let Some(key) = words.next().filter(|key| !key.starts_with('#')) else { return Ok(()) };
         let words: Vec<&str> = words.collect();
         match key.to_ascii_uppercase().as_str() {
-            // What a file was made from or seen from; its points are where they are.
+            // The origin or viewpoint of the file; it doesn't move its points.
             "VERSION" | "VIEWPOINT" => {}
             "FIELDS" | "COLUMNS" => self.names = Some(words.iter().map(|&name| name.to_owned()).collect()),
             "SIZE" => self.sizes = Some(all(&words, "one of 1, 2, 4 and 8 for each field", size)?),

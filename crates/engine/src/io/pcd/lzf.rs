@@ -1,6 +1,6 @@
 //! LZF, the compression of `binary_compressed` PCD files (Marc Lehmann's liblzf format).
 
-/// What a byte of input becomes at most: 3 bytes of a long match become 264.
+/// The largest expansion of one input byte: 3 bytes of a long match become 264.
 pub(super) const MAX_EXPANSION: usize = 88;
 
 /// Decompresses a stream that must become exactly `len` bytes. Memory grows with what is decoded.

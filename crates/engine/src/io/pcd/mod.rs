@@ -1,9 +1,9 @@
 //! PCD files (Point Cloud Library): text, binary and compressed, organised or not.
 //!
-//! Fields are known by the names of PLY's properties, and `rgb` and `rgba` of four bytes are packed colors (whatever their
-//! type: the float is one by its bits alone). Colors of other types than bytes have the range of all of them. A group of
-//! `COUNT` numbers is as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` is not applied: it says
-//! where the points were seen from. An alpha that is 0 everywhere is none.
+//! Fields have the names of PLY's properties. `rgb` and `rgba` of four bytes are packed colors whatever their type,
+//! since the float only carries the bits. Colors of other types than bytes share a common range. A group of `COUNT`
+//! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` is not applied, because it
+//! only tells where the points were seen from. An alpha that is 0 everywhere is dropped.
 
 mod header;
 mod lzf;
@@ -23,7 +23,7 @@ use row::Layout;
 /// Numbers of a point at most: each becomes a column. The largest features have about 2000.
 const MAX_NUMBERS: u64 = 1 << 16;
 
-/// Whether a file starts as a PCD file does.
+/// True if the bytes start a PCD file.
 pub(super) fn is_pcd(start: &[u8]) -> bool {
     [&b"# .PCD"[..], b"VERSION ", b"FIELDS "].iter().any(|magic| start.starts_with(magic))
 }
@@ -32,7 +32,7 @@ pub(super) fn is_pcd(start: &[u8]) -> bool {
 pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     check_claim(source, &header)?;
-    let layout = Layout::of(&header);
+    let layout = Layout::for_header(&header);
     let mut columns = Columns::new(&layout.columns, FullScale::Measured).map_err(|missing| {
         let names: Vec<_> = header.fields.iter().map(|field| field.name.as_str()).collect();
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))
@@ -86,7 +86,7 @@ fn check_claim(source: &Source, header: &Header) -> Result<(), Error> {
     Ok(())
 }
 
-/// What so many compressed bytes become at most.
+/// The largest size that this many compressed bytes can expand to.
 fn lzf_limit(bytes: u64) -> u64 {
     bytes.saturating_mul(lzf::MAX_EXPANSION as u64)
 }
@@ -136,7 +136,7 @@ fn binary(source: &mut Source, header: &Header, layout: &Layout, mut take: impl 
     Ok(())
 }
 
-/// Compressed points lie field by field: all x, then all y, and so on.
+/// Compressed points are stored field by field: all x, then all y, and so on.
 fn compressed(
     source: &mut Source,
     header: &Header,

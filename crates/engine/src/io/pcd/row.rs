@@ -1,15 +1,15 @@
-//! From the numbers of a point to a row of columns: packed colors taken apart, padding left out, groups numbered.
+//! Converts the numbers of a point to a row of columns: unpacks colors, skips padding, numbers groups.
 
 use super::header::{Field, Header, Kind};
 use crate::io::columns::{Column, ScalarType};
 
-/// What becomes of a field.
+/// The use of a field.
 enum Use {
-    /// Nothing: padding, or a group of no numbers.
+    /// Unused: padding, or a group of no numbers.
     Skip,
     /// Each number is a column.
     Numbers,
-    /// Bytes of a word: blue, green, red from the lowest up, and alpha if there is one.
+    /// Bytes of a word: blue, green, red from the lowest up, and alpha if present.
     Packed { alpha: bool },
 }
 
@@ -21,7 +21,7 @@ pub(super) struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     /// The header's size must have been checked against the file's, since every number of a group is a column.
-    pub fn of(header: &'a Header) -> Self {
+    pub fn for_header(header: &'a Header) -> Self {
         let mut columns = Vec::new();
         let fields = header.fields.iter().map(|field| {
             let used = usage(field);

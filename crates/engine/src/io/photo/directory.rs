@@ -1,5 +1,5 @@
-//! The directory of a TIFF file: what it claims is compared with the file's length, which the decoder does not do before it
-//! takes memory for it.
+//! The directory of a TIFF file. Its claims are compared with the file's length, because the decoder allocates memory
+//! without doing so.
 
 use std::io::{Read, Seek, SeekFrom};
 
@@ -24,7 +24,7 @@ pub(super) fn check(source: &mut Source) -> Result<(), Error> {
     Ok(())
 }
 
-/// What an entry claims.
+/// The claim of an entry.
 struct Entry {
     tag: u16,
     kind: u16,
@@ -57,7 +57,7 @@ fn entries(source: &mut Source) -> std::io::Result<Option<Vec<Entry>>> {
     Ok(Some(bytes.as_chunks().0.iter().map(entry).collect()))
 }
 
-/// Bytes of a value of a type; of those that nobody knows, one.
+/// Bytes of a value of a type; one for unknown types.
 fn size(kind: u16) -> u64 {
     match kind {
         3 | 8 => 2,

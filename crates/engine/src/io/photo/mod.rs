@@ -1,5 +1,5 @@
-//! Pictures as clouds (Tanaka et al. 2016, Section 4.5): each pixel a point of a plane, moved along the plane's normal by a
-//! height map, and copied where the surface is so steep that its points would lie too far apart.
+//! Pictures as clouds (Tanaka et al. 2016, Section 4.5). Each pixel is a point of a plane, displaced along the plane's
+//! normal by a height map, and copied where the surface is so steep that its points would be too far apart.
 
 mod directory;
 mod picture;
@@ -15,19 +15,16 @@ use crate::cloud::{Cloud, UpAxis};
 use picture::Picture;
 use surface::Surface;
 
-/// First bytes of the formats that are read.
-const MAGIC: [&[u8]; 4] = [b"\x89PNG", &[0xff, 0xd8, 0xff], b"II*\0", b"MM\0*"];
-
 /// Pixels of a picture at most, and points that it may become: 2²⁸.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// Where a picture stands in the world, and how it is bent: `photo` of a `[[cloud]]`.
+/// A picture's placement in the world, and its displacement: `photo` of a `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Photo {
     /// The picture's lower left corner; without it the picture's middle is at (0, 0, 0).
     pub origin: Option<DVec3>,
     /// Vectors from its left to its right and from its lower to its upper edge, world units, neither parallel nor zero.
-    /// Without them the width is 1 along x and the height along y, such that pixels are squares.
+    /// Without them the width is 1 along x and the height follows along y for square pixels.
     pub edges: Option<[DVec3; 2]>,
     /// The height map.
     pub heights: Option<Heights>,
@@ -36,15 +33,11 @@ pub struct Photo {
 /// A gray picture of heights over a [`Photo`]. One that isn't as large as the photo is interpolated bilinearly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Heights {
-    /// The file. Values are taken as numbers, whatever its color space; of colored pictures the gray.
+    /// The file of the height map. Values are read as plain numbers in any color space; colored pictures are converted
+    /// to gray.
     pub path: PathBuf,
     /// Height of white over black, world units, along `right` × `up`; below 0: white is deepest.
     pub scale: f64,
-}
-
-/// Whether a file starts as a picture does.
-pub(super) fn is_picture(start: &[u8]) -> bool {
-    MAGIC.iter().any(|magic| start.starts_with(magic))
 }
 
 /// Reads a picture. Colors are sRGB-decoded (float pictures hold linear ones), the alpha channel becomes the points' alpha,
@@ -115,7 +108,7 @@ struct Columns {
 }
 
 impl Columns {
-    /// `None` if there is no memory for them.
+    /// `None` if memory is insufficient.
     fn with_room(points: usize, alpha: bool) -> Option<Self> {
         fn column<T>(points: usize) -> Option<Vec<T>> {
             let mut column = Vec::new();

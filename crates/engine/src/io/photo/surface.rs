@@ -16,7 +16,7 @@ pub struct Surface {
     up: DVec3,
     /// Unit normal of the plane, toward those who see the picture the right way round.
     normal: DVec3,
-    /// World units, row by row from the top; none: all 0.
+    /// Heights in world units, row by row from the top; empty means all 0.
     heights: Vec<f64>,
 }
 
@@ -30,7 +30,7 @@ impl Surface {
         Self { size, origin, right, up, normal, heights: Vec::new() }
     }
 
-    /// The plane bent by a map of `map_size` values in [0, 1], row by row, of which 1 means `scale`.
+    /// The plane displaced by a map of `map_size` values in [0, 1], row by row; 1 displaces by `scale`.
     pub fn new(size: [u32; 2], photo: &Photo, map: &[f32], map_size: [u32; 2], scale: f64) -> Self {
         let [width, height] = size;
         let at = |x, y| scale * sample(map, map_size, [x, y], size);
@@ -88,7 +88,7 @@ impl Surface {
         (0..height).map(row).sum()
     }
 
-    /// How many points a pixel becomes: 1 / cos φ, its fraction by chance, the same at each run.
+    /// The number of points for a pixel: 1 / cos φ, rounded at random, the same in each run.
     pub fn copies(&self, x: u32, y: u32) -> u64 {
         let stretch = self.stretch(x, y);
         let (whole, fraction) = (stretch.floor(), stretch.fract());
@@ -97,7 +97,7 @@ impl Surface {
     }
 }
 
-/// A map's value at the centre of a pixel of a picture of `size` pixels: bilinear, as it is where the sizes are equal.
+/// A map's value at the centre of a pixel of a picture of `size` pixels: bilinear; exact where the sizes are equal.
 fn sample(map: &[f32], map_size: [u32; 2], pixel: [u32; 2], size: [u32; 2]) -> f64 {
     let place = |at: u32, count: u32, of: u32| {
         let place = ((f64::from(at) + 0.5) * f64::from(of) / f64::from(count) - 0.5).clamp(0.0, f64::from(of - 1));
@@ -123,7 +123,7 @@ mod tests {
         let map = [0.0, 1.0, 0.5, 0.25];
         let at = |x, y, size| sample(&map, [2, 2], [x, y], size);
         assert_eq!([at(0, 0, [2, 2]), at(1, 0, [2, 2]), at(0, 1, [2, 2]), at(1, 1, [2, 2])], [0.0, 1.0, 0.5, 0.25]);
-        // A single pixel lies in the middle of the four; rims go on.
+        // A single pixel lies in the middle of the four; rims are extended.
         assert_eq!(at(0, 0, [1, 1]), 0.4375);
         assert_eq!([0, 1, 2, 3].map(|x| at(x, 0, [4, 4])), [0.0, 0.25, 0.75, 1.0]);
         assert_eq!(sample(&[0.75], [1, 1], [7, 3], [9, 9]), 0.75);

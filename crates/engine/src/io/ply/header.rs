@@ -12,7 +12,7 @@ pub(super) use ply_rs_bw::ply::ScalarType;
 /// Longest header that is read; a file without `end_header` is not read to its end for nothing.
 const MAX_HEADER: u64 = 1 << 20;
 
-/// What the header says.
+/// The parsed header.
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
@@ -20,11 +20,11 @@ pub(super) struct Header {
     pub len: u64,
     /// Lines of the header.
     pub lines: u64,
-    /// What follows the word `comment`, with the number of the line from 1.
+    /// The text after the word `comment`, with the number of the line from 1.
     pub comments: Vec<(u64, String)>,
 }
 
-/// A kind of record and how many there are.
+/// A kind of record, and the number of records.
 pub(super) struct Element {
     pub name: String,
     pub count: u64,

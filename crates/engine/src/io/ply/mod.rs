@@ -13,9 +13,9 @@
 //! | classification | `classification`, `class`, `label`, and these after `scalar_` | integers in 0–255, else a scalar |
 //! | intensity | `intensity`, `scalar_intensity` | as stored |
 //!
-//! Values out of range are clamped, a color that is not a number is 0. Normals and colors need all three properties;
-//! otherwise, and for any other name, a property is a scalar column of its own name. What `pellucid prepare` adds is told
-//! by a comment (docs/prepared-clouds.md). Vertices that are Gaussian splats are told by their properties (`splats`).
+//! Values out of range are clamped; a color that is not a number is 0. Normals and colors need all three properties;
+//! otherwise, and for any other name, a property is a scalar column of its own name. A comment marks the additions of
+//! `pellucid prepare` (docs/prepared-clouds.md). Gaussian splats are recognized by their properties (`splats`).
 
 mod header;
 mod payload;
@@ -42,7 +42,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     };
     let vertex = &header.elements[at];
     let scalars = vertex.scalars();
-    let splats = Splats::of(&scalars);
+    let splats = Splats::find(&scalars);
     let named = splats.as_ref().map_or(&scalars, Splats::columns);
     let mut columns = Columns::new(named, FullScale::Typed).map_err(|missing| Error::MissingProperty {
         path: source.path.clone(),

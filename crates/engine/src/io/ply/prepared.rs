@@ -1,10 +1,10 @@
-//! What `pellucid prepare` stores in a PLY file: the properties `radius`, `field` and perhaps `lit`, and one comment that says
-//! what they are and of which points (docs/prepared-clouds.md).
+//! Data that `pellucid prepare` stores in a PLY file: the properties `radius`, `field` and perhaps `lit`, and one
+//! comment that describes them and identifies the points (docs/prepared-clouds.md).
 
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::field::Field;
-use crate::cloud::shadow_texture::{ShadowTexture, Spelled};
+use crate::cloud::shadow_texture::{CastingRecord, ShadowTexture};
 use crate::cloud::{Cloud, Prepared, UpAxis};
 
 /// The property that holds F.
@@ -29,16 +29,16 @@ struct Claim {
     field: Field,
     /// [`content`] of the points; empty while it is computed.
     content: String,
-    /// What `lit` is; absent while `content` is computed, since readers before it don't know it.
+    /// The description of `lit`; omitted while `content` is computed, since older readers don't know it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shadows: Option<ShadowClaim>,
 }
 
-/// What the comment says of `lit`.
+/// The comment's description of `lit`.
 #[derive(Serialize, Deserialize)]
 struct ShadowClaim {
     #[serde(flatten)]
-    casting: Spelled,
+    casting: CastingRecord,
     /// [`shadow_content`]; empty while it is computed.
     content: String,
 }
@@ -53,9 +53,9 @@ enum Up {
 #[derive(Serialize, Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
 enum Radius {
-    /// By Eq. 20.
+    /// Estimated by Eq. 20.
     Estimated,
-    /// As in the source.
+    /// Taken from the source.
     Own,
 }
 
@@ -77,15 +77,15 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
     let lit = prepared.shadows.as_ref().map(|shadows| shadows.lit.as_slice());
     claim.content = content(cloud, &prepared.values, lit, &claim)?;
     if let Some(texture) = &prepared.shadows {
-        let mut shadows = ShadowClaim { casting: Spelled::from(&texture.casting), content: String::new() };
+        let mut shadows = ShadowClaim { casting: CastingRecord::from(&texture.casting), content: String::new() };
         shadows.content = shadow_content(&shadows, &claim.content)?;
         claim.shadows = Some(shadows);
     }
     Ok(Some(format!("{WORD} {}", serde_json::to_string(&claim)?)))
 }
 
-/// Finds the comment and, if the points are those it speaks of, moves the field into [`Cloud::prepared`]; else says why
-/// not and drops the field, and radii that are not the points' own.
+/// Finds the comment and, if the points match it, moves the field into [`Cloud::prepared`]. Otherwise adds a warning
+/// and drops the field, and also the radii unless they are the points' own.
 pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     let ours = |(line, text): &(u64, String)| Some((*line, text.strip_prefix(WORD)?.trim().to_owned()));
     let Some((line, text)) = comments.iter().find_map(ours) else { return };
@@ -129,7 +129,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     ));
 }
 
-/// What `lit` is, if it is what the comment says.
+/// The shadow texture of `lit`, if its values match the comment.
 fn texture(mut claim: ShadowClaim, lit: Vec<f32>, len: usize, content: &str) -> Option<ShadowTexture> {
     let claimed = std::mem::take(&mut claim.content);
     let whole = lit.len() == len && lit.iter().all(|m| (0.0..=1.0).contains(m));
@@ -154,8 +154,9 @@ fn read(text: &str) -> Result<Claim, String> {
     Ok(claim)
 }
 
-/// A hash of what was computed and of what it depends on: the comment itself, positions, normals, radii, field, classes,
-/// intensity and scalars, of which `lit` is the last one, but not colors and opacities, which may be changed.
+/// A hash of the computed data and everything it depends on: the comment itself, positions, normals, radii, field,
+/// classes, intensity and scalars, including `lit` as the last one. Colors and opacities are excluded, since they may
+/// change.
 fn content(cloud: &Cloud, values: &[f32], lit: Option<&[f32]>, claim: &Claim) -> std::io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
@@ -163,7 +164,7 @@ fn content(cloud: &Cloud, values: &[f32], lit: Option<&[f32]>, claim: &Claim) ->
         hasher.update(bytes);
     };
     add(serde_json::to_string(claim)?.as_bytes());
-    // In the byte order of the machine, which is that of the file on all that have Vulkan.
+    // In the machine's byte order, which is the file's on all machines with Vulkan.
     add(bytemuck::cast_slice(&cloud.positions));
     add(bytemuck::cast_slice(cloud.normals.as_deref().unwrap_or_default()));
     add(bytemuck::cast_slice(cloud.radii.as_deref().unwrap_or_default()));
@@ -176,7 +177,7 @@ fn content(cloud: &Cloud, values: &[f32], lit: Option<&[f32]>, claim: &Claim) ->
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// A hash of what the comment says of `lit` and, by the hash of all points, of `lit` itself.
+/// A hash of the comment's description of `lit` and, through the hash of all points, of `lit` itself.
 fn shadow_content(claim: &ShadowClaim, content: &str) -> std::io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     for text in [&*serde_json::to_string(claim)?, content] {

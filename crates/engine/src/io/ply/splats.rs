@@ -13,11 +13,11 @@ const HARMONIC: f64 = 0.282_094_791_773_878_14;
 /// Radius over standard deviation: opacity·exp(−2ρ²) at ρ = d/radius is opacity·exp(−d²/2σ²).
 const RADIUS: f64 = 2.0;
 
-/// What is said of such a file.
+/// The warning about such a file.
 pub(super) const NOTE: &str = "Gaussian splats, read as round discs: how their color varies with the view (f_rest) and \
                                their stretch (scale, rot) are left out; method.falloff=gaussian has their profile";
 
-/// Where a row has what makes a splat.
+/// The positions of a splat's properties in a row.
 pub(super) struct Splats {
     color: [usize; 3],
     opacity: usize,
@@ -29,7 +29,7 @@ pub(super) struct Splats {
 
 impl Splats {
     /// Finds splats; `None` if the properties are those of something else.
-    pub fn of(properties: &[Column]) -> Option<Self> {
+    pub fn find(properties: &[Column]) -> Option<Self> {
         let find = |name: &str| properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
         let three =
             |stem: &str| Some([find(&format!("{stem}0"))?, find(&format!("{stem}1"))?, find(&format!("{stem}2"))?]);

@@ -15,38 +15,42 @@ use crate::color::{decode_srgb, encode_srgb};
 use crate::io::Error;
 use crate::io::columns::{LINEAR_COLOR, is_known};
 
-/// Writes a cloud: float positions if that keeps every one exactly, else double; colors and alphas as 8 bits (colors
-/// sRGB-encoded), all other columns as they are. What a PLY file can't say, the vertical and the number of dropped
-/// points, is not kept; white space in the name of a scalar becomes `_`.
+/// Writes a cloud: float positions if they keep every one exactly, else double; colors and alphas as 8 bits (colors
+/// sRGB-encoded), all other columns unchanged. PLY can't store the vertical and the number of dropped points, so they
+/// are lost; white space in the name of a scalar becomes `_`.
 ///
 /// # Errors
-/// If the file can't be written; then the old file, or none, is there.
+/// The file can't be written; an earlier file of this name, if any, is unchanged.
 pub fn write(path: &Path, cloud: &Cloud) -> Result<(), Error> {
     let written = atomic::write(path, |out| write_to(out, cloud));
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// As [`write()`], to what is open already.
+/// Like [`write()`], to an open file.
 ///
 /// # Errors
-/// What `out` says.
+/// Writing to `out` fails.
 pub fn write_to(out: &mut impl Write, cloud: &Cloud) -> std::io::Result<()> {
     let double = !cloud.positions.iter().all(|&p| p.as_vec3().as_dvec3() == p);
     write_layout(out, cloud, &Layout { double, color: Coding::Byte, alpha: Coding::Byte })
 }
 
-/// Writes a cloud with what was prepared for it, so that reading it gives the same points to the bit, the vertical
-/// included. Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors
-/// linear ones). A scalar whose name the reader would take for another column gets a `_` behind it.
+/// Writes a cloud with its prepared data, so that reading it gives the same points to the bit, the vertical included.
+/// Positions are double; colors and alphas have 8 or 16 bits where that is exact, else they are floats (colors linear
+/// ones). A scalar gets a `_` appended if the reader would take its name for another column.
 ///
 /// # Errors
-/// If the file can't be written; then the old file, or none, is there.
+/// The file can't be written; an earlier file of this name, if any, is unchanged.
 pub fn write_prepared(path: &Path, cloud: &Cloud) -> Result<(), Error> {
-    let channels = |colors: &Vec<Vec3>| Coding::of(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
+    let channels =
+        |colors: &Vec<Vec3>| Coding::narrowest(colors.iter().flat_map(Vec3::to_array), encode_srgb, decode_srgb);
     let layout = Layout {
         double: true,
         color: cloud.colors.as_ref().map_or(Coding::Byte, channels),
-        alpha: cloud.alphas.as_ref().map_or(Coding::Byte, |alphas| Coding::of(alphas.iter().copied(), same, same)),
+        alpha: cloud
+            .alphas
+            .as_ref()
+            .map_or(Coding::Byte, |alphas| Coding::narrowest(alphas.iter().copied(), same, same)),
     };
     let written = atomic::write(path, |out| write_layout(out, cloud, &layout));
     written.map_err(|source| Error::Write { path: path.to_path_buf(), source })
@@ -56,14 +60,14 @@ fn same(x: f32) -> f32 {
     x
 }
 
-/// Types of the columns for which there is a choice.
+/// Types of the columns that allow several.
 struct Layout {
     double: bool,
     color: Coding,
     alpha: Coding,
 }
 
-/// How a number in [0, 1] is stored.
+/// The storage of a number in [0, 1].
 #[derive(Clone, Copy, PartialEq)]
 enum Coding {
     Byte,
@@ -73,14 +77,14 @@ enum Coding {
 
 impl Coding {
     /// The smallest one from which all values come back exactly.
-    fn of(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
+    fn narrowest(values: impl Iterator<Item = f32>, encode: fn(f32) -> f32, decode: fn(f32) -> f32) -> Self {
         let exact = |value: f32, largest: f32| {
             let stored = (encode(value) * largest).round().clamp(0.0, largest);
             decode(stored / largest).to_bits() == value.to_bits()
         };
         values.fold(Self::Byte, |coding, value| match coding {
             Self::Byte if exact(value, 255.0) => Self::Byte,
-            // What 8 bits hold exactly, 16 bits do too, since 65535 = 257·255.
+            // 16 bits represent everything that 8 bits represent exactly, since 65535 = 257·255.
             Self::Byte | Self::Short if exact(value, 65535.0) => Self::Short,
             _ => Self::Float,
         })
@@ -94,7 +98,7 @@ impl Coding {
         }
     }
 
-    /// Appends a value: encoded as integer, as it is as float.
+    /// Appends a value: encoded if stored as an integer, unchanged as a float.
     fn push(self, record: &mut Vec<u8>, value: f32, encode: fn(f32) -> f32) {
         match self {
             // The nearest integer; the conversion saturates.
@@ -170,7 +174,7 @@ fn lit(cloud: &Cloud) -> Option<&[f32]> {
     cloud.prepared.as_ref()?.shadows.as_ref().map(|shadows| shadows.lit.as_slice())
 }
 
-/// The name of a scalar's property: in a prepared file none that the reader takes for another column.
+/// The property name of a scalar: in a prepared file one that the reader can't take for another column.
 fn scalar_name(cloud: &Cloud, name: &str) -> String {
     let name = without_blanks(name);
     if cloud.prepared.is_some() && is_known(&name) { format!("{name}_") } else { name }

@@ -61,9 +61,9 @@ impl<'s> Lines<'s> {
     }
 }
 
-/// What is wrong with a line.
+/// A defect of a line.
 pub(super) struct Fault {
-    /// Where the field starts, in characters from 1, if it is about one.
+    /// The start of the faulty field, in characters from 1, if a field is at fault.
     column: Option<usize>,
     cause: String,
 }
@@ -73,7 +73,7 @@ pub(super) fn comment(line: &str) -> Option<&str> {
     line.strip_prefix('#').or_else(|| line.strip_prefix("//")).map(str::trim)
 }
 
-/// What separates the fields of a line.
+/// The separator of the fields of a line.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Delimiter {
     /// One or more blanks or tabs.
@@ -84,7 +84,7 @@ pub(super) enum Delimiter {
 
 impl Delimiter {
     /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields.
-    pub fn of(line: &str) -> Self {
+    pub fn detect(line: &str) -> Self {
         let tabs = line.matches('\t').count() >= 2 && line.split('\t').all(|field| !field.trim().contains(' '));
         match line {
             _ if line.contains(';') => Self::Char(';'),
@@ -139,7 +139,7 @@ impl Delimiter {
         Ok(())
     }
 
-    /// As [`Delimiter::numbers`], of lines that must have so many fields.
+    /// Like [`Delimiter::numbers`], for lines that must have `columns` fields.
     pub fn row(self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
         self.numbers(line, row)?;
         if row.len() + 1 == columns && matches!(self, Self::Char(c) if line.ends_with(c)) {
@@ -199,13 +199,13 @@ mod tests {
             ("1, 2, 3", Delimiter::Char(',')),
             ("1;2,5;3", Delimiter::Char(';')),
         ] {
-            assert_eq!(Delimiter::of(line), delimiter, "{line}");
+            assert_eq!(Delimiter::detect(line), delimiter, "{line}");
         }
     }
 
     fn numbers(line: &str, columns: usize) -> Result<String, (Option<usize>, String)> {
         let mut row = Vec::new();
-        let read = Delimiter::of(line).row(line, columns, &mut row);
+        let read = Delimiter::detect(line).row(line, columns, &mut row);
         read.map(|()| format!("{row:?}")).map_err(|fault| (fault.column, fault.cause))
     }
 
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn names() {
-        let names = |line: &str| Delimiter::of(line).names(line);
+        let names = |line: &str| Delimiter::detect(line).names(line);
         assert_eq!(names("X Y  Z"), ["X", "Y", "Z"]);
         assert_eq!(names("\"X\", \"y,z\" ,\"\","), ["X", "y,z", ""]);
         assert_eq!(names("\"a b\"  \t\"c\" d"), ["a b", "c", "d"]);

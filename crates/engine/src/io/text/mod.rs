@@ -1,9 +1,9 @@
-//! Text files of numbers, a point a line: XYZ, CSV, TXT and their like, PTS and PTX.
+//! Text files of numbers, one point per line: XYZ, CSV, TXT and their like, PTS and PTX.
 //!
-//! Fields are separated by blanks, tabs, commas or semicolons, lines end as they like, and those that start with `#` or `//`
-//! say nothing, but for names of columns right before the first point. What the columns are is said by the user, by a
-//! line of names, or by their number and values; docs/formats.md has the rules. Colors and alphas have the range of all
-//! of them: 1, 255 or 65535.
+//! Fields are separated by blanks, tabs, commas or semicolons; any line ending is accepted. Lines that start with `#`
+//! or `//` are ignored, except for names of columns right before the first point. The columns are named by the user, by
+//! a line of names, or inferred from their number and values; docs/formats.md has the rules. Colors and alphas share a
+//! common range: 1, 255 or 65535.
 
 mod lines;
 mod names;

@@ -1,19 +1,19 @@
-//! What the columns of a table are: as the user says, as a header says, or as their values look.
+//! The names of a table's columns: given by the user, by a header, or inferred from the values.
 
 use std::collections::{HashMap, HashSet};
 
 use crate::io::columns::{Column, ScalarType};
 
-/// What the columns of a text file are, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
+/// Names of the columns of a text file, from the first one on: `--columns` and `columns` of a `[[cloud]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnNames(Vec<String>);
 
 impl ColumnNames {
-    /// Splits names at commas. They are `x y z`, `r g b`, `a` (alpha), `i` (intensity), `nx ny nz`, `radius`, `class`, the
-    /// names that a PLY file has for these, `-` for a column to skip, and any other word for a scalar; in any case.
+    /// Splits names at commas. They are `x y z`, `r g b`, `a` (alpha), `i` (intensity), `nx ny nz`, `radius`, `class`,
+    /// the names that a PLY file has for these, `-` for a column to skip, and any other word for a scalar; in any case.
     ///
     /// # Errors
-    /// A coordinate is missing, a name comes twice, or there is nothing between two commas.
+    /// A coordinate is missing, a name occurs twice, or a name is empty.
     pub fn parse(text: &str) -> Result<Self, String> {
         let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
         if let Some(at) = names.iter().position(String::is_empty) {
@@ -43,8 +43,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout of named columns: `-` is none, and a name that came before gets a number.
-    pub fn of(names: &[String]) -> Self {
+    /// The layout of named columns: `-` is skipped, and a repeated name gets a number.
+    pub fn from_names(names: &[String]) -> Self {
         let mut taken: HashMap<String, usize> = HashMap::new();
         let (mut columns, mut at) = (Vec::new(), Vec::new());
         for (index, name) in names.iter().enumerate().filter(|(_, name)| *name != "-") {
@@ -68,7 +68,7 @@ fn canonical(name: &str) -> &str {
     }
 }
 
-/// What PTS and PTX files have, by the number of their columns.
+/// The columns of PTS and PTX files, by their number.
 pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
     let names: &[&str] = match columns {
         3 => &["x", "y", "z"],
@@ -80,9 +80,9 @@ pub(super) fn of_scanners(columns: usize) -> Option<Vec<String>> {
     Some(names.iter().map(|name| (*name).to_owned()).collect())
 }
 
-/// What the columns of a table without names are, by number and values (docs/formats.md): x, y, z; then, from the left,
-/// three that are unit vectors are a normal, three that are colors a color, and one before the color, or the only one,
-/// is the intensity. What is left is `column_N`. `rows` has `columns` values for each point.
+/// Infers the columns of a table without names from their number and values (docs/formats.md): x, y, z first. From the
+/// left, three that are unit vectors are a normal, three that are colors a color, and one before the color, or a single
+/// one, is the intensity. The others become `column_N`. `rows` has `columns` values for each point.
 pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
     let mut names: Vec<String> = (1..=columns).map(|number| format!("column_{number}")).collect();
     let set = |names: &mut [String], at: usize, new: &[&str]| {
@@ -111,10 +111,10 @@ pub(super) fn by_values(columns: usize, rows: &[f64]) -> Vec<String> {
     names
 }
 
-/// How far from 1 a written unit vector's length may be: two decimals.
+/// Tolerance for the length of a written unit vector around 1: two decimals.
 const UNIT_TOLERANCE: f64 = 0.02;
 
-/// Whether all three numbers are unit vectors or zero, and not all zero.
+/// True if all three numbers are unit vectors or zero, and not all zero.
 fn is_normal(rows: &[f64], columns: usize, at: usize) -> bool {
     let length = |row: &[f64]| row[at..at + 3].iter().map(|value| value * value).sum::<f64>().sqrt();
     let mut units = 0;
@@ -125,7 +125,7 @@ fn is_normal(rows: &[f64], columns: usize, at: usize) -> bool {
     fits && units > 0
 }
 
-/// Whether three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
+/// True if three columns are color channels of one range: fractions of 1, or integers of 255 or 65535.
 fn is_color(rows: &[f64], columns: usize, at: usize) -> bool {
     let mut largest = [0f64; 3];
     let mut integers = true;
@@ -145,7 +145,7 @@ fn is_color(rows: &[f64], columns: usize, at: usize) -> bool {
     if !integers {
         return most <= 1.0;
     }
-    // One channel of 16 bits beside two of 8 is something else; one that is all 0 may be anything.
+    // One channel of 16 bits beside two of 8 is not a color; a channel of zeros fits any range.
     let wide = |value: f64| value > 255.0;
     largest.iter().all(|&value| value <= 1.0 || wide(value) == wide(most))
 }

@@ -1,8 +1,8 @@
-//! PTX files (Leica Cyclone): scans as grids, each with where it was taken.
+//! PTX files (Leica Cyclone): scans as grids, each with its position.
 //!
-//! A scan begins with columns and rows of its grid, four lines of three numbers (the scanner's place and axes, which the
-//! matrix repeats) and four lines of a matrix that takes row vectors to the common coordinates: (x y z 1) · M. Then each
-//! cell has x y z, or 0 0 0 where nothing came back; and intensity, color, or both.
+//! A scan begins with columns and rows of its grid, four lines of three numbers (the scanner's position and axes, which
+//! the matrix repeats) and four lines of a matrix that maps row vectors to the common coordinates: (x y z 1) · M. Then
+//! each cell has x y z, or 0 0 0 for cells without a return; and intensity, color, or both.
 
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
@@ -14,14 +14,14 @@ use crate::cloud::Cloud;
 use crate::io::columns::{Columns, FullScale};
 use crate::io::{Error, PROGRESS_STEP, Source};
 
-/// What a row of the cloud has, for all scans; what one has not is NaN.
+/// The values of a row, common to all scans; missing ones are NaN.
 const ALL: usize = 7;
 
 /// Reads all scans of a file as one cloud.
 pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &Progress) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let names = given.map_or_else(|| of_scanners(ALL).unwrap_or_default(), |given| given.as_slice().to_vec());
-    let Layout { columns, at } = Layout::of(&names);
+    let Layout { columns, at } = Layout::from_names(&names);
     let position = ["x", "y", "z"].map(|name| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
     let [Some(x), Some(y), Some(z)] = position else { return Ok(Cloud::default()) };
     let mut table = Columns::new(&columns, FullScale::Measured)
@@ -41,7 +41,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
                 );
                 return Err(lines.source.truncated(what));
             }
-            let delimiter = Delimiter::of(&line);
+            let delimiter = Delimiter::detect(&line);
             let wanted = match fields {
                 Some(wanted) => wanted,
                 None => *fields.insert(count(&lines, delimiter, &line, given)?),
@@ -64,7 +64,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
     Ok(without_blank_intensity(table.finish()))
 }
 
-/// An intensity that no scan has is none.
+/// Drops the intensity if no scan has it.
 fn without_blank_intensity(mut cloud: Cloud) -> Cloud {
     cloud.intensity = cloud.intensity.filter(|values| values.iter().any(|value| !value.is_nan()));
     for value in cloud.intensity.iter_mut().flatten().filter(|value| value.is_nan()) {
@@ -112,7 +112,7 @@ struct Scan {
 }
 
 impl Scan {
-    /// Reads the head of a scan, of which the first line is in `line`.
+    /// Reads the head of a scan; `line` holds its first line.
     fn read(lines: &mut Lines, line: &mut String) -> Result<Self, Error> {
         let start = lines.number;
         let columns = size(lines, line, "columns")?;
@@ -160,6 +160,6 @@ fn size(lines: &Lines, line: &str, what: &str) -> Result<u64, Error> {
 
 fn numbers<const N: usize>(lines: &Lines, line: &str) -> Result<[f64; N], Error> {
     let mut row = Vec::new();
-    Delimiter::of(line).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
+    Delimiter::detect(line).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
     row.try_into().map_err(|_| lines.malformed(format!("expected {N} values")))
 }

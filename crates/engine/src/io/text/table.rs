@@ -46,7 +46,7 @@ pub(super) fn read(
     Ok(cloud)
 }
 
-/// What comes before the first point.
+/// The lines before the first point.
 struct Head {
     delimiter: Delimiter,
     columns: usize,
@@ -63,7 +63,7 @@ struct Block {
 }
 
 impl Head {
-    /// Reads up to the first line of numbers, which is then in `line`; `None` if there is none.
+    /// Reads up to the first line of numbers and leaves it in `line`; `None` if the file has none.
     fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
         let (mut remark, mut header, mut block) = (None, None, None);
         loop {
@@ -75,13 +75,13 @@ impl Head {
             } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
                 block = Some(Block::new(lines, announced)?);
             } else if header.is_none() && !is_numbers(line) {
-                header = Some((lines.number, Delimiter::of(line).names(line)));
+                header = Some((lines.number, Delimiter::detect(line).names(line)));
                 check_names(lines, header.as_ref(), given)?;
             } else {
                 break;
             }
         }
-        let delimiter = Delimiter::of(line);
+        let delimiter = Delimiter::detect(line);
         let mut row = Vec::new();
         delimiter.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
         let columns = match (given, &header) {
@@ -125,7 +125,7 @@ fn expect(lines: &Lines, found: usize, wanted: usize, who: &str, help: &str) -> 
 
 /// The columns that a comment before the first line names, if it does.
 fn of_remark(remark: &str, columns: usize) -> Option<Vec<String>> {
-    let names = Delimiter::of(remark).names(remark);
+    let names = Delimiter::detect(remark).names(remark);
     let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
     (names.len() == columns && ["x", "y", "z"].iter().all(|name| has(name))).then_some(names)
 }
@@ -136,7 +136,7 @@ fn count(line: &str) -> Option<u64> {
 }
 
 fn is_numbers(line: &str) -> bool {
-    Delimiter::of(line).numbers(line, &mut Vec::new()).is_ok()
+    Delimiter::detect(line).numbers(line, &mut Vec::new()).is_ok()
 }
 
 impl Block {
@@ -155,7 +155,7 @@ impl Block {
     }
 }
 
-/// Points that are read, and what was said of their number.
+/// The points read so far, and the announced number of points.
 struct Table {
     rows: Rows,
     block: Option<Block>,
@@ -163,7 +163,7 @@ struct Table {
 }
 
 impl Table {
-    /// Whether a line announces the points of a next scan; only after all those of the one before.
+    /// True if a line announces the points of another scan; only valid after all points of the previous one.
     fn begins_block(&mut self, lines: &Lines, line: &str) -> Result<bool, Error> {
         let Some(block) = &self.block else { return Ok(false) };
         if self.points - block.start != block.announced {
@@ -174,7 +174,7 @@ impl Table {
         Ok(true)
     }
 
-    /// Fails if points are missing; says so if there are more.
+    /// Fails if points are missing; returns a warning if there are more than announced.
     fn check_block(&self, lines: &Lines) -> Result<Option<String>, Error> {
         let Some(Block { line, announced, start }) = self.block else { return Ok(None) };
         let found = self.points - start;
@@ -192,22 +192,22 @@ impl Table {
 
 /// Rows as they come: to columns if these are known, else kept until all values are.
 enum Rows {
-    Known { columns: Box<Columns>, at: Vec<usize>, row: Vec<f64> },
+    Ready { columns: Box<Columns>, at: Vec<usize>, row: Vec<f64> },
     Kept(Vec<f64>),
 }
 
 impl Rows {
     fn new(lines: &Lines, names: Option<&[String]>) -> Result<Self, Error> {
         let Some(names) = names else { return Ok(Self::Kept(Vec::new())) };
-        let Layout { columns, at } = Layout::of(names);
+        let Layout { columns, at } = Layout::from_names(names);
         let columns = Columns::new(&columns, FullScale::Measured)
             .map_err(|missing| lines.malformed(format!("no column `{missing}`, only [{}]", names.join(", "))))?;
-        Ok(Self::Known { columns: Box::new(columns), at, row: Vec::new() })
+        Ok(Self::Ready { columns: Box::new(columns), at, row: Vec::new() })
     }
 
     fn push(&mut self, values: &[f64]) {
         match self {
-            Self::Known { columns, at, row } => {
+            Self::Ready { columns, at, row } => {
                 row.clear();
                 row.extend(at.iter().map(|&at| values[at]));
                 columns.push(row);
@@ -218,7 +218,7 @@ impl Rows {
 
     fn finish(self, lines: &Lines, columns: usize, pts: bool) -> Result<Cloud, Error> {
         match self {
-            Self::Known { columns, .. } => Ok(columns.finish()),
+            Self::Ready { columns, .. } => Ok(columns.finish()),
             Self::Kept(kept) => {
                 let names = if pts { of_scanners(columns) } else { None };
                 let names = names.unwrap_or_else(|| by_values(columns, &kept));
@@ -231,7 +231,7 @@ impl Rows {
     }
 }
 
-/// Whether the first bytes of a file are those of a table: a line of three numbers or more, if need be after comments and
+/// True if the first bytes of a file are those of a table: a line of three or more numbers, possibly after comments and
 /// a count.
 pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
     if start.contains(&0) {
@@ -243,7 +243,7 @@ pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
     let mut lines = whole.lines().map(str::trim).filter(|line| !line.is_empty() && comment(line).is_none());
     let first = lines.next().unwrap_or_default();
     let line = if count(first).is_some() { lines.next().unwrap_or_default() } else { first };
-    let delimiter = Delimiter::of(line);
+    let delimiter = Delimiter::detect(line);
     let fields = delimiter.names(line);
     // The last field of a line that goes on may be half a number.
     fields.len() >= 3 && fields.iter().take(3).all(|field| number(field).is_some())

@@ -9,21 +9,25 @@
 //! Everything but the store serves `linked-list` too ([`Storing`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
+mod engine;
+mod explain;
 mod passes;
 
 pub use blend::{CLASSES, in_place_length, is_network, least_bytes, lower_bound, record_nothing};
 pub(crate) use blend::{CONSTANTS, kernels, resolve_variant};
+pub use engine::projecting;
+pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
+pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, list_group, list_passes};
 pub use passes::*;
 
-use crate::progress::Progress;
+use super::engine::Work;
 
-use super::bands::{self, Band, Budget, Window};
 use super::linked_list::{self, LinkedList};
-use super::renderer::{Facts, Target, Timeline};
 use super::soft::{self, Interior, Spheres};
-use super::{Error, Outcome};
+use super::{Error, Facts, Outcome, Timeline};
 use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{self, Buffer, Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Variant};
+use crate::passes::bands::{self, Band, Budget, Window};
 use crate::passes::bin::{self, OrderedTiles};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
@@ -127,8 +131,6 @@ pub struct WindowJob<'a> {
     pub stop: (u32, f32),
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
-    /// Counts finished pixels.
-    pub progress: &'a Progress,
 }
 
 /// What the stages before blending yield, for tests and inspection.
@@ -161,20 +163,15 @@ impl ABuffer {
     }
 
     /// Counts, then stores, sorts and blends band by band into the target.
-    pub fn render(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        let counted = self.count(device, job, timeline)?;
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+        let (device, target) = (work.device, work.target);
+        let counted = self.count(device, job, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
         let bands = self.plan_bands(device, job, &counted)?;
         self.reserve_fragments(device, job, &bands, &counted)?;
+        let facts = &mut *work.facts;
         counted.note(&bands, facts);
         let records = if Need::of(job, &counted).records { self.records.get().bytes() } else { 0 };
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
@@ -202,42 +199,30 @@ impl ABuffer {
                 }
                 target.record_read_back(&mut recorder, pixels)?;
             }
-            timeline.add(recorder.submit("abuffer/store and blend")?);
-            job.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
+            work.timeline.add(recorder.submit("abuffer/store and blend")?);
+            work.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
         }
         Ok(Outcome::Done)
     }
 
     /// Counts and plans the bands; stores nothing.
-    pub fn survey(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        let counted = self.count(device, job, timeline)?;
+    pub(crate) fn survey(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+        let counted = self.count(work.device, job, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        let bands = self.plan_bands(device, job, &counted)?;
-        counted.note(&bands, facts);
+        let bands = self.plan_bands(work.device, job, &counted)?;
+        counted.note(&bands, work.facts);
         Ok(Outcome::Done)
     }
 
     /// Counts the lists of a window for a method that renders without them.
-    pub fn tally(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<Outcome, Error> {
-        let counted = self.count(device, job, timeline)?;
+    pub(crate) fn tally(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+        let counted = self.count(work.device, job, work.timeline)?;
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        counted.note(&[], facts);
+        counted.note(&[], work.facts);
         Ok(Outcome::Done)
     }
 

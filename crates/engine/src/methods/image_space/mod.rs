@@ -6,26 +6,29 @@
 //! A tile has two places: a filter reads one and writes the other, so that nothing is copied, and tiles that are not
 //! listed cost nothing.
 
+mod engine;
 mod passes;
 pub mod windows;
 
+pub(crate) use engine::{Filtering, ImageSpaceEngine, finish, pass_group};
 pub(crate) use passes::CONSTANTS;
 use passes::resolve_variant;
+
 pub use passes::{
     Antialias, Deliver, DeliverPush, Fill, Filter, FilterPush, List, ListPush, Listed, Measure, Occlusion, Resolve,
     ResolvePush, Smooth, Tiled, TiledGroup, shaders,
 };
 
-use super::Error;
-use super::bands::{self, Budget, Window};
+use super::engine::Work;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
-use super::renderer::{Facts, Frame, Target, Timeline};
 use super::splat::NearestSplat;
+use super::{Error, Facts};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
+use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting};
-use crate::scene::{ImageSpace, Method};
+use crate::scene::ImageSpace;
 use windows::TILE;
 
 /// Pixels of a tile.
@@ -48,28 +51,20 @@ pub fn halo(filters: &ImageSpace, layers: u32) -> u32 {
     closing.saturating_add(filters.smooth + u32::from(filters.antialias))
 }
 
-/// Layers of a frame at most, of methods that peel them.
-pub fn layers(method: &Method) -> Option<u32> {
-    match method {
-        Method::PeelLayers(peel) => Some(peel.layers),
-        _ => None,
-    }
-}
-
 /// Cuts a frame into windows whose images fit, with their halos.
 ///
 /// # Errors
 /// The halo of a single pixel does not fit.
-pub fn frame_windows(frame: &Frame, filters: &ImageSpace, budget: Budget) -> Result<Vec<Window>, Error> {
-    let layers = layers(&frame.method);
-    let tile_bytes = TILE_BYTES + AREA * (PIXEL_BYTES + if layers.is_some() { LAYER_BYTES } else { 0 });
+fn frame_windows(size: [u32; 2], filtering: &Filtering, budget: Budget) -> Result<Vec<Window>, Error> {
+    let layer_bytes = if filtering.layers.is_some() { LAYER_BYTES } else { 0 };
+    let tile_bytes = TILE_BYTES + AREA * (PIXEL_BYTES + layer_bytes);
     let bound = (budget.binding / size_of::<[f32; 4]>() as u64).saturating_sub(1) / (2 * AREA);
     let limit = bound.min(MOST_TILES);
-    let halo = halo(filters, layers.unwrap_or(1));
-    let within = |bytes: u64| windows::windows(frame.size, (bytes / tile_bytes).min(limit).max(1), halo);
+    let halo = filtering.halo();
+    let within = |bytes: u64| windows::windows(size, (bytes / tile_bytes).min(limit).max(1), halo);
     // Half of it, unless only all of it will do.
     within(budget.bytes / 2).or_else(|| within(budget.bytes)).ok_or_else(|| {
-        let tiles = windows::fewest_tiles(frame.size, halo);
+        let tiles = windows::fewest_tiles(size, halo);
         if tiles > limit {
             return Error::HaloTooLarge { halo, tiles, limit };
         }
@@ -191,15 +186,9 @@ impl Filterer {
         })
     }
 
-    /// Renders a window of one opaque image; into the target, if there is one.
-    pub fn render(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        target: Option<&Target>,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<(), Error> {
+    /// Renders a window of one opaque image, which a survey does not bring to the target.
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<(), Error> {
+        let device = work.device;
         self.reserve(device, job)?;
         let mut recorder = device.recorder()?;
         self.record_clear(&mut recorder, job)?;
@@ -208,7 +197,8 @@ impl Filterer {
         self.record_image(&mut recorder, job, cut, None)?;
         job.cloud.record_stats(&mut recorder)?;
         self.record_summary(&mut recorder)?;
-        if let Some(target) = target {
+        if !work.survey {
+            let target = work.target;
             let pixels = bands::pixels(job.window);
             recorder.fill("image/clear", target.image().first(pixels), 0)?;
             recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
@@ -218,8 +208,8 @@ impl Filterer {
             recorder.run(&deliver, job.deliver_push(), &Run::new(self.deliver_dispatch(job)))?;
             target.record_read_back(&mut recorder, pixels)?;
         }
-        timeline.add(recorder.submit("points and filters")?);
-        self.note(job, 1, facts);
+        work.timeline.add(recorder.submit("points and filters")?);
+        self.note(job, 1, work.facts);
         Ok(())
     }
 

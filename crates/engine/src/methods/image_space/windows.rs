@@ -1,6 +1,6 @@
 //! Cutting the image into windows that are rendered with all around them that the filters reach.
 
-use crate::methods::bands::Window;
+use crate::passes::bands::Window;
 use crate::passes::tiles;
 
 /// Side of a tile in pixels.
@@ -51,7 +51,7 @@ pub fn fewest_tiles(size: [u32; 2], halo: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::bands::pixels;
+    use crate::passes::bands::pixels;
 
     #[test]
     fn windows_cover_every_pixel_once_and_keep_to_their_tiles() {

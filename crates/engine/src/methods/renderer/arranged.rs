@@ -1,34 +1,9 @@
-//! A scene to the device: its points in whichever order they are, and a frame of it.
+//! Points to the device, in whichever order they are.
 
-use super::{Error, Factors, Frame, Renderer, Stop};
-use crate::camera::Camera;
+use super::{Error, Renderer};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::passes::project::DeviceCloud;
 use crate::prepare::Arranged;
-use crate::scene::Scene;
-
-impl Frame {
-    /// A frame of a scene by a camera and a seed, to the last bit, with all memory that there is. In place of `auto` it has
-    /// the A-buffer; [`crate::plan::choose`] says what is cheaper.
-    pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
-        Self {
-            camera,
-            size: scene.image.size,
-            shading: scene.shading,
-            shadows: scene.shadows,
-            color: scene.image.color,
-            method: scene.method.representative(),
-            memory_budget: None,
-            fragments: false,
-            stop: Stop::Exact,
-            seed,
-            max_error: None,
-            spread: false,
-            ensembles: None,
-            factors: Factors::default(),
-        }
-    }
-}
 
 impl Renderer {
     /// Uploads points as [`Renderer::upload`] does, or, if they were dealt, with their clouds.

@@ -9,8 +9,7 @@ pub mod lights;
 
 use crate::progress::Progress;
 
-use super::renderer::Timeline;
-use super::{Error, Frame, points};
+use super::{Error, Frame, Timeline, points};
 use crate::cloud::shadow_texture::Casting;
 use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};

@@ -4,15 +4,14 @@
 
 use super::{Layer, SoftModel, record_compose};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
-use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
-use crate::methods::bands;
-use crate::methods::renderer::{Facts, Target, Timeline};
-use crate::methods::sorted::{self, STOP_NEVER, STOPS, Stop};
-use crate::methods::{Error, Outcome};
+use crate::methods::engine::Work;
+use crate::methods::sorted::{self, STOP_NEVER, STOPS};
+use crate::methods::{Error, Frame, Outcome, Target};
+use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::project::Footprint;
-use crate::scene::ColorSpace;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -49,14 +48,8 @@ pub struct WindowJob<'a> {
     pub modulated: bool,
     /// The window's solid points, if there are any. Discs are drawn where their depth is less.
     pub layer: Option<&'a Layer>,
-    /// Whether the discs of each pixel are counted: those before the solid points that cover it. Then nothing is left out.
-    pub counted: bool,
-    /// In which space colors are blended.
-    pub color: ColorSpace,
     /// Upper bound of the color components that are blended.
     pub most_color: f32,
-    /// When to stop.
-    pub stop: Stop,
 }
 
 /// What is kept from frame to frame.
@@ -73,21 +66,21 @@ impl Default for SoftDiscs {
 
 impl SoftDiscs {
     /// Bins a window's soft points, and blends them and the solid ones behind them into the target.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         bins: &mut Bins,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        let (device, frame, target) = (work.device, work.frame, work.target);
+        // Then nothing is left out.
+        let counted = frame.fragments;
         let window = job.bin.raster.window;
         let pixels = bands::pixels(window);
-        self.counts.reserve(device, if job.counted { pixels } else { 1 })?;
+        self.counts.reserve(device, if counted { pixels } else { 1 })?;
         self.counted.clear();
         let mut recorder;
-        let binned = match bins.bin(device, &job.bin, timeline, facts)? {
+        let binned = match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 recorder = device.recorder()?;
@@ -95,9 +88,10 @@ impl SoftDiscs {
                 None
             }
             Bin::Done(binned) => {
-                facts.bands += 1;
+                work.facts.note_binned(binned);
+                work.facts.bands += 1;
                 recorder = device.recorder()?;
-                self.record_blend(bins, &mut recorder, job, binned, target)?;
+                self.record_blend(bins, &mut recorder, frame, job, binned, target)?;
                 Some(binned)
             }
         };
@@ -105,12 +99,13 @@ impl SoftDiscs {
             record_compose(&mut recorder, layer, target, pixels, 0.0)?;
         }
         target.record_read_back(&mut recorder, pixels)?;
-        timeline.add(recorder.submit("soft/express")?);
-        if job.counted {
+        work.timeline.add(recorder.submit("soft/express")?);
+        if counted {
             self.counted = match binned {
                 Some(_) => self.counts.get().read(0, pixels)?,
                 None => vec![0; pixels as usize],
             };
+            let facts = &mut *work.facts;
             facts.fragments += self.counted.iter().map(|n| u64::from(*n)).sum::<u64>();
             facts.max_list = facts.max_list.max(self.counted.iter().copied().max().unwrap_or(0));
         }
@@ -127,6 +122,7 @@ impl SoftDiscs {
         &'a self,
         bins: &'a Bins,
         recorder: &mut Recorder<'a>,
+        frame: &Frame,
         job: &WindowJob<'a>,
         binned: Binned,
         target: &'a Target,
@@ -137,10 +133,10 @@ impl SoftDiscs {
         let tiles = bins.tiles(binned).folding(cloud.view());
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
-        let (stop, most_color) = sorted::stop(job.stop, job.color, job.most_color);
+        let (stop, most_color) = sorted::stop(frame.stop, frame.color, job.most_color);
         for segment in 0..binned.segments() {
             let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, most_color };
-            let WindowJob { modulated, counted, .. } = *job;
+            let (modulated, counted) = (job.modulated, frame.fragments);
             let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
             let run = Run::new(Dispatch::Groups(binned.tiles().into()));
             recorder.run(&express, push, &run.variant(express_variant(way, binned.subgroup())))?;

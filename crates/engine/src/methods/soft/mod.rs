@@ -1,12 +1,15 @@
 //! Soft transparency (Seemann et al. 2018): what its models share.
 
+mod engine;
+mod explain;
 pub mod express;
 mod spheres;
 
+pub(crate) use engine::{ExpressEngine, SpheresEngine};
+pub(crate) use explain::{disc_group, sphere_group};
 pub use spheres::*;
 
-use super::Error;
-use super::splats::Pixels;
+use super::{Error, Pixels};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
@@ -17,9 +20,6 @@ pub struct Layer {
     depths: Kept<f32>,
 }
 
-/// Bytes of a pixel of a [`Layer`].
-pub const LAYER_BYTES: u64 = 20;
-
 impl Default for Layer {
     fn default() -> Self {
         Self { image: Kept::new("solid image", Memory::Device), depths: Kept::new("solid depths", Memory::Device) }
@@ -27,6 +27,9 @@ impl Default for Layer {
 }
 
 impl Layer {
+    /// Bytes of a pixel.
+    pub const PIXEL_BYTES: u64 = 20;
+
     /// Room for a window.
     pub fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
         self.image.reserve(device, pixels)?;

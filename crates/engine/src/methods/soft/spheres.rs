@@ -13,15 +13,14 @@ use super::{Layer, SoftModel};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::{self, LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, ResolvingGroup};
-use crate::methods::bands::Band;
-use crate::methods::renderer::Target;
 use crate::methods::sorted::STOPS;
-use crate::methods::{Error, splats};
+use crate::methods::{Error, Target, splats};
+use crate::passes::bands::Band;
 use crate::passes::compose::{self, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
 use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
-use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, Soft, SoftLayout};
+use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, SoftLayout};
 use crate::{choices, gpu_struct, pass};
 
 gpu_struct! {
@@ -195,15 +194,11 @@ pub enum Interior {
 }
 
 impl Interior {
-    /// Of a method that draws soft points as spheres.
-    pub fn of(method: &Method) -> Option<Self> {
-        match method {
-            Method::SoftBase(Soft { layout: SoftLayout::Precise, .. }) => Some(Self::Linear),
-            Method::SoftBase(Soft { layout: SoftLayout::Paper, .. }) => Some(Self::Packed),
-            Method::SoftConcentric(Soft { shells, pixels_per_shell, .. }) => {
-                Some(Self::Shells(*shells, *pixels_per_shell))
-            }
-            _ => None,
+    /// Of spheres that are integrated, by what is stored of their events.
+    pub fn integrated(layout: SoftLayout) -> Self {
+        match layout {
+            SoftLayout::Precise => Self::Linear,
+            SoftLayout::Paper => Self::Packed,
         }
     }
 
@@ -372,7 +367,7 @@ impl<'a> Spheres<'a> {
 
 /// Device bytes per pixel beside those of lists, those by which the solid points were drawn included.
 pub fn pixel_bytes(interior: Interior, solids: bool) -> u64 {
-    let layer = if solids { super::LAYER_BYTES + splats::PIXEL_BYTES } else { 0 };
+    let layer = if solids { Layer::PIXEL_BYTES + splats::PIXEL_BYTES } else { 0 };
     layer + if interior.counted() { SPHERES_BYTES } else { 0 }
 }
 
@@ -541,6 +536,7 @@ pub(super) fn shaders() -> Vec<Shader> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Soft;
 
     /// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
     const MOST_ITERATIONS: u32 = 60_000;

@@ -9,27 +9,28 @@
 //! its own (1 in orthographic views), p = ln(1 − α) / ln(1 − α of its cloud), t = |cos θ| between normal and view
 //! unless `cos_theta`. Below 1 it is one pixel with that probability, above it a square.
 
+mod engine;
 pub mod rounds;
 pub mod share;
 pub mod stream;
 mod tasks;
 
+pub(crate) use engine::{EnsembleEngine, pass_group};
+
 use std::iter::Peekable;
 use std::ops::Range;
 
-use crate::progress::Progress;
-
 use self::rounds::{Epochs, Piece, epoch_bits};
-use self::share::{Placed, Share, Wanted};
+use self::share::{Share, Wanted};
 use self::stream::Stream;
 use self::tasks::{Task, Tasks};
-use super::Error;
-use super::bands::{self, Budget, Window};
-use super::renderer::{Facts, Frame, Target, Thin, Timeline};
+use super::engine::Work;
+use super::{Error, Facts, Frame, Target, ThinCloud};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
-use crate::passes::project::{Column, DeviceCloud, Projecting, Shaded, View};
+use crate::passes::project::{Column, DeviceCloud, Placed, Projecting, Shaded, View};
 use crate::prepare::ensembles::slots;
 use crate::random;
 use crate::scene::{ColorSpace, Method, ShadingModel, Spbr};
@@ -433,8 +434,6 @@ pub struct WindowJob<'a> {
     pub concurrent: u64,
     /// The budget.
     pub budget: Budget,
-    /// Says how far the ensembles are.
-    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {
@@ -557,13 +556,8 @@ impl Default for Ensembles {
 
 impl Ensembles {
     /// Renders a window into the target.
-    pub fn render(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-    ) -> Result<Drawn, Error> {
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Drawn, Error> {
+        let (device, target) = (work.device, work.target);
         self.reserve(device, job)?;
         let mut tasks = Tasks::new(job).peekable();
         let mut submissions = 0;
@@ -581,13 +575,13 @@ impl Ensembles {
                 self.record_resolve(&mut recorder, job, target)?;
                 recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
                 target.record_read_back(&mut recorder, job.pixels())?;
-                timeline.add(recorder.submit("spbr/resolve")?);
+                work.timeline.add(recorder.submit("spbr/resolve")?);
                 break;
             }
-            timeline.add(recorder.submit("spbr/draw")?);
+            work.timeline.add(recorder.submit("spbr/draw")?);
             submissions += 1;
             let done = submission.last().map_or(0, |task| task.ensembles.end);
-            job.progress.set_message(format!("rendering, {done} ensembles"));
+            work.progress.set_message(format!("rendering, {done} ensembles"));
         }
         let counters = self.counters_host.get().mapped_slice()[0];
         let visible = u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low);
@@ -860,10 +854,10 @@ pub fn slots_of(share: &Share, ensembles: u32, drawn: u32) -> u64 {
 }
 
 /// The clouds that lose opacity.
-pub fn thin(shares: &[Share]) -> Vec<Thin> {
+pub fn thin(shares: &[Share]) -> Vec<ThinCloud> {
     let thousandths = |share: &Share| (1000.0 * share.opacity).round() as u32;
     let all = shares.iter().zip(0..);
-    all.filter(|(s, _)| s.capped).map(|(s, cloud)| Thin { cloud, reached: thousandths(s) }).collect()
+    all.filter(|(s, _)| s.capped).map(|(s, cloud)| ThinCloud { cloud, reached: thousandths(s) }).collect()
 }
 
 #[cfg(test)]

@@ -5,42 +5,12 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
-
 use crate::camera::{Camera, Projection};
-use crate::points::Points;
-use crate::prepare::ensembles::{Deal, Surface};
+use crate::passes::project::Placed;
+use crate::prepare::ensembles::Deal;
 use crate::scene::Method;
 
-/// A cloud of a dealt list, with the corners of its box.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Placed {
-    /// What is known of it.
-    pub surface: Surface,
-    /// Of its points' box, in world coordinates.
-    pub corners: [DVec3; 8],
-    /// Whether all of its points have the same opacity.
-    pub uniform: bool,
-}
-
 impl Placed {
-    /// The clouds of a list.
-    pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
-        let placed = |surface: &Surface| {
-            let range = surface.points.start as usize..surface.points.end as usize;
-            let own = points.positions[range].iter().copied();
-            let corners = crate::cloud::Bounds::of(own).map_or([surface.center; 8], |bounds| bounds.corners());
-            Self { surface: surface.clone(), corners, uniform: is_uniform(points, surface) }
-        };
-        surfaces.iter().map(placed).collect()
-    }
-
-    /// Takes over opacities that are others: of its points, and of the surface that they are of.
-    pub fn renew_opacities(&mut self, points: &Points, surface: &Surface) {
-        self.surface.opacity = surface.opacity;
-        self.uniform = is_uniform(points, surface);
-    }
-
     /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the
     /// box, of the middle of the part before it. Any depth gives the same opacity while there are points enough, but
     /// none behind the camera has a pixel of positive width, and one close before it asks for more points than there
@@ -53,11 +23,6 @@ impl Placed {
     fn depths(&self, camera: &Camera) -> impl Iterator<Item = f64> {
         self.corners.iter().map(|corner| camera.to_view(*corner).z)
     }
-}
-
-fn is_uniform(points: &Points, surface: &Surface) -> bool {
-    let range = surface.points.start as usize..surface.points.end as usize;
-    points.opacities[range].iter().all(|opacity| *opacity == surface.opacity)
 }
 
 /// What a frame takes of a cloud.
@@ -141,7 +106,10 @@ impl Wanted<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::prepare::ensembles::Surface;
     use crate::scene::Spbr;
 
     /// A cloud of 1000 points in a cube of side 2, 10 on each unit of area, before a camera at `z`.

@@ -12,10 +12,10 @@ use crate::gpu::{
     Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
     Targets, Variant,
 };
-use crate::methods::Error;
 use crate::methods::abuffer::record_nothing;
-use crate::methods::bands::Window;
-use crate::methods::renderer::{Facts, Target, Timeline};
+use crate::methods::engine::Work;
+use crate::methods::{Error, Target};
+use crate::passes::bands::Window;
 use crate::passes::compose;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{QuadsGroup, Raster};
@@ -199,20 +199,13 @@ impl Attachments {
 
 impl Sampler {
     /// Renders a window into the target by the rasteriser.
-    pub fn draw(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        depths: HeldDepths,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
-    ) -> Result<(), Error> {
+    pub(crate) fn draw(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>, depths: HeldDepths) -> Result<(), Error> {
+        let (device, target) = (work.device, work.target);
         let window = job.bin.raster.window;
         self.reserve_drawing(device, job)?;
         let mut recorder = device.recorder()?;
         if is_seen(&job.bin.raster) {
-            facts.bands += 1;
+            work.facts.bands += 1;
             if job.kind().exact {
                 let push = Stratum { batch: Batch { before: 0, left: STRATUM, strata: 1 }, number: 0, depths };
                 self.record_alpha(&mut recorder, job, push)?;
@@ -222,8 +215,8 @@ impl Sampler {
                     self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
                 }
                 self.record_gather(&mut recorder, job, batch, target)?;
-                timeline.add(recorder.submit("stochastic/draw-held and draw-sums")?);
-                job.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                work.timeline.add(recorder.submit("stochastic/draw-held and draw-sums")?);
+                work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
                 recorder = device.recorder()?;
             }
             self.record_resolve(&mut recorder, job, target)?;
@@ -232,7 +225,7 @@ impl Sampler {
             recorder.fill("image/clear", self.spread.get().all(), 0)?;
         }
         target.record_read_back(&mut recorder, job.pixels())?;
-        timeline.add(recorder.submit("stochastic/resolve")?);
+        work.timeline.add(recorder.submit("stochastic/resolve")?);
         Ok(())
     }
 

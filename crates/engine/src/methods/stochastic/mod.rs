@@ -7,20 +7,20 @@
 //!
 //! Reference: [`crate::reference::stochastic`].
 
+mod engine;
 pub mod hardware;
 mod tiles;
 
+pub(crate) use engine::{StochasticEngine, pass_groups};
 pub use tiles::{Accumulate, StochasticPush, Visibility};
 
-use crate::progress::Progress;
-
 use super::abuffer::record_nothing;
-use super::bands::{self, Budget, Window};
-use super::renderer::{Facts, Target, Timeline};
-use super::{Error, Outcome};
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::image;
+use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
@@ -178,8 +178,6 @@ pub struct WindowJob<'a> {
     pub seed: u64,
     /// Whether the standard error is asked for.
     pub spread: bool,
-    /// Says how far the samples are.
-    pub progress: &'a Progress,
 }
 
 impl WindowJob<'_> {
@@ -216,17 +214,15 @@ impl Sampler {
     }
 
     /// Renders a window into the target.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         bins: &mut Bins,
-        device: &Device,
+        work: &mut Work<'_>,
         job: &WindowJob<'_>,
-        target: &Target,
-        timeline: &mut Timeline,
-        facts: &mut Facts,
     ) -> Result<Outcome, Error> {
+        let (device, target) = (work.device, work.target);
         let mut recorder;
-        match bins.bin(device, &job.bin, timeline, facts)? {
+        match bins.bin(device, &job.bin, work.timeline)? {
             Bin::TooLarge => return Ok(Outcome::Overflow),
             Bin::Nothing => {
                 self.spread.reserve(device, if job.spread { job.pixels() } else { 1 })?;
@@ -235,21 +231,22 @@ impl Sampler {
                 recorder.fill("image/clear", self.spread.get().all(), 0)?;
             }
             Bin::Done(binned) => {
-                facts.bands += 1;
+                work.facts.note_binned(binned);
+                work.facts.bands += 1;
                 self.reserve(device, job)?;
                 for batch in batches(job.settings.samples) {
                     recorder = device.recorder()?;
                     self.record_tiles(&mut recorder, job, bins.tiles(binned), batch, target)?;
                     self.record_gather(&mut recorder, job, batch, target)?;
-                    timeline.add(recorder.submit("stochastic/visibility and accumulate")?);
-                    job.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
+                    work.timeline.add(recorder.submit("stochastic/visibility and accumulate")?);
+                    work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
                 }
                 recorder = device.recorder()?;
                 self.record_resolve(&mut recorder, job, target)?;
             }
         }
         target.record_read_back(&mut recorder, job.pixels())?;
-        timeline.add(recorder.submit("stochastic/resolve")?);
+        work.timeline.add(recorder.submit("stochastic/resolve")?);
         Ok(Outcome::Done)
     }
 

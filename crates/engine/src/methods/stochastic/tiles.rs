@@ -3,8 +3,7 @@
 use super::{Batch, Kind, STRATA, Sampler, WindowJob};
 use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
-use crate::methods::Error;
-use crate::methods::renderer::Target;
+use crate::methods::{Error, Target};
 use crate::passes::bin::{self, FoldingGroup, OrderedTiles, TileWalk};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};

@@ -19,7 +19,7 @@ pub struct Filters {
     /// An odd number, the middle one for the pixel itself. A Gaussian's weights sum to 1, the positive ones of slope and
     /// curvature to 1 and the negative ones to −1.
     pub taps: Vec<Weights>,
-    /// What each of the two filters of Cz counts.
+    /// The weights of the two filters of Cz.
     pub shares: [f64; 2],
 }
 
@@ -84,7 +84,7 @@ mod tests {
         }
         // A Gaussian's integral is √(πb)/π per axis: the volumes are as a√(π/b)·b, so a√b: 34.1·0.2 to 13.5·0.158.
         let expected = 34.1 * 0.2 / (34.1 * 0.2 + 13.5 * 0.025f64.sqrt());
-        // What lies beyond 3 standard deviations is left out.
+        // Filters are cut off at 3 standard deviations.
         assert!((filters.shares[0] - expected).abs() < 1e-3, "{}", filters.shares[0]);
         assert!((filters.shares[0] + filters.shares[1] - 1.0).abs() < 1e-15);
     }

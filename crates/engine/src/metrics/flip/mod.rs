@@ -2,7 +2,7 @@
 //!
 //! Computed here rather than by NVIDIA's C++ (crate nv-flip), whose binding takes 8-bit pictures: in those, what is below
 //! half a step is no difference. Constants and the filters' amplitudes are those of that code, and so are the values, to
-//! float32's rounding, as tests/metrics.rs shows.
+//! float32's rounding, as crates/engine/tests/host/metrics.rs shows.
 
 mod color;
 mod filter;
@@ -24,17 +24,17 @@ const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 const STRIP: usize = 32;
 
 /// Mean LDR-FLIP error (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild 2020, "FLIP: a difference
-/// evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree: no unit, 0 for
-/// equal images, at most 1.
+/// evaluator for alternating images") of two images, clamped to [0, 1], on a screen of 67 pixels per degree: no unit, 0
+/// for equal images, at most 1.
 ///
-/// Per pixel (ΔE_c)^(1 − ΔE_f). ΔE_c is the HyAB distance of Hunt-adjusted CIELAB colors after filters of the eye's contrast
-/// sensitivity in YCxCz, ΔE_f the difference of the edges and points in their luminance. Beyond its sides an image goes on
-/// as it ends, so that every size is measured. The paper takes sRGB-encoded pictures and decodes them; linear light is
-/// taken here as it is, unrounded. The order of the images does not matter. Differing values of which one is not finite
-/// give 1.
+/// Per pixel (ΔE_c)^(1 − ΔE_f). ΔE_c is the HyAB distance of Hunt-adjusted CIELAB colors after filters of the eye's
+/// contrast sensitivity in YCxCz, ΔE_f the difference of the edges and points in their luminance. Beyond its sides an
+/// image repeats its border pixels, so images of any size can be compared. The paper takes sRGB-encoded pictures and
+/// decodes them; here linear light is used directly, unrounded. The order of the images does not matter. Differing
+/// values give 1 if one of them is not finite.
 ///
 /// # Panics
-/// If the images are not equally large.
+/// The images differ in size.
 pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height), "images to compare are equally large");
     let (width, height) = (a.width as usize, a.height as usize);
@@ -47,7 +47,7 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
         .into_par_iter()
         .map(|strip| {
             let rows = strip * STRIP..height.min((strip + 1) * STRIP);
-            let [a, b] = images.each_ref().map(|pixels| eye.look(pixels, width, rows.clone()));
+            let [a, b] = images.each_ref().map(|pixels| eye.features(pixels, width, rows.clone()));
             a.iter().zip(&b).map(|(a, b)| eye.error(a, b)).sum()
         })
         .collect();
@@ -55,15 +55,15 @@ pub fn flip(a: &LinearImage, b: &LinearImage) -> f64 {
     strips.iter().sum::<f64>() / (width * height) as f64
 }
 
-/// What is seen of one pixel.
-struct Seen {
+/// The filtered features of one pixel.
+struct PixelFeatures {
     /// Filtered color, Hunt-adjusted CIELAB.
     color: DVec3,
     /// Strength of edges and of points.
     features: [f64; 2],
 }
 
-/// What all pixels share.
+/// The filters shared by all pixels.
 struct Eye {
     filters: Filters,
     colors: Colors,
@@ -78,8 +78,8 @@ impl Eye {
         Self { filters: Filters::new(pixels_per_degree), colors, greatest }
     }
 
-    /// What is seen of some rows of an image, pixel by pixel.
-    fn look(&self, pixels: &[[f32; 3]], width: usize, rows: Range<usize>) -> Vec<Seen> {
+    /// The features of some rows of an image, pixel by pixel.
+    fn features(&self, pixels: &[[f32; 3]], width: usize, rows: Range<usize>) -> Vec<PixelFeatures> {
         let length = self.filters.taps.len();
         let radius = length / 2;
         let last = pixels.len() / width - 1;
@@ -111,8 +111,8 @@ impl Eye {
         sums
     }
 
-    /// The same along a row, and what follows of it.
-    fn horizontal(&self, columns: &[Weights]) -> Seen {
+    /// The same filter along a row, and the resulting features.
+    fn horizontal(&self, columns: &[Weights]) -> PixelFeatures {
         let mut colors = [0.0; 4];
         let (mut edge, mut point) = ([0.0; 2], [0.0; 2]);
         for (column, tap) in columns.iter().zip(&self.filters.taps) {
@@ -127,11 +127,11 @@ impl Eye {
         let rgb = self.colors.linear(DVec3::new(colors[0], colors[1], cz)).clamp(DVec3::ZERO, DVec3::ONE);
         // The luminance is (Y + 16) / 116, and these filters sum to 0.
         let features = [edge, point].map(|[x, y]: [f64; 2]| x.hypot(y) / 116.0);
-        Seen { color: self.colors.hunt_lab(rgb), features }
+        PixelFeatures { color: self.colors.hunt_lab(rgb), features }
     }
 
     /// The error of one pixel, in [0, 1].
-    fn error(&self, a: &Seen, b: &Seen) -> f64 {
+    fn error(&self, a: &PixelFeatures, b: &PixelFeatures) -> f64 {
         let color = spread(color_difference(a.color, b.color) / self.greatest);
         let [edges, points] = [0, 1].map(|i| (a.features[i] - b.features[i]).abs());
         let feature = (edges.max(points) / 2f64.sqrt()).sqrt().min(1.0);

@@ -1,4 +1,4 @@
-//! How much light a sphere takes: λ, the integral of its density, and Eq. 22.
+//! The absorption of a sphere: λ, the integral of its density, and Eq. 22.
 
 use crate::points::Points;
 use crate::scene::{Density, Method, Soft};
@@ -12,7 +12,7 @@ pub struct Strength {
     pub peak: f64,
 }
 
-/// Optical depth of a chord that is asked to be opaque: so is whatever can be told from none of it.
+/// Optical depth of a chord that should be opaque; its transmittance can't be distinguished from 0.
 const OPAQUE: f64 = 1e20;
 
 impl Strength {
@@ -45,7 +45,7 @@ impl Strength {
     }
 }
 
-/// Median radius of the points with F > t; of an even number the mean of the middle two, of none 0.
+/// Median radius of the points with F > t; the mean of the middle two for an even number, 0 for none.
 pub fn median_radius(points: &Points, threshold: f32) -> f64 {
     let soft = points.fields.iter().zip(&points.radii).filter(|(field, _)| **field > threshold);
     let mut radii: Vec<f64> = soft.map(|(_, radius)| f64::from(*radius)).collect();
@@ -81,8 +81,8 @@ pub fn modulated_opacity(opacity: f64, rho: f64, w: f64, peak: f64) -> f64 {
     peak * (1.0 - rho) * (1.0 - w) + opacity * w
 }
 
-/// ln(1 − Φ′)/ln(1 − Φ): what a sphere's density is multiplied with, so that its whole chord of this optical depth has the
-/// opacity of Eq. 22. 1 where that is no number: a chord without density, or one that must be opaque.
+/// ln(1 − Φ′)/ln(1 − Φ): the factor on a sphere's density that gives its whole chord of this optical depth the opacity
+/// of Eq. 22. 1 where the quotient is undefined: a chord without density, or one that must be opaque.
 pub fn density_factor(whole: f64, rho: f64, w: f64, peak: f64) -> f64 {
     if w == 1.0 {
         return 1.0;

@@ -74,7 +74,7 @@ pub fn lists(
     lists
 }
 
-/// Blends a pixel's list front to back: what lies before the solid.
+/// Blends a pixel's list front to back: the fragments before the solid.
 pub fn blend(list: &[Fragment], colors: &[DVec3], behind: &Behind) -> Pixel {
     let drawn: Vec<&Fragment> = list.iter().filter(|fragment| fragment.z < behind.depth).collect();
     let mut log_transmittance = 0.0f64;

@@ -1,8 +1,8 @@
-//! Soft transparency (Seemann et al. 2018): spheres that are densest in the middle, before solid points.
+//! Soft transparency (Seemann et al. 2018): spheres that are densest in the middle, in front of solid points.
 //!
-//! Everything is exact but for rounding: rays through pixel centres, spheres that are hit where d < r, no pixel that is
-//! always covered, no bound on a radius. s runs along the normalised ray; a depth z cuts it at z/cos φ. Colors of points are
-//! those of [`super::shading::shade`].
+//! Everything is exact except for rounding: rays through pixel centres, spheres that are hit where d < r, no
+//! always-covered pixel, no limit on radii. s runs along the normalised ray; a depth z cuts it at z/cos φ. Colors of
+//! points are those of [`super::shading::shade`].
 
 pub mod density;
 pub mod express;
@@ -21,7 +21,7 @@ use crate::camera::{Camera, Projection};
 use crate::points::Points;
 use crate::scene::{MAX_SHELLS, Method, Shells, Soft};
 
-/// A soft method, its settings, and what they mean for a cloud.
+/// A soft method, its settings, and their meaning for a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
     /// The method.
@@ -52,11 +52,11 @@ pub struct Sphere {
     pub color: DVec3,
     /// W of Eq. 22, 1 where nothing is modulated.
     pub modulation: f64,
-    /// Concentric spheres that stand for it; `None`: the density itself.
+    /// The number of concentric spheres that approximate it; `None` uses the density itself.
     pub shells: Option<u32>,
 }
 
-/// What soft points are drawn before.
+/// The background of soft points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Behind {
     /// Premultiplied.
@@ -68,11 +68,11 @@ pub struct Behind {
 }
 
 impl Behind {
-    /// Nothing.
+    /// An empty background.
     pub const NOTHING: Self = Self { color: DVec3::ZERO, alpha: 0.0, depth: f64::INFINITY };
 
     /// A pixel of a picture of the solid points.
-    pub fn of(picture: &Picture, pixel: usize) -> Self {
+    pub fn from_picture(picture: &Picture, pixel: usize) -> Self {
         let [r, g, b, alpha] = picture.rgba[pixel];
         Self { color: DVec3::new(r, g, b), alpha, depth: picture.depth[pixel] }
     }
@@ -87,12 +87,12 @@ pub struct Pixel {
     pub alpha: f64,
     /// z where the first soft point with α > 0 is entered, else the solid's.
     pub depth: f64,
-    /// Soft points of which some part lies within near plane and solid.
+    /// Soft points with some part between the near plane and the solid.
     pub count: u32,
 }
 
 impl Pixel {
-    /// Light of the soft points over what is behind, of which the share exp(`log_transmittance`) is seen.
+    /// Light of the soft points over the background, whose visible share is exp(`log_transmittance`).
     fn before(color: DVec3, log_transmittance: f64, first: Option<f64>, count: u32, behind: &Behind) -> Self {
         let transmittance = log_transmittance.exp();
         Self {
@@ -105,18 +105,18 @@ impl Pixel {
     }
 }
 
-/// What is looked at.
+/// The scene to render.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     /// From where.
     pub camera: &'a Camera,
     /// Columns and rows of the image.
     pub size: [u32; 2],
-    /// All points, of which those with F > t are soft.
+    /// All points; those with F > t are soft.
     pub points: &'a Points,
     /// A color for each point ([`super::shading::shade`]).
     pub colors: &'a [DVec3],
-    /// How.
+    /// The model of the soft points.
     pub model: Model,
 }
 
@@ -130,7 +130,7 @@ impl Scene<'_> {
         [(pixel % width) as u32, (pixel / width) as u32]
     }
 
-    /// The spheres whose centres lie within near and far.
+    /// The spheres with centres between near and far.
     pub fn spheres(&self) -> Vec<Sphere> {
         let Self { camera, points, colors, model, .. } = self;
         let soft = (0..points.fields.len()).filter(|i| points.fields[*i] > model.soft.threshold);
@@ -162,7 +162,7 @@ impl Scene<'_> {
         })
     }
 
-    /// One pixel, of spheres of which those that its ray misses do not matter.
+    /// Renders one pixel; spheres that its ray misses have no effect.
     fn pixel<'s>(&self, pixel: usize, spheres: impl Iterator<Item = &'s Sphere>, behind: &Behind) -> Pixel {
         let ray = Ray::new(self.camera, self.size, self.place(pixel));
         let limits = Limits { near: self.camera.near * ray.stretch, solid: behind.depth * ray.stretch };
@@ -171,8 +171,8 @@ impl Scene<'_> {
         spans::blend(spans, ray.stretch, met as u32, behind)
     }
 
-    /// These pixels (row · width + column, ascending), every sphere tried on each of them. `behind` says what lies behind a
-    /// pixel of the image.
+    /// Renders these pixels (row · width + column, ascending), testing every sphere on each. `behind` gives the
+    /// background of a pixel.
     pub fn render_at(&self, wanted: &[usize], behind: impl Fn(usize) -> Behind + Sync) -> Vec<Pixel> {
         if let Method::SoftExpress(_) = self.model.method {
             let found = |pixel: usize| wanted.binary_search(&pixel).ok();
@@ -184,7 +184,7 @@ impl Scene<'_> {
         wanted.par_iter().map(|pixel| self.pixel(*pixel, spheres.iter(), &behind(*pixel))).collect()
     }
 
-    /// The whole image. `behind` says what lies behind a pixel.
+    /// Renders the whole image. `behind` gives the background of a pixel.
     pub fn render(&self, behind: impl Fn(usize) -> Behind + Sync) -> Picture {
         let pixels = match self.model.method {
             Method::SoftExpress(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),

@@ -7,7 +7,7 @@ use crate::camera::{Camera, Projection};
 /// The ray through a pixel's centre, in camera coordinates (right, up, z).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where s = 0: the eye (perspective), or the pixel's place on the plane z = 0.
+    /// The point with s = 0: the eye (perspective), or the pixel's position on the plane z = 0.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
@@ -15,7 +15,7 @@ pub struct Ray {
     pub stretch: f64,
 }
 
-/// What a ray and a sphere have in common.
+/// The intersection of a ray and a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
     /// Distance d of the ray from the sphere's centre.
@@ -43,7 +43,7 @@ impl Ray {
         }
     }
 
-    /// The chord through a sphere, `None` unless d < r. Where on the ray it lies doesn't matter.
+    /// The chord through a sphere, `None` unless d < r. Its position along the ray doesn't matter.
     pub fn meet(&self, center: DVec3, radius: f64) -> Option<Chord> {
         let to_center = center - self.origin;
         let distance = to_center.cross(self.direction).length();

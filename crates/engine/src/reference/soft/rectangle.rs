@@ -1,4 +1,4 @@
-//! Pixels outside of which no ray meets a sphere.
+//! The rectangle of pixels whose rays can meet a sphere.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,8 +24,8 @@ pub fn around(camera: &Camera, size: [u32; 2], sphere: &Sphere) -> [u32; 4] {
     [x0, y0, x1, y1]
 }
 
-/// Slopes of the two lines through the eye that touch a circle at (`offset`, `z`) with z > 0; infinite where a line does
-/// not come to lie before the eye.
+/// Slopes of the two lines through the eye that touch a circle at (`offset`, `z`) with z > 0; infinite for a line that
+/// doesn't pass in front of the eye.
 fn tangents(offset: f64, z: f64, radius: f64) -> (f64, f64) {
     let away = offset.hypot(z);
     if away <= radius {

@@ -1,4 +1,4 @@
-//! A pixel's ray through spheres: the spans of one density, and what they make of the light.
+//! A pixel's ray through spheres: spans of constant density, and their effect on the light.
 
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub struct Span {
     pub weight: f64,
     /// Its color.
     pub color: DVec3,
-    /// What its light is taken by.
+    /// The medium that absorbs its light.
     pub medium: Medium,
 }
 
@@ -73,7 +73,7 @@ impl Limits {
     }
 }
 
-/// Appends what of a sphere lies within the limits; whether there is anything.
+/// Appends the part of a sphere within the limits. Returns true if any part is.
 pub fn append(spans: &mut Vec<Span>, model: &Model, sphere: &Sphere, ray: &Ray, limits: &Limits) -> bool {
     let Some(chord) = ray.meet(sphere.center, sphere.radius) else { return false };
     if limits.cut(&chord).is_none() {
@@ -94,7 +94,7 @@ fn whole(model: &Model, sphere: &Sphere, chord: &Chord, limits: &Limits) -> Opti
     let rho = distance / radius;
     let factor = density_factor(optical_depth, rho, sphere.modulation, model.strength.peak);
     let lambda = model.strength.lambda * factor;
-    // What is kept of d and the color; ends and middle are those of the sphere itself.
+    // The stored precision of d and the color; ends and middle are those of the sphere itself.
     let (rho, color) = match model.soft.layout {
         SoftLayout::Precise => (rho, sphere.color),
         SoftLayout::Paper => (in_8_bits(rho), sphere.color.map(in_8_bits)),

@@ -1,4 +1,4 @@
-//! The built-in scenes: clouds made from a name, parameters and a seed.
+//! The built-in scenes: clouds generated from a name, parameters and a seed.
 //!
 //! The same name, parameters and seed give the same clouds on every machine: the generator is PCG-64 and the geometry
 //! needs only operations that IEEE 754 defines to the last bit (sines come from `random::unit_circle`). Positions,
@@ -22,13 +22,13 @@ use crate::cloud::Cloud;
 /// Most points a built-in scene may ask for: 10 GB as [`Cloud`]s with color, normal and class.
 const MAX_POINTS: f64 = 200e6;
 
-/// One built-in scene: name, one line of what it is, its parameters.
+/// A built-in scene: name, summary in one line, parameters.
 pub struct Builtin {
-    /// What `pellucid scene` calls it.
+    /// Its name in `pellucid scene`.
     pub name: &'static str,
-    /// One line for `--list`.
+    /// A single line for `--list`.
     pub summary: &'static str,
-    /// What `--set` can change.
+    /// The parameters of `--set`.
     pub parameters: &'static [Parameter],
     generate: fn(&Values, u64) -> Result<Generated, Error>,
 }
@@ -45,7 +45,7 @@ pub struct Parameter {
     pub max: f64,
     /// True for a count, which has to be a whole number.
     pub integer: bool,
-    /// One line for `--list`.
+    /// A single line for `--list`.
     pub summary: &'static str,
 }
 
@@ -152,19 +152,19 @@ pub enum Error {
          where some are above and some below"
     )]
     NoSurface {
-        /// The value asked for, or the only one that there is.
+        /// The requested value, or the only one in the volume.
         value: f64,
         /// The volume's least value; NaN if it has none.
         least: f64,
         /// Its greatest.
         greatest: f64,
     },
-    /// More values than there are colors.
+    /// More values than available colors.
     #[error("iso: {values} values are given, and there may be {most}")]
     TooManySurfaces {
-        /// How many were given.
+        /// The number of given values.
         values: usize,
-        /// How many there may be.
+        /// The largest allowed number.
         most: usize,
     },
     /// The memory for the points is not to be had.
@@ -172,7 +172,7 @@ pub enum Error {
     TooLarge {
         /// Points asked for.
         points: usize,
-        /// What they need.
+        /// The memory they need.
         bytes: usize,
     },
 }
@@ -224,7 +224,7 @@ impl Values {
         index.and_then(|i| self.values.get(i).copied()).unwrap_or_else(|| unreachable!("parameter {name} not declared"))
     }
 
-    /// As [`Self::real`], for a count; the range check keeps it below 2⁵³.
+    /// Like [`Self::real`], for a count; the range check keeps it below 2⁵³.
     fn count(&self, name: &str) -> usize {
         self.real(name) as usize
     }

@@ -30,7 +30,7 @@ fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
     let (layers, size) = (values.count("layers"), values.count("size"));
     let most = (size / PITCH + 2).pow(2) as f64 * layers as f64;
     if most > MAX_POINTS {
-        // Rounded up: what a full grid would take on every layer.
+        // Rounded up: the size of a full grid on every layer.
         return Err(Error::TooLarge { points: most as usize, bytes: most as usize * size_of::<DVec3>() });
     }
     let mut discs: Vec<_> = (0..layers).flat_map(|layer| centers(layer, size).map(move |c| (layer, c))).collect();

@@ -17,7 +17,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Half the side of the square; it lies around the origin in the plane z = 0 before the tilt.
+/// Half the side of the square, which is centred on the origin in the plane z = 0 before the tilt.
 const HALF: f64 = 1.0;
 
 fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
@@ -31,7 +31,7 @@ fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
         builder.point(x * right + y * DVec3::Y, [255; 3]);
         builder.normal(normal);
     }
-    // Independent points leave exp(−π·0.8²) = 13% of the square bare, whatever their number.
+    // Independent points leave exp(−π·0.8²) = 13% of the square uncovered, whatever their number.
     let radius = (0.8 * 2.0 * HALF / (points as f64).sqrt()) as f32;
     let scene_toml = format!(
         r#"# A white plane of {points} random points after Tanaka et al., Fig. 5, tilted by {tilt} degrees.

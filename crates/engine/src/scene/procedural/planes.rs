@@ -1,4 +1,4 @@
-//! `planes`: parallel planes of random points that fill the image, whose picture alpha blending tells beforehand.
+//! `planes`: parallel planes of random points that fill the image, for which alpha blending predicts the picture.
 
 use glam::DVec3;
 

@@ -17,9 +17,9 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Half the sign's width and height; it stands in the plane z = 0.
+/// Half the sign's width and height; it lies in the plane z = 0.
 const HALF: DVec2 = DVec2::new(1.2, 0.8);
-/// The text, and where each line's lower left corner lies.
+/// The text, with the position of each line's lower left corner.
 const LINES: [(&str, DVec2); 3] = [
     ("PELLUCID", DVec2::new(-1.13, 0.34)),
     ("POINTS YOU SEE THROUGH", DVec2::new(-1.13, 0.14)),
@@ -78,7 +78,7 @@ name = "paraboloid"
     Ok(Generated { clouds: vec![("sign.ply".to_owned(), builder.finish())], scene_toml })
 }
 
-/// What is painted at a place of the sign.
+/// The color at a position of the sign.
 fn paint(place: DVec2) -> Rgb {
     let margin = (HALF - place.abs()).min_element();
     if margin < 0.03 {
@@ -87,7 +87,7 @@ fn paint(place: DVec2) -> Rgb {
     if LINES.iter().any(|(text, corner)| is_inked(text, place - corner)) || is_dark(place) { INK } else { PAPER }
 }
 
-/// Whether a line of text covers a place relative to its lower left corner.
+/// True if a line of text covers a position relative to its lower left corner.
 fn is_inked(text: &str, place: DVec2) -> bool {
     // Columns and rows of the letters' grid, rows from the top.
     let unit = LINE / (ADVANCE * text.len() as f64);
@@ -100,7 +100,7 @@ fn is_inked(text: &str, place: DVec2) -> bool {
     within < 5 && glyph(letter)[row as usize] >> (4 - within) & 1 == 1
 }
 
-/// Whether a place lies on a dark square of one of the checkers.
+/// True if a position lies on a dark square of one of the checkers.
 fn is_dark(place: DVec2) -> bool {
     let width = LINE / SQUARES.len() as f64;
     let along = place.x + 0.5 * LINE;

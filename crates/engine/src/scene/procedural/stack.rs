@@ -17,13 +17,13 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// Depths lie in [1, 2), where float32 has 2²³ values: each layer has its own.
+/// Depths are in [1, 2), where float32 has 2²³ values: each layer has its own.
 pub(super) const MAX_LAYERS: f64 = (1u32 << 23) as f64;
 
 /// The eye's height; the image is 2 world units high and wide.
 pub(super) const EYE_Z: f64 = 2.0;
 
-/// Reaches past the image's corners, which lie √2 from its centre.
+/// Extends beyond the image's corners, which are √2 from its centre.
 const RADIUS: f64 = 1.5;
 
 /// Neighbors differ strongly, so that a wrong order shows.

@@ -74,8 +74,8 @@ fn solve_radius(positions: &[DVec3], layers: f64) -> Result<f64, Error> {
     let guess = (layers * cube_px / (std::f64::consts::PI * most)).sqrt() / scale;
     let (mut low, mut high) = (0.0, LARGEST_RADIUS);
     let mut radius = guess.min(LARGEST_RADIUS);
-    // The square law (layers ∝ R²) is right but for rims and the centre's own pixel, so that a few steps by it do; the
-    // halvings after it always end. What remains after 50 is a jump of the mean, which no radius avoids.
+    // The square law (layers ∝ R²) is exact except for rims and the centre's own pixel, so a few steps with it suffice;
+    // the halvings after it always end. A remainder after 50 steps is a jump of the mean, which no radius avoids.
     for step in 0..50 {
         let mean = counter.mean_layers(centers(), radius * scale);
         if (mean / layers - 1.0).abs() < TOLERANCE {

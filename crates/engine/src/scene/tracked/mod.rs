@@ -1,10 +1,11 @@
-//! The points of a scene that is edited: they know where they came from, so that settings which leave them where they are cost
-//! no more than the columns that they change.
+//! The points of a scene that is edited. They keep their origins, so that a setting that doesn't move points costs no
+//! more than the columns it changes.
 //!
-//! [`arrange`](super::arrange) orders points by position first. Colors, opacities, radii and fields decide only between points
-//! of equal position, so when they change, each point keeps its place but for those that share theirs with others.
+//! [`arrange`](super::arrange) orders points by position first. Colors, opacities, radii and fields only order points
+//! of equal position. When they change, each point keeps its place, except for those that share their position with
+//! others.
 
-mod known;
+mod derived;
 mod origins;
 
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-pub use known::Known;
+pub use derived::DerivedColumns;
 
 use super::assemble::{self, color, opacity, radius, request};
 use super::error::Error;
@@ -24,41 +25,43 @@ use crate::prepare::Arranged;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
 use crate::prepare::ties::Ties;
-use known::{FieldKey, field_key};
+use derived::{FieldKey, field_key};
 use origins::Origins;
 
-/// What [`arrange`](super::arrange) makes of a scene, and how to make of it, in place, what it makes of another one. Beside the
-/// points it takes 4 bytes for each point that was dealt and 8 for each that shares its position with another.
+/// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
+/// addition to the points it takes 4 bytes for each point that was dealt and 8 for each that shares its position with
+/// another.
 #[derive(Debug, Clone)]
 pub struct Tracked {
     arranged: Arranged,
-    stand: Stand,
-    looks: Vec<Look>,
-    /// Of points that were dealt; the others have theirs in [`Points::file_order`].
+    placement: PlacementKey,
+    column_keys: Vec<ColumnKey>,
+    /// For points that were dealt; others have it in [`Points::file_order`].
     dealt: Vec<u32>,
     ties: Ties,
     origins: Origins,
 }
 
-/// What the positions of points and their order depend on; numbers by their bits, as the order goes by them.
+/// Everything that determines the positions of points and their order; numbers by their bits, as the order compares
+/// them.
 #[derive(Debug, Clone, PartialEq)]
-struct Stand {
+struct PlacementKey {
     dealt: bool,
     /// Scale and translation.
     clouds: Vec<(u64, [u64; 3])>,
 }
 
-impl Stand {
-    fn of(scene: &Scene) -> Self {
+impl PlacementKey {
+    fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
         let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
         Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
     }
 }
 
-/// What the other columns of a cloud's points depend on; numbers by their bits.
+/// Everything that determines the other columns of a cloud's points; numbers by their bits.
 #[derive(Debug, Clone, PartialEq)]
-struct Look {
+struct ColumnKey {
     color: Option<[u32; 3]>,
     opacity: u32,
     /// Given radius, factor, and K if radii are asked for.
@@ -71,19 +74,19 @@ fn bits_of(color: Vec3) -> [u32; 3] {
     color.to_array().map(f32::to_bits)
 }
 
-/// A cloud as a scene shows it.
+/// A cloud with the values that a scene gives it.
 #[derive(Clone, Copy)]
-struct Seen<'a> {
+struct CloudView<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
-    /// Where the settings have none: memory is visited in another order than it lies in.
+    /// The file's values, used where the settings have none; access is not sequential.
     colors: Option<&'a [Vec3]>,
-    /// As colors.
+    /// Like colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
 }
 
-impl Seen<'_> {
+impl CloudView<'_> {
     fn color(&self, i: usize) -> Vec3 {
         color(self.settings, self.colors.map(|colors| colors[i]))
     }
@@ -100,7 +103,7 @@ impl Seen<'_> {
         self.fields.map_or(0.0, |fields| fields[i])
     }
 
-    /// All points, and which are left if some aren't finite any more.
+    /// All points, with marks on the remaining ones if some became non-finite.
     fn points(&self) -> (Points, Option<Vec<bool>>) {
         let count = self.cloud.len();
         let all = || (0..count).into_par_iter();
@@ -118,61 +121,71 @@ impl Seen<'_> {
     }
 }
 
-/// Finds what a scene needs to know of its clouds' points: how they look.
-fn learn(scene: &Scene, clouds: &[Cloud], known: &mut [Known], progress: &Progress) -> Result<Vec<Look>, Error> {
+/// Computes the data that a scene needs of its clouds' points, and the keys of their columns.
+fn learn(
+    scene: &Scene,
+    clouds: &[Cloud],
+    derived: &mut [DerivedColumns],
+    progress: &Progress,
+) -> Result<Vec<ColumnKey>, Error> {
     let method = &scene.method;
-    let each = scene.clouds.iter().zip(clouds).zip(known);
-    let look = |((settings, cloud), known): ((&CloudSettings, &Cloud), &mut Known)| {
+    let each = scene.clouds.iter().zip(clouds).zip(derived);
+    let column_key = |((settings, cloud), derived): ((&CloudSettings, &Cloud), &mut DerivedColumns)| {
         let request = request(settings, method.needs_radii(), method.needs_field());
-        let found = known.learn(cloud, &request, progress);
+        let found = derived.learn(cloud, &request, progress);
         found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
         let neighbors = request.radii.then(|| request.neighbors_of(cloud));
-        Ok(Look {
+        Ok(ColumnKey {
             color: settings.color.map(bits_of),
             opacity: settings.opacity.to_bits(),
             radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
             field: request.fields.then(|| field_key(cloud, &request)),
         })
     };
-    each.map(look).collect()
+    each.map(column_key).collect()
 }
 
-/// The clouds as a scene shows them whose looks were learned.
-fn seen<'a>(scene: &'a Scene, clouds: &'a [Cloud], known: &'a [Known], looks: &[Look]) -> Vec<Seen<'a>> {
-    let each = scene.clouds.iter().zip(clouds).zip(known).zip(looks);
-    each.map(|(((settings, cloud), known), look)| {
-        let own = if look.radius.2.is_some() { known.radii() } else { cloud.radii.as_deref() };
+/// The clouds as a scene shows them, once [`learn`] has computed their data.
+fn views<'a>(
+    scene: &'a Scene,
+    clouds: &'a [Cloud],
+    derived: &'a [DerivedColumns],
+    column_keys: &[ColumnKey],
+) -> Vec<CloudView<'a>> {
+    let each = scene.clouds.iter().zip(clouds).zip(derived).zip(column_keys);
+    each.map(|(((settings, cloud), derived), column_key)| {
+        let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.radii.as_deref() };
         let radii = own.filter(|_| settings.radius.is_none());
         let colors = cloud.colors.as_deref().filter(|_| settings.color.is_none());
-        let fields = if look.field.is_some() { known.fields() } else { None };
-        Seen { settings, cloud, colors, radii, fields }
+        let fields = if column_key.field.is_some() { derived.fields() } else { None };
+        CloudView { settings, cloud, colors, radii, fields }
     })
     .collect()
 }
 
 impl Tracked {
-    /// The points of a scene: what [`arrange`](super::arrange) makes of it. `known` holds as many as there are clouds, and what
-    /// was found before.
+    /// The points of a scene, as [`arrange`](super::arrange) orders them. `derived` has one entry per cloud, with earlier
+    /// results.
     ///
     /// # Errors
-    /// No point is left, or a cloud lacks what its field is made of.
+    /// No point is left, or a cloud lacks the property of its field.
     pub fn new(
         scene: &Scene,
         clouds: &[Cloud],
-        known: &mut [Known],
+        derived: &mut [DerivedColumns],
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, Error> {
-        let looks = learn(scene, clouds, known, progress)?;
+        let column_keys = learn(scene, clouds, derived, progress)?;
         let (mut placed, mut origins) = (Vec::new(), Origins::default());
-        for seen in seen(scene, clouds, known, &looks) {
-            let (points, keep) = seen.points();
+        for view in views(scene, clouds, derived, &column_keys) {
+            let (points, keep) = view.points();
             origins.push(points.len(), keep.as_deref());
             placed.push(points);
         }
-        let stand = Stand::of(scene);
+        let placement = PlacementKey::for_scene(scene);
         progress.reset();
-        let (arranged, trace) = if stand.dealt {
+        let (arranged, trace) = if placement.dealt {
             progress.set_message("dealing points to ensembles");
             let mut trace = Trace::default();
             let dealt = ensembles::deal_traced(placed, seed, progress, Some(&mut trace));
@@ -182,13 +195,13 @@ impl Tracked {
             let mut points = Points::default();
             placed.into_iter().for_each(|cloud| points.append(cloud));
             let points = order::canonical(points);
-            let ties = Ties::of(&points.positions);
+            let ties = Ties::find(&points.positions);
             (Arranged::Canonical(points), Trace { origins: Vec::new(), ties })
         };
         if arranged.points().is_empty() {
             return Err(assemble::no_points(scene));
         }
-        Ok(Self { arranged, stand, looks, dealt: trace.origins, ties: trace.ties, origins })
+        Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }
 
     /// The points as they are arranged.
@@ -201,104 +214,106 @@ impl Tracked {
         self.arranged.points()
     }
 
-    /// Makes of the points what [`arrange`](super::arrange) makes of another scene of the same clouds, in place. `None`, and all
-    /// stays as it was, if they would be elsewhere: then they must be arranged anew. A list that was dealt is copied if somebody
-    /// shares it.
+    /// Updates the points in place to the result of [`arrange`](super::arrange) for another scene of the same clouds.
+    /// Returns `None`, with everything unchanged, if points would move: then they must be arranged again. A dealt list
+    /// that is shared is copied.
     ///
     /// # Errors
-    /// A cloud lacks what its field is made of; all stays as it was.
+    /// A cloud lacks the property of its field; nothing changes.
     pub fn follow(
         &mut self,
         scene: &Scene,
         clouds: &[Cloud],
-        known: &mut [Known],
+        derived: &mut [DerivedColumns],
         progress: &Progress,
     ) -> Result<Option<Changes>, Error> {
-        if Stand::of(scene) != self.stand {
+        if PlacementKey::for_scene(scene) != self.placement {
             return Ok(None);
         }
-        let looks = learn(scene, clouds, known, progress)?;
-        if looks == self.looks {
+        let column_keys = learn(scene, clouds, derived, progress)?;
+        if column_keys == self.column_keys {
             return Ok(Some(Changes::default()));
         }
-        let seen = seen(scene, clouds, known, &looks);
+        let views = views(scene, clouds, derived, &column_keys);
         let Self { arranged, dealt, ties, origins, .. } = self;
         let points = match arranged {
             Arranged::Canonical(points) => points,
             Arranged::Dealt(dealt) => Arc::make_mut(&mut dealt.points),
         };
-        let mut order = std::mem::take(if self.stand.dealt { dealt } else { &mut points.file_order });
-        let mut changes = Repaint { origins, order: &order, seen: &seen, was: &self.looks, is: &looks }.all(points);
+        let mut order = std::mem::take(if self.placement.dealt { dealt } else { &mut points.file_order });
+        let mut changes =
+            ColumnUpdate { origins, order: &order, clouds: &views, before: &self.column_keys, after: &column_keys }
+                .all(points);
         changes.order = changes.any() && ties.settle(points, &mut order);
-        *(if self.stand.dealt { dealt } else { &mut points.file_order }) = order;
+        *(if self.placement.dealt { dealt } else { &mut points.file_order }) = order;
         if let (Arranged::Dealt(dealt), true) = (arranged, changes.opacities) {
             dealt.renew_opacities();
         }
-        self.looks = looks;
+        self.column_keys = column_keys;
         Ok(Some(changes))
     }
 }
 
-/// Columns of points that look otherwise.
-struct Repaint<'a> {
+/// An update of the columns whose keys changed.
+struct ColumnUpdate<'a> {
     origins: &'a Origins,
-    /// Of each place the number of its point.
+    /// For each place the number of its point.
     order: &'a [u32],
-    seen: &'a [Seen<'a>],
-    was: &'a [Look],
-    is: &'a [Look],
+    clouds: &'a [CloudView<'a>],
+    before: &'a [ColumnKey],
+    after: &'a [ColumnKey],
 }
 
-impl<'a> Repaint<'a> {
-    /// Gives all columns their values; which ones have others than before.
+impl<'a> ColumnUpdate<'a> {
+    /// Gives all columns their values, and returns the changed ones.
     fn all(&self, points: &mut Points) -> Changes {
-        let colors = self.changed(|look| look.color);
-        let opacities = self.changed(|look| look.opacity);
-        let radii = self.changed(|look| look.radius);
+        let colors = self.changed(|column_key| column_key.color);
+        let opacities = self.changed(|column_key| column_key.opacity);
+        let radii = self.changed(|column_key| column_key.radius);
         Changes {
-            colors: self.column(&mut points.colors, &colors, Seen::color, bits_of),
-            opacities: self.column(&mut points.opacities, &opacities, Seen::opacity, f32::to_bits),
-            radii: self.column(&mut points.radii, &radii, Seen::radius, f32::to_bits),
+            colors: self.column(&mut points.colors, &colors, CloudView::color, bits_of),
+            opacities: self.column(&mut points.opacities, &opacities, CloudView::opacity, f32::to_bits),
+            radii: self.column(&mut points.radii, &radii, CloudView::radius, f32::to_bits),
             fields: self.fields(&mut points.fields),
             order: false,
         }
     }
 
-    /// F comes and goes with the method, of all clouds together.
+    /// The method decides if the clouds have F, all or none.
     fn fields(&self, fields: &mut Vec<f32>) -> bool {
-        let wanted = self.is.iter().all(|look| look.field.is_some());
+        let wanted = self.after.iter().all(|column_key| column_key.field.is_some());
         let toggled = wanted == fields.is_empty();
         match (wanted, toggled) {
             (true, true) => *fields = vec![0.0; self.order.len()],
             (false, true) => *fields = Vec::new(),
             _ => {}
         }
-        let changed = self.changed(|look| look.field.clone());
-        (wanted && self.column(fields, &changed, Seen::field, f32::to_bits)) || toggled
+        let changed = self.changed(|column_key| column_key.field.clone());
+        (wanted && self.column(fields, &changed, CloudView::field, f32::to_bits)) || toggled
     }
 
-    /// Which clouds look otherwise in some regard.
-    fn changed<K: PartialEq>(&self, regard: impl Fn(&Look) -> K) -> Vec<bool> {
-        self.was.iter().zip(self.is).map(|(was, is)| regard(was) != regard(is)).collect()
+    /// Marks the clouds for which this part of the key changed.
+    fn changed<K: PartialEq>(&self, part: impl Fn(&ColumnKey) -> K) -> Vec<bool> {
+        self.before.iter().zip(self.after).map(|(before, after)| part(before) != part(after)).collect()
     }
 
-    /// Gives a column the values of the clouds that changed; whether any is another one.
+    /// Updates a column for the clouds that changed. Returns true if any value did.
     fn column<T: Copy + Send, K: PartialEq>(
         &self,
         column: &mut [T],
         changed: &[bool],
-        value: impl Fn(&Seen<'a>, usize) -> T + Sync,
+        value: impl Fn(&CloudView<'a>, usize) -> T + Sync,
         bits: impl Fn(T) -> K + Sync,
     ) -> bool {
         if !changed.contains(&true) {
             return false;
         }
         let each = column.par_iter_mut().zip(self.order).map(|(to, number)| {
-            let (cloud, i) = self.origins.of(*number);
+            let (cloud, i) = self.origins.locate(*number);
             if !changed[cloud] {
                 return false;
             }
-            let before = std::mem::replace(to, value(&self.seen[cloud], i));
+            let before = std::mem::replace(to, value(&self.clouds[cloud], i));
             bits(before) != bits(*to)
         });
         each.reduce(|| false, |a, b| a | b)

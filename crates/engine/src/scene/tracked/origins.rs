@@ -1,6 +1,6 @@
 //! From the number of a point among all of a scene to its cloud and its place there.
 
-/// How many points of each cloud are in the scene, and which.
+/// The number of points of each cloud in the scene, and their indices.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Origins {
     /// Number of each cloud's first point among those of all clouds, cloud after cloud.
@@ -11,7 +11,7 @@ pub(super) struct Origins {
 }
 
 impl Origins {
-    /// Adds a cloud with `count` points in the scene; `keep` tells for each of its points whether it is there, if some aren't.
+    /// Adds a cloud with `count` points in the scene; `keep` marks the points that are present, if some aren't.
     pub fn push(&mut self, count: usize, keep: Option<&[bool]>) {
         self.starts.push(self.count);
         // Points are counted in 32 bits: more of them don't fit any device.
@@ -20,8 +20,8 @@ impl Origins {
     }
 
     /// The cloud of a point, and its place in it.
-    pub fn of(&self, number: u32) -> (usize, usize) {
-        // Of clouds without points the last one starts where they do.
+    pub fn locate(&self, number: u32) -> (usize, usize) {
+        // Clouds without points share their start with the next one, so the last match is taken.
         let cloud = self.starts.partition_point(|start| *start <= number) - 1;
         let place = (number - self.starts[cloud]) as usize;
         (cloud, self.kept[cloud].as_ref().map_or(place, |kept| kept[place] as usize))
@@ -40,7 +40,7 @@ mod tests {
         origins.push(2, Some(&[false, true, false, true, false]));
         origins.push(0, Some(&[false]));
         origins.push(1, None);
-        let all: Vec<_> = (0..5).map(|number| origins.of(number)).collect();
+        let all: Vec<_> = (0..5).map(|number| origins.locate(number)).collect();
         assert_eq!(all, [(0, 0), (0, 1), (2, 1), (2, 3), (4, 0)]);
     }
 }

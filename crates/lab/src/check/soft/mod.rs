@@ -8,7 +8,9 @@ use std::f64::consts::E;
 use glam::{DVec3, Vec3};
 
 use super::stage::{Dot, HALF_ULP, at, cloud, pixels_apart};
-use super::{Case, Finding, Stage, Trouble, each};
+use super::verdict::Naive::Computed;
+use super::verdict::Trouble;
+use super::{Case, Finding, Stage, each};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft};
@@ -147,7 +149,7 @@ fn against_float64(
 ) -> Found {
     let wanted = truth(dots, &camera, size, method);
     let image = stage.image(dots, camera, size, method)?;
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: pixels_apart(naive, &wanted) })
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(naive, &wanted)) })
 }
 
 fn wide(degrees: f64, near: f64) -> Camera {

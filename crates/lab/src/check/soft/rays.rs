@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::{DISTANCE, Found, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide, with};
 use crate::check::stage::{Dot, HALF_ULP, apart, pixels, pixels_apart};
+use crate::check::verdict::Naive::{Computed, Stated};
 use crate::check::{Finding, Stage, naive};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::density::antiderivative;
@@ -28,7 +29,7 @@ pub(super) fn faint(stage: &mut Stage, method: Method) -> Found {
     let depth = -(-wanted).ln_1p() as f32;
     // d(depth)/depth is at most 4 of the relative error of d here, where d = 0.3 r.
     let bound = INTEGRAL + 4.0 * DISTANCE + 8.0 * ULP;
-    Ok(Finding { error: relative(found, wanted), bound, naive: relative(1.0 - (-depth).exp(), wanted) })
+    Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(1.0 - (-depth).exp(), wanted)) })
 }
 
 pub(super) fn dense(stage: &mut Stage, method: Method) -> Found {
@@ -57,7 +58,7 @@ pub(super) fn grazing(stage: &mut Stage, method: Method) -> Found {
     let naive = naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0])[3];
     // The error of d over r - d, to the power 1.5.
     let bound = 1.5 * DISTANCE / 1e-4;
-    Ok(Finding { error: relative(found, wanted), bound, naive: relative(naive, wanted) })
+    Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
 /// A sphere of radius 1, cut by near and a solid point behind it: what is seen of it, and what the naive formula finds.
@@ -85,7 +86,7 @@ fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
     let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
     // Centre and both ends are binary fractions, exact wherever depths are counted from, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
-    Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: relative(naive, wanted) })
+    Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
 pub(super) fn thin_segment(stage: &mut Stage, method: Method) -> Found {
@@ -105,8 +106,13 @@ pub(super) fn no_radius(stage: &mut Stage, method: Method) -> Found {
         Method::SoftExpress(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
         _ => vec![[0.0; 4]; 3],
     };
-    // 1 - d / r of no radius is no number.
-    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: f64::INFINITY })
+    // 1 - d / r of no radius is no number, nor is cos(π d / r).
+    let naive = match method {
+        Method::SoftExpress(_) => dots.iter().map(|dot| [naive::disc(0.0, dot.radius); 4]).collect(),
+        _ => naive::Soft::new(1.0).image(&dots, &pixels([3, 1]), [3, 1]),
+    };
+    let naive = pixels_apart(&naive, &wanted);
+    Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
 pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> Found {
@@ -118,7 +124,7 @@ pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> Found {
         naive = naive.max(apart(&naive::Soft::new(1.0).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]), &wanted));
     }
     // Opaque at once: one product and one quotient.
-    Ok(Finding { error, bound: 4.0 * ULP, naive })
+    Ok(Finding { error, bound: 4.0 * ULP, naive: Computed(naive) })
 }
 
 pub(super) fn far_away(stage: &mut Stage, method: Method) -> Found {
@@ -151,7 +157,7 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> Found {
     let naive = apart(&[opacity(0.75 * 0.25 * 2.0 * 2.0) as f32], &wanted);
     // Lengths of 64 segments come from depths around 10, relative to where they are counted from: a unit of 2 for each end.
     let lengths = 0.25 * 128.0 * 2.0 * HALF_ULP;
-    Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive })
+    Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive: Computed(naive) })
 }
 
 pub(super) fn extremes(stage: &mut Stage, method: Method) -> Found {
@@ -159,8 +165,15 @@ pub(super) fn extremes(stage: &mut Stage, method: Method) -> Found {
     let none = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(0.0)))?;
     let all = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(1.0)))?;
     let error = apart(&none, &[0.0; 4]).max(apart(&all, &[0.25, 0.5, 1.0, 1.0]));
-    // λ is infinite, times a chord's end at which ρ is 0.
-    Ok(Finding { error, bound: 4.0 * ULP, naive: f64::INFINITY })
+    let naive = match method {
+        Method::SoftExpress(_) => Stated { why: "the softness of a disc is the opacity of its middle, by any formula" },
+        // λ is infinite, times antiderivatives of what is 0 at a chord's end.
+        _ => {
+            let opaque = naive::Soft::new(-(-1f32).ln_1p()).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]);
+            Computed(apart(&opaque, &[0.25, 0.5, 1.0, 1.0]))
+        }
+    };
+    Ok(Finding { error, bound: 4.0 * ULP, naive })
 }
 
 pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
@@ -182,5 +195,5 @@ pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
     let wanted = peak * (1.0 - distance / radius) * 0.5 + plain * 0.5;
     // The law of the disc's profile is within 3e-7 (shaders/shared/profile.wgsl).
     let error = apart(&[found], &[wanted]);
-    Ok(Finding { error, bound: bound(1, 0.7, 1.0) + 3e-7, naive: apart(&[plain as f32], &[wanted]) })
+    Ok(Finding { error, bound: bound(1, 0.7, 1.0) + 3e-7, naive: Computed(apart(&[plain as f32], &[wanted])) })
 }

@@ -1,4 +1,4 @@
-//! Where the labels of points go: near their markers, over nothing else.
+//! Places the labels of points near their markers without overlap.
 
 /// Height of a label in pixels.
 const HEIGHT: i32 = 14;
@@ -18,14 +18,14 @@ type Place = (i32, i32);
 /// Labels further from their marker than this are tied to it by a line, and so are those as near to another one.
 const NEAR: i32 = 14;
 
-/// Where a label goes.
+/// The position of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placed {
     /// The middle of the text's left end.
     pub text: Place,
-    /// What the text takes up.
+    /// The area the text covers.
     pub rectangle: Rectangle,
-    /// Where a line from the marker ends; `None` where the label is so near that it needs none.
+    /// The end of a line from the marker; `None` where the label is close enough to need no line.
     pub tie: Option<Place>,
 }
 
@@ -44,28 +44,28 @@ impl Space {
         Self { frame, ..Self::default() }
     }
 
-    /// No label will lie over this.
+    /// Keeps labels off this rectangle.
     pub(super) fn take(&mut self, rectangle: Rectangle) {
         self.taken.push(rectangle);
     }
 
-    /// No label will lie over this marker.
+    /// Keeps labels off this marker.
     pub(super) fn take_marker(&mut self, (x, y): Place) {
         self.markers.push((x, y));
         self.take([x - MARKER, y - MARKER, x + MARKER, y + MARKER]);
     }
 
-    /// No label will lie over this ring around a marker.
+    /// Keeps labels off this ring around a marker.
     pub(super) fn take_ring(&mut self, (x, y): Place) {
         self.take([x - RING, y - RING, x + RING, y + RING]);
     }
 
-    /// Labels rather lie elsewhere.
+    /// Makes labels prefer places off this line.
     pub(super) fn avoid(&mut self, line: [Place; 2]) {
         self.lines.push(line);
     }
 
-    /// Where a text goes that labels a marker; the place is taken then. `None` where there is no room.
+    /// Finds a place for the label of a marker and reserves it. `None` if no place is free.
     pub(super) fn place(&mut self, (x, y): Place, text: &str) -> Option<Placed> {
         let width = CHARACTER * text.chars().count() as i32;
         let candidates = [8, 12, 18, 26, 36].into_iter().flat_map(|away| {
@@ -87,7 +87,7 @@ impl Space {
             let rectangle = [left, top, left + width, top + HEIGHT];
             // A line behind a label costs as much as being twelve places worse.
             let crossed = self.lines.iter().filter(|line| crosses(rectangle, line)).count();
-            // So does another marker that is as near to it.
+            // Another marker at the same distance would be ambiguous.
             let own = distance(rectangle, (x, y));
             let is_rival = |marker: &&Place| **marker != (x, y) && distance(rectangle, **marker) <= own + NEAR / 4;
             let rivals = self.markers.iter().filter(is_rival).count();
@@ -112,13 +112,13 @@ fn nearest([left, top, right, bottom]: Rectangle, (x, y): Place) -> Place {
     (x.clamp(left, right), y.clamp(top, bottom))
 }
 
-/// How far a place is from a rectangle, along the axis where it is further.
+/// The distance of a place from a rectangle, along the axis where it is larger.
 fn distance(rectangle: Rectangle, (x, y): Place) -> i32 {
     let (nx, ny) = nearest(rectangle, (x, y));
     (nx - x).abs().max((ny - y).abs())
 }
 
-/// Whether a line enters a rectangle, to 3 pixels.
+/// True if a line enters a rectangle, to 3 pixels.
 fn crosses([left, top, right, bottom]: Rectangle, [from, to]: &[Place; 2]) -> bool {
     let (dx, dy) = (i64::from(to.0) - i64::from(from.0), i64::from(to.1) - i64::from(from.1));
     let steps = dx.abs().max(dy.abs()) / 3 + 1;

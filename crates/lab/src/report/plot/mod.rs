@@ -20,11 +20,11 @@ pub struct Point {
     pub x: f64,
     /// On the vertical axis.
     pub y: f64,
-    /// Least and greatest x, drawn as a bar; both `x` for none.
+    /// Least and greatest x, drawn as a bar; both equal `x` to draw no bar.
     pub range_x: [f64; 2],
-    /// Least and greatest y, drawn as a bar; both `y` for none.
+    /// Least and greatest y, drawn as a bar; both equal `y` to draw no bar.
     pub range_y: [f64; 2],
-    /// Stands near its marker, where there is room for it; nothing if empty.
+    /// Text near the marker, if space permits; empty for no label.
     pub label: String,
 }
 
@@ -44,23 +44,23 @@ impl Point {
 pub struct Series {
     /// Which name of the figure's legend it has: decides color and marker.
     pub name: usize,
-    /// By ascending x.
+    /// In ascending x.
     pub points: Vec<Point>,
-    /// What stands beside its marker in a corner of the panel; nothing if empty.
+    /// Text beside the series' marker in a corner of the panel; empty for no note.
     pub note: String,
 }
 
-/// One coordinate system.
+/// A single coordinate system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Stands above it.
     pub title: String,
     /// Its lines.
     pub series: Vec<Series>,
-    /// By ascending x: points (x, y) that nothing beats, of which each gets a ring. The line through them falls in steps
-    /// and parts what is beaten from what was not reached. Empty for none.
+    /// The Pareto front in ascending x: points (x, y) that no other dominates, each marked with a ring. The line
+    /// through them falls in steps and separates dominated points from the unreached region. Empty for no front.
     pub front: Vec<[f64; 2]>,
-    /// Whether it has the figure's guide.
+    /// True if it shows the figure's guide.
     pub is_guided: bool,
 }
 
@@ -71,27 +71,27 @@ pub struct Axis {
     pub label: &'static str,
     /// Values below are drawn here: 0 has no logarithm.
     pub floor: f64,
-    /// What lies between two marks.
+    /// The spacing of the ticks.
     pub steps: Steps,
 }
 
-/// How an axis counts.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Steps {
     /// Logarithmic, by powers of 10.
     Tens,
     /// Logarithmic, by powers of 2.
     Twos,
-    /// In even steps, as time on a path; a floor means nothing.
+    /// Linear, like time on a path; a floor has no effect.
     Even,
 }
 
 /// A straight line below the last point of a panel's first series, for the eye to compare slopes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
-    /// What the legend calls it.
+    /// Its name in the legend.
     pub name: &'static str,
-    /// It grows as x to this power does.
+    /// The exponent of its growth in x.
     pub exponent: f64,
 }
 
@@ -106,11 +106,11 @@ pub struct Figure {
     pub names: Vec<String>,
     /// A dashed line in panels that want it.
     pub guide: Option<Guide>,
-    /// What the legend calls the line through a front.
+    /// The name of the front's line in the legend.
     pub front: &'static str,
     /// Width and height of a panel in pixels.
     pub panel: [u32; 2],
-    /// Panels in a row.
+    /// Number of panels per row.
     pub columns: usize,
     /// Row by row.
     pub panels: Vec<Panel>,
@@ -119,7 +119,7 @@ pub struct Figure {
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn Error>>;
 
-/// Width and height of a panel where several stand in a row, in pixels.
+/// Width and height of one of several panels, in pixels.
 pub const PANEL: [u32; 2] = [380, 290];
 /// Height of the legend's first line and of each further one, in pixels.
 const LEGEND: u32 = 34;
@@ -140,7 +140,7 @@ impl Figure {
     /// The figure as one SVG element.
     ///
     /// # Errors
-    /// What the drawing library says.
+    /// The drawing library fails.
     pub fn svg(&self) -> Result<String, Box<dyn Error>> {
         let rows = self.panels.len().div_ceil(self.columns).max(1);
         let width = self.panel[0] * self.columns as u32;
@@ -204,7 +204,7 @@ impl Figure {
             .bold_line_style(RGBColor(215, 215, 215))
             .light_line_style(RGBColor(240, 240, 240))
             .draw()?;
-        let at = |px: f64, py: f64| chart.backend_coord(&(x.of(px), y.of(py)));
+        let at = |px: f64, py: f64| chart.backend_coord(&(x.position(px), y.position(py)));
         if let Some(line) =
             self.guide.filter(|_| panel.is_guided).and_then(|guide| guide_line(guide.exponent, panel, &x, &y))
         {
@@ -243,7 +243,7 @@ impl Figure {
         }
         let points = panel.series.iter().flat_map(|series| &series.points);
         let mut labelled: Vec<_> = points.filter(|point| !point.label.is_empty() && point.is_finite()).collect();
-        // The long ones while there is room.
+        // Long labels are placed first, while space is free.
         labelled.sort_by_key(|point| std::cmp::Reverse(point.label.chars().count()));
         for point in labelled {
             let marker = at(point.x, point.y);
@@ -313,12 +313,12 @@ fn notes(panel: &Panel) -> impl Iterator<Item = &Series> {
     panel.series.iter().filter(|series| !series.note.is_empty())
 }
 
-/// The notes of a panel's series in a box at its corner; where that is, if there are any.
+/// Draws the notes of a panel's series in a box at its corner. Returns the box, if any.
 fn draw_notes(panel: &Panel, root: &Area<'_>, (left, top): (i32, i32)) -> Result<Option<[i32; 4]>, Box<dyn Error>> {
     let Some(longest) = notes(panel).map(|series| series.note.chars().count() as i32).max() else {
         return Ok(None);
     };
-    // A box of its own, so that its markers are not taken for data, which are drawn over it.
+    // A separate box, so that its markers are not mistaken for data; the data are drawn over it.
     let corner = (left + 5, top + 3);
     let end = (corner.0 + 30 + 7 * longest, corner.1 + 5 + 17 * notes(panel).count() as i32);
     root.draw(&Rectangle::new([corner, end], WHITE.filled()))?;
@@ -347,11 +347,11 @@ fn steps(front: &[(i32, i32)], right: i32, top: i32) -> Vec<(i32, i32)> {
 
 /// A line of a given slope, in logarithms, that ends below the last point of the panel's first series.
 fn guide_line(exponent: f64, panel: &Panel, x: &Scale, y: &Scale) -> Option<[(f64, f64); 2]> {
-    // So much lower that it does not lie on the data: a factor of 1.6.
+    // Distance below the data, a factor of 1.6.
     const BELOW: f64 = 0.2;
     let last = panel.series.first()?.points.iter().rev().find(|point| point.is_finite())?;
     let rise = exponent * x.base.log10() / y.base.log10();
-    let end = (x.of(last.x), y.of(last.y) - BELOW);
+    let end = (x.position(last.x), y.position(last.y) - BELOW);
     // Until the panel's left, lower or upper end.
     let bound = if exponent > 0.0 { y.range.start } else { y.range.end };
     let run = (end.0 - x.range.start).min((end.1 - bound) / rise);
@@ -392,11 +392,11 @@ struct Scale {
     is_even: bool,
     floor: f64,
     range: Range<f64>,
-    /// With a label.
+    /// Labelled ticks.
     ticks: Vec<f64>,
     /// Without one.
     minor: Vec<f64>,
-    /// Whether values below the floor are drawn there.
+    /// True if values below the floor are drawn at the floor.
     is_floored: bool,
 }
 
@@ -426,7 +426,7 @@ impl Scale {
         let end =
             round.iter().copied().filter(|v| *v >= (high - 1e-9).max(start + 1.0 - 1e-9)).fold(high + 2.0, f64::min);
         let within = |v: &f64| *v >= start - 1e-9 && *v <= end + 1e-9;
-        // Labels for all round numbers where there are few, for every second power where there are many.
+        // Every round number gets a label if they are few, else every second power.
         let whole: Vec<f64> = powers.clone().filter(within).collect();
         let stride = if whole.len() > 9 { 2 } else { 1 };
         let few: Vec<f64> = round.iter().copied().filter(within).collect();
@@ -453,7 +453,7 @@ impl Scale {
         Self { base: 10.0, is_even: true, floor: 0.0, range, ticks, minor, is_floored: false }
     }
 
-    fn of(&self, value: f64) -> f64 {
+    fn position(&self, value: f64) -> f64 {
         if self.is_even {
             return value;
         }
@@ -463,17 +463,17 @@ impl Scale {
 
     fn label(&self, at: f64) -> String {
         let number = self.number(at);
-        if self.is_floored && (at - self.of(self.floor)).abs() < 1e-9 { format!("≤ {number}") } else { number }
+        if self.is_floored && (at - self.position(self.floor)).abs() < 1e-9 { format!("≤ {number}") } else { number }
     }
 
     fn number(&self, at: f64) -> String {
         if self.is_even {
-            // To nine digits: what is left of the steps' rounding.
+            // Round to nine digits, which removes the rounding errors of the steps.
             return format!("{}", (at * 1e9).round() / 1e9);
         }
         let value = self.base.powf(at);
         if (1e-3..1e6).contains(&value) {
-            // To three digits: what is left of a logarithm's rounding.
+            // Round to three digits, which removes the rounding errors of the logarithm.
             let digits = (2 - value.log10().floor() as i32).max(0) as usize;
             let text = format!("{value:.digits$}");
             return if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text };
@@ -579,7 +579,7 @@ mod tests {
         for text in texts.into_iter().chain(["1 MiB", "4 MiB", "16 MiB"]) {
             assert!(svg.contains(&format!("\n{text}\n")), "{text} in {svg}");
         }
-        // One in the legend and one beside the note.
+        // Two more: one in the legend, one beside the note.
         assert_eq!(svg.matches("<circle").count(), 3 + 2);
         assert!(!svg.contains("\nfront\n"));
     }

@@ -1,4 +1,4 @@
-//! What a sweep leaves: tables for programs, figures and a page for people.
+//! The output of a sweep: tables for programs, figures and a page for people.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -14,11 +14,11 @@ use pellucid_engine::output::{self, Files};
 /// A sweep with what it takes to understand it.
 #[derive(Debug, Clone)]
 pub struct Report<'a> {
-    /// What was found.
+    /// The results.
     pub sweep: &'a Sweep,
-    /// What was asked for.
+    /// The requested settings.
     pub settings: &'a Settings,
-    /// Where it ran.
+    /// The device it ran on.
     pub device: &'a DeviceInfo,
     /// The command line.
     pub command: &'a str,
@@ -192,11 +192,11 @@ impl Report<'_> {
     }
 }
 
-/// Writes `stress.csv`, `stress.json`, the figures and, last, `report.html` into a folder, which is made if it isn't there. None has
-/// its name before all are complete.
+/// Writes `stress.csv`, `stress.json`, the figures and, last, `report.html` into a folder, which is created if needed.
+/// No file gets its final name before all are complete.
 ///
 /// # Errors
-/// What the system says while writing; then there is what was there before.
+/// Writing fails; the earlier files then remain.
 pub fn write(folder: &Path, report: &Report<'_>) -> Result<(), output::Error> {
     let figures = report.figures()?;
     let html = page::html(report, &figures);

@@ -1,15 +1,18 @@
-//! The depth-complexity sweep: layers per pixel × pixels, for every transparent method, on scenes where both are exact.
+//! The depth-complexity sweep: layers per pixel × pixels, for every transparent method, on scenes with exact values of
+//! both.
 //!
-//! **Scenes.** Two built-in scenes in which every pixel has exactly as many fragments as there are layers, since a mean
-//! says little about lists: [`Workload::Stack`], few discs over the whole image, and [`Workload::Mosaic`], many discs of 9
-//! pixels. They differ only in what it takes to reach the fragments. α = 1 − 2^(−1/layers): the pile lets half of the light
-//! through however many layers it has, so that each of them counts in the image and none may be left out.
+//! **Scenes.** In both built-in scenes every pixel has exactly as many fragments as the scene has layers, because a
+//! mean says little about lists: [`Workload::Stack`] has few discs over the whole image, [`Workload::Mosaic`] many
+//! discs of 9 pixels. They differ only in the work needed to reach the fragments. α = 1 − 2^(−1/layers): the stack
+//! transmits half of the light for any number of layers, so every layer contributes to the image and none may be left
+//! out.
 //!
 //! **Times.** A cell of the sweep is one scene. Each method renders it once with buffers of its own, which gives memory
-//! and image, once more to warm up, then all methods in turns, so that a machine that slows down slows them all.
+//! and image, and once more to warm up. Then all methods take turns, so that a machine that slows down affects all of
+//! them.
 //!
-//! **Limits.** A cell is skipped, with the reason in the report, if it has more fragments than allowed, if a method's own
-//! times so far predict a frame longer than allowed, or if a method says that it can't.
+//! **Limits.** A cell is skipped, with the reason in the report, if it exceeds the allowed number of fragments, if a
+//! method's own times so far predict too long a frame, or if a method can't render it.
 
 mod files;
 mod page;
@@ -27,7 +30,7 @@ pub use sweep::run;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Workload {
-    /// As many discs as layers, each over the whole image.
+    /// One disc per layer, each over the whole image.
     Stack,
     /// Each layer is tiled by discs of 3 × 3 pixels.
     Mosaic,
@@ -46,7 +49,7 @@ impl Workload {
     }
 }
 
-/// What to measure.
+/// The extent of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Width and height of the square images, in pixels, ascending.
@@ -63,7 +66,7 @@ pub struct Settings {
     pub max_seconds: f64,
     /// Seed of the scenes and of the pixels that are compared with the reference.
     pub seed: u64,
-    /// As [`pellucid_engine::methods::Frame::memory_budget`].
+    /// Same as [`pellucid_engine::methods::Frame::memory_budget`].
     pub memory_budget: Option<u64>,
 }
 
@@ -99,7 +102,7 @@ impl Settings {
     }
 }
 
-/// One method on one scene.
+/// The measurements of one method on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
     /// The scene.
@@ -158,15 +161,15 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of some values, 0 of none.
-    pub fn of(values: Vec<f64>) -> Self {
+    /// Summarizes values; 0 if empty.
+    pub fn from_values(values: Vec<f64>) -> Self {
         let min = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
         let max = values.iter().copied().reduce(f64::max).unwrap_or(0.0);
         Self { min, median: pellucid_engine::profile::median(values), max }
     }
 }
 
-/// How far an image is from the reference.
+/// The error of an image against the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
     /// Largest difference in linear R, G, B and A.
@@ -177,7 +180,7 @@ pub struct Deviation {
     pub pixels: usize,
 }
 
-/// One pass, its runs in all bands together.
+/// One pass, summed over all bands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pass {
     /// Name as in `plan`.
@@ -201,7 +204,7 @@ pub struct Skipped {
     pub reason: String,
 }
 
-/// How a method's time grows with the layers.
+/// The growth of a method's time with the number of layers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Slope {
     /// The scene.
@@ -220,7 +223,7 @@ pub struct Slope {
 /// All that a run found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sweep {
-    /// In the order in which they were measured.
+    /// In the order of measurement.
     pub cells: Vec<Cell>,
     /// The others.
     pub skipped: Vec<Skipped>,
@@ -242,9 +245,9 @@ impl Sweep {
         self.cells.iter().filter(is_last).collect()
     }
 
-    /// How time grows in each series that is long enough to tell.
+    /// The growth of time in each series that is long enough.
     ///
-    /// Only the deeper half of a series is fitted: before it a frame costs the same whatever is in it.
+    /// Only the deeper half of a series is fitted: shallow frames cost the same for any number of layers.
     pub fn slopes(&self) -> Vec<Slope> {
         let mut slopes = Vec::new();
         for &Cell { workload, side, method, .. } in self.deepest() {
@@ -277,8 +280,8 @@ mod tests {
             fragments: 64 * u64::from(layers),
             counted: None,
             method,
-            gpu_ms: Spread::of(vec![ms]),
-            wall_ms: Spread::of(vec![ms]),
+            gpu_ms: Spread::from_values(vec![ms]),
+            wall_ms: Spread::from_values(vec![ms]),
             peak_device_bytes: 0,
             fragment_bytes: 0,
             bands: 1,
@@ -304,7 +307,7 @@ mod tests {
 
     #[test]
     fn spreads_by_hand() {
-        assert_eq!(Spread::of(vec![3.0, 1.0, 2.0]), Spread { min: 1.0, median: 2.0, max: 3.0 });
-        assert_eq!(Spread::of(Vec::new()), Spread { min: 0.0, median: 0.0, max: 0.0 });
+        assert_eq!(Spread::from_values(vec![3.0, 1.0, 2.0]), Spread { min: 1.0, median: 2.0, max: 3.0 });
+        assert_eq!(Spread::from_values(Vec::new()), Spread { min: 0.0, median: 0.0, max: 0.0 });
     }
 }

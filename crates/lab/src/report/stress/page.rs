@@ -58,10 +58,10 @@ fn about(report: &Report<'_>) -> Markup {
     ])
 }
 
-/// The slopes' columns: exponent, range, share of the variance explained; empty where there are too few cells.
+/// The columns of the slopes: exponent, range, share of the variance explained; empty where a series has too few cells.
 fn slope_texts(slopes: &[Slope], cell: &Cell) -> [String; 3] {
-    let of = |s: &&Slope| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method);
-    slopes.iter().find(of).map_or_else(Default::default, |Slope { law, layers: [from, to], .. }| {
+    let same_series = |s: &&Slope| (s.workload, s.side, s.method) == (cell.workload, cell.side, cell.method);
+    slopes.iter().find(same_series).map_or_else(Default::default, |Slope { law, layers: [from, to], .. }| {
         [format!("{:.2}", law.exponent), format!("{from}–{to}"), format!("{:.3}", law.r_squared)]
     })
 }

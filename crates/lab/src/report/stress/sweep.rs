@@ -16,10 +16,11 @@ use pellucid_engine::scene::{self, Method, Scene, procedural};
 /// A frame that takes less is not predicted from: it shows what a frame costs, not what its fragments do.
 const NOISE_SECONDS: f64 = 0.01;
 
-/// Measures every cell that the limits allow. `progress` counts cells.
+/// Measures every cell within the limits. `progress` counts cells.
 ///
 /// # Errors
-/// What ends all work: a lost device, a message of the validation layers. What one method can't do is skipped instead.
+/// Errors that end all work: a lost device, a message of the validation layers. Failures of a single method only skip
+/// its cell.
 pub fn run(device: &Device, settings: &Settings, progress: &Progress) -> Result<Sweep> {
     let mut sweep = Sweep::default();
     for workload in Workload::ALL {
@@ -34,7 +35,7 @@ pub fn run(device: &Device, settings: &Settings, progress: &Progress) -> Result<
     Ok(sweep)
 }
 
-/// Where in the sweep.
+/// A position in the sweep.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     workload: Workload,
@@ -89,7 +90,7 @@ impl Place {
                 return Ok(());
             }
         };
-        // Before there is anything else on the device.
+        // Before anything else is on the device.
         let mut runs = Vec::new();
         for method in methods {
             match Renderer::new(device)?.render(&mut cloud, &frame(method)) {
@@ -154,7 +155,7 @@ impl Place {
         let Self { workload, side, layers } = self;
         let facts = &run.first.facts;
         let ms = |time: fn(&FrameProfile) -> Duration| {
-            Spread::of(run.frames.iter().map(|frame| time(frame).as_secs_f64() * 1e3).collect())
+            Spread::from_values(run.frames.iter().map(|frame| time(frame).as_secs_f64() * 1e3).collect())
         };
         Cell {
             workload,
@@ -179,12 +180,12 @@ impl Place {
 /// A method in a cell.
 struct Run {
     method: Method,
-    /// Of buffers that nothing else used.
+    /// Rendered with fresh buffers.
     first: Rendered,
     frames: Vec<FrameProfile>,
 }
 
-/// What a method can't do, in words; an error that ends all work stays one.
+/// The reason why a method can't render a cell, in words; fatal errors are passed on.
 fn refusal(error: methods::Error) -> Result<String> {
     if error.is_refusal() { Ok(error.to_string()) } else { Err(error.into()) }
 }
@@ -206,7 +207,7 @@ fn passes(frames: &[FrameProfile]) -> Vec<Pass> {
         }
     }
     let times = |name| frames.iter().flat_map(|f| &f.passes).filter(move |p| p.name == name);
-    let ms = |name| Spread::of(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
+    let ms = |name| Spread::from_values(times(name).map(|pass| pass.gpu.as_secs_f64() * 1e3).collect());
     names.into_iter().map(|name| Pass { name, gpu_ms: ms(name) }).collect()
 }
 
@@ -222,7 +223,7 @@ mod tests {
         let quadratic = [(1.0, 0.5), (2.0, 1.0), (4.0, 4.0)];
         assert!((predict(&quadratic, 8.0).unwrap() - 16.0).abs() < 1e-9);
         assert!((predict(&quadratic, 16.0).unwrap() - 64.0).abs() < 1e-9);
-        // What hardly grew, or was too short to tell, is taken to grow with the layers.
+        // Times that hardly grew, or were too short, are assumed to grow with the layers.
         assert_eq!(predict(&[(1.0, 1.0), (2.0, 1.0)], 4.0), Some(2.0));
         assert_eq!(predict(&[(1.0, 0.001), (2.0, 1.0)], 4.0), Some(2.0));
     }

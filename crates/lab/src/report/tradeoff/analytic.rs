@@ -18,14 +18,14 @@ use pellucid_engine::scene::ColorSpace;
 
 /// Cells of the image, along each side, in which points are counted.
 const CELLS: usize = 8;
-/// Fewest points of a cell on average: below, their number says nothing.
+/// Least average number of points per cell; smaller numbers carry no information.
 const LEAST: f64 = 25.0;
-/// How many standard deviations a cell may be off: by chance one of 10⁹.
+/// The number of standard deviations a cell may deviate: by chance, one cell in 10⁹ does.
 const DEVIATIONS: f64 = 6.0;
 /// Largest difference of depths in a plane, over the depth; and of colors.
 const FLAT: f64 = 1e-6;
 
-/// One plane.
+/// A single plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plane {
     depth: f64,
@@ -43,7 +43,7 @@ pub(super) struct Planes(Vec<Plane>);
 impl Planes {
     /// The clouds of a frame, if each of them is a plane parallel to an orthographic image, of one color and one opacity, whose
     /// points fill the image evenly and are enough for that opacity, and if blending runs in linear light.
-    pub fn of(arranged: &Arranged, frame: &Frame) -> Option<Self> {
+    pub fn from_points(arranged: &Arranged, frame: &Frame) -> Option<Self> {
         let Arranged::Dealt(dealt) = arranged else { return None };
         if !matches!(frame.camera.projection, Projection::Orthographic { .. }) || frame.color != ColorSpace::Linear {
             return None;
@@ -52,13 +52,13 @@ impl Planes {
         let planes = dealt.surfaces.iter().map(|surface| plane(dealt, surface, &colors, frame));
         let mut planes: Vec<Plane> = planes.collect::<Option<_>>()?;
         planes.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        // Of two at one depth neither is in front.
+        // The order of two planes at the same depth would be undefined.
         let apart = planes.windows(2).all(|pair| pair[1].depth - pair[0].depth > 2.0 * FLAT * pair[1].depth);
         (apart && !planes.is_empty()).then_some(Self(planes))
     }
 
-    /// Color of every pixel over a background, linear R, G, B, and its standard deviation over the channels. Each plane hides
-    /// what is behind but for a part, whose mean is 1 − α, whatever it is by chance; `square` is the mean of its square.
+    /// Color of every pixel over a background, linear R, G, B, and its standard deviation over the channels. Each plane
+    /// lets a random part of the background through, with mean 1 − α and mean square `square`.
     fn color(&self, background: Vec3, square: impl Fn(&Plane) -> f64) -> (DVec3, f64) {
         let behind = (background.as_dvec3(), DVec3::ZERO);
         let (mean, variance) = self.0.iter().rev().fold(behind, |(mean, variance), plane| {
@@ -74,7 +74,7 @@ impl Planes {
         self.0.iter().map(|plane| plane.points / points_per_pixel(plane.alpha)).fold(f64::INFINITY, f64::min)
     }
 
-    /// What is known of them, with the image to which ensembles of these points tend (`limit`).
+    /// The expected values for these planes, with the image that ensembles of these points converge to (`limit`).
     pub fn about(&self, background: Vec3, limit: &LinearImage) -> Analytic {
         // All or nothing.
         let (color, of_one) = self.color(background, |plane| 1.0 - plane.alpha);
@@ -97,14 +97,14 @@ impl Planes {
     }
 }
 
-/// How the error against the analytic image falls while no point is dealt twice.
+/// The slope of the error against the analytic image, as long as no point is dealt twice.
 pub(super) fn slope(rows: &[Row], dealt_once: f64) -> Option<PowerLaw> {
     let point = |row: &Row| Some((row.step.as_ref()?.1, row.rmse_analytic?));
     let points: Vec<_> = rows.iter().filter_map(point).filter(|(ensembles, _)| *ensembles <= dealt_once).collect();
     power_law(&points)
 }
 
-/// Of an image against one color.
+/// The RMSE of an image against a single color.
 pub(super) fn rmse(color: [f64; 3], image: &LinearImage) -> f64 {
     let color = color.map(|value| value as f32);
     metrics::rmse(&vec![color; image.pixels.len()], &image.pixels)
@@ -172,14 +172,14 @@ mod tests {
         // ln 2 of two points: q = 0.347; a white plane before black.
         let planes = Planes(vec![plane(1.0, DVec3::ONE, 0.5, 2.0)]);
         let about = planes.about(Vec3::ZERO, &black(2));
-        let is = |value: f64, wanted: f64| assert!((value - wanted).abs() < 1e-12, "{value} for {wanted}");
-        about.color.iter().for_each(|value| is(*value, 0.5));
-        is(about.floor, 0.5);
-        is(about.dealt_once, 2.0 / 2f64.ln());
-        is(about.expected_of_one, 0.5);
-        is(about.expected_floor, 0.5 * (2f64.ln().powi(2) / 2.0).exp_m1().sqrt());
-        is(about.expected(2.0), 0.5 / 2f64.sqrt());
-        is(about.expected(1e18), about.expected_floor);
+        let assert_is = |value: f64, wanted: f64| assert!((value - wanted).abs() < 1e-12, "{value} for {wanted}");
+        about.color.iter().for_each(|value| assert_is(*value, 0.5));
+        assert_is(about.floor, 0.5);
+        assert_is(about.dealt_once, 2.0 / 2f64.ln());
+        assert_is(about.expected_of_one, 0.5);
+        assert_is(about.expected_floor, 0.5 * (2f64.ln().powi(2) / 2.0).exp_m1().sqrt());
+        assert_is(about.expected(2.0), 0.5 / 2f64.sqrt());
+        assert_is(about.expected(1e18), about.expected_floor);
     }
 
     /// A Poisson number (Knuth).

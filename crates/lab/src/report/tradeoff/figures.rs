@@ -10,7 +10,7 @@ use pellucid_engine::output;
 pub(super) const RMSE_FLOOR: f64 = 1e-7;
 /// The same for FLIP, which grows faster than small differences do.
 pub(super) const FLIP_FLOOR: f64 = 1e-6;
-/// A power law that explains less of the variance than this is none.
+/// A power law must explain at least this much of the variance.
 pub(super) const LAW_R_SQUARED: f64 = 0.95;
 /// Device time below is drawn here, in ms.
 const TIME_FLOOR: f64 = 1e-3;
@@ -50,7 +50,7 @@ pub(super) fn short(setting: &str) -> String {
     parts.collect::<Vec<_>>().join(" ")
 }
 
-/// With a minus as long as a digit, to a number of places.
+/// A signed number with fixed decimals and a minus sign as wide as a digit.
 pub(super) fn signed(value: f64, places: usize) -> String {
     format!("{value:.places$}").replace('-', "−")
 }
@@ -88,7 +88,7 @@ fn ladders(report: &Tradeoff) -> Vec<Ladder<'_>> {
     ladders
 }
 
-/// How far a ladder's setting is turned; NaN without a ladder.
+/// The position on the ladder; NaN without a ladder.
 fn step(row: &Row) -> f64 {
     row.step.as_ref().map_or(f64::NAN, |(_, value)| *value)
 }
@@ -101,7 +101,7 @@ fn index(names: &[String], method: &str) -> usize {
 fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn(&Errors) -> f64) -> Figure {
     let names = surfaces::names(report.rows.iter());
     let series = |ladder: &Ladder<'_>| {
-        // Which cloud it is says the panel.
+        // The panel's title already names the cloud.
         let rest = if report.surveyed.is_some() { "" } else { &ladder.rest };
         let point = |(place, row): (usize, &&Row)| Point {
             range_x: [row.gpu_ms.min, row.gpu_ms.max],
@@ -146,7 +146,7 @@ fn error_over_time(report: &Tradeoff, floor: f64, label: &'static str, error: fn
     }
 }
 
-/// The first point of a ladder says what is turned.
+/// The first point of a ladder also names the key that varies.
 fn point_label(row: &Row, is_first: bool, rest: &str) -> String {
     let head = match &row.step {
         Some((key, value)) if is_first => format!("{key} {value}"),
@@ -182,14 +182,14 @@ fn convergence(report: &Tradeoff) -> Option<Figure> {
         return None;
     }
     let mut ladders = ladders(report);
-    // 0 has no place on the axis: `layers=0` stands for all of them.
+    // 0 can't be shown on a logarithmic axis; `layers=0` means all layers.
     ladders.iter_mut().for_each(|ladder| ladder.rows.retain(|row| step(row) > 0.0));
     ladders.retain(|ladder| ladder.rows.len() > 1);
     ladders.sort_by_key(|ladder| !ladder.rows[0].stochastic);
     let mut names = surfaces::names(ladders.iter().map(|ladder| ladder.rows[0]));
     let key = |ladder: &Ladder<'_>| ladder.rows[0].step.as_ref().map(|(key, _)| key.clone()).unwrap_or_default();
     let mut keys: Vec<String> = ladders.iter().map(key).collect();
-    // Those of one key need not be neighbors.
+    // Ladders of one key need not be adjacent.
     let mut seen = Vec::new();
     keys.retain(|key| {
         !seen.contains(key) && {
@@ -230,14 +230,14 @@ fn blended(analytic: &Analytic, rows: &[Row], name: usize) -> [Series; 2] {
     let slope = analytic.slope.map(|law| format!("slope {}", signed(law.exponent, 2)));
     let expected = found.iter().map(|(step, _)| Point::new(*step, analytic.expected(*step))).collect();
     let measured = found.iter().map(|(step, rmse)| Point::new(*step, *rmse)).collect();
-    // What was measured lies on top.
+    // Measured points are drawn on top.
     [
         Series { name: name + 1, points: expected, note: String::new() },
         Series { name, points: measured, note: slope.unwrap_or_default() },
     ]
 }
 
-/// Where a bias of 0 is drawn: the power of ten below all noise and floors.
+/// The position of a zero bias: the power of ten below all noise and floors.
 pub(super) fn bias_floor(report: &Tradeoff) -> f64 {
     let repeats = report.rows.iter().filter_map(|row| row.repeats);
     let values = repeats.flat_map(|r| [r.noise, r.bias_floor]).filter(|value| *value > 0.0 && value.is_finite());

@@ -1,4 +1,4 @@
-//! What a comparison leaves: tables for programs, figures and a page for people.
+//! The output of a comparison: tables for programs, figures and a page for people.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::pictures::Pictures;
 use super::{Row, Shaded, ShadedStep, Skipped, Tradeoff, figures, page};
 use pellucid_engine::output::{self, Files};
 
-/// A line of `tradeoff.csv`. What was skipped has its reason in place of figures.
+/// A line of `tradeoff.csv`. A skipped setting has its reason in place of figures.
 #[derive(Debug, Default, Serialize)]
 struct Line<'a> {
     method: &'a str,
@@ -112,7 +112,7 @@ impl<'a> Line<'a> {
 fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(file);
     let measured = report.rows.iter().map(Line::measured);
-    // By names that live as long as the lines do.
+    // Uses names that live as long as the lines do.
     let settings =
         |shaded: &Shaded| shaded.steps.iter().map(|step| format!("shadows.samples={}", step.samples)).collect();
     let settings: Vec<String> = report.shaded.as_ref().map_or_else(Vec::new, settings);
@@ -124,11 +124,11 @@ fn csv(report: &Tradeoff, file: impl Write) -> io::Result<()> {
     writer.flush()
 }
 
-/// Writes `tradeoff.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder that holds the pictures. None
-/// has its name before all are complete.
+/// Writes `tradeoff.csv`, `tradeoff.json`, the figures and, last, `report.html` into the folder of the pictures. No
+/// file gets its final name before all are complete.
 ///
 /// # Errors
-/// A picture that the report names and that is missing or damaged, and what the system says while writing.
+/// A picture of the report is missing or damaged, or writing fails.
 pub fn write(folder: &Path, report: &Tradeoff) -> Result<(), output::Error> {
     let figures = figures::draw(report)?;
     let pictures = Pictures::read(folder, report)?;

@@ -1,15 +1,16 @@
-//! What Seemann et al. (2018) say of their three models and Uchida et al. (2020) of ensembles, and what was measured of it.
+//! Compares measurements with statements of Seemann et al. (2018) on their three models and of Uchida et al. (2020) on
+//! ensembles.
 
 use super::figures::signed;
 use super::{Analytic, Finding, Row};
 
-/// Base and Concentric take at least so many times the time of Express (Section 5.2).
+/// Base and Concentric take at least this many times as long as Express (Section 5.2).
 const EXPRESS_GAIN: f64 = 10.0;
 /// Opacity and color of 8 bits: the least step that shows.
 const STEP: f64 = 1.0 / 255.0;
 
-/// One for each statement of which all rows are there.
-pub(super) fn of(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
+/// One finding for each statement whose rows were all measured.
+pub(super) fn check_statements(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
     let row = |method: &str, own: &str| rows.iter().find(|row| row.method == method && own_part(&row.setting) == own);
     let base = row("soft-base", "");
     let concentric = row("soft-concentric", "method.shells=adaptive");
@@ -26,9 +27,9 @@ pub(super) fn of(rows: &[Row], analytic: Option<&Analytic>) -> Vec<Finding> {
     pairs.into_iter().flatten().chain(ensembles(rows)).chain(planes).collect()
 }
 
-/// How much the error of the most ensembles may be above what that of the fewest promises.
+/// The tolerance, as a share, for the error of the most ensembles above the value extrapolated from the fewest.
 const OFF: f64 = 0.25;
-/// How much an error against alpha blending may be off what is expected.
+/// The tolerance, as a share, for an error against alpha blending around its expected value.
 const OFF_BLENDED: f64 = 0.15;
 
 /// RMSE against the analytic image of the fewest ensembles, of the most, and between.
@@ -53,7 +54,7 @@ fn blended(rows: &[Row], analytic: &Analytic) -> Option<Finding> {
     })
 }
 
-/// Of the fewest and the most ensembles.
+/// Compares the fewest with the most ensembles.
 fn ensembles(rows: &[Row]) -> Option<Finding> {
     let step =
         |row: &Row| row.step.as_ref().filter(|_| row.method == "spbr").map(|(_, count)| (*count, row.errors.rmse));
@@ -156,29 +157,29 @@ mod tests {
             row("soft-concentric", "method.shells=adaptive method.softness=0.5", 50.0, 0.02, 1),
             row("soft-express", "method.softness=0.5", 8.0, 0.03, 0),
         ];
-        let found = of(&rows, None);
+        let found = check_statements(&rows, None);
         let holds: Vec<_> = found.iter().map(|finding| finding.holds).collect();
         assert_eq!(holds, [Some(true), Some(false), None, None, Some(false)], "{found:#?}");
         assert!(found[0].measured.ends_with(": 12.5") && found[1].measured.ends_with(": 6.2"), "{found:#?}");
         assert!(found[2].measured.starts_with("RMSE 0.0200") && found[4].measured.contains("2.00 times the bytes"));
-        assert_eq!(of(&rows[..1], None), []);
+        assert_eq!(check_statements(&rows[..1], None), []);
     }
 
     #[test]
     fn errors_of_ensembles_fall_or_don_t() {
-        let of = |errors: [(f64, f64); 3]| {
+        let from_errors = |errors: [(f64, f64); 3]| {
             let step = |(count, rmse): (f64, f64)| Row {
                 step: Some(("ensembles".into(), count)),
                 ..row("spbr", "", 1.0, rmse, 0)
             };
-            of(&errors.map(step), None)
+            check_statements(&errors.map(step), None)
         };
-        let found = of([(1.0, 0.4), (100.0, 0.04), (10.0, 0.2)]);
+        let found = from_errors([(1.0, 0.4), (100.0, 0.04), (10.0, 0.2)]);
         assert_eq!((found.len(), found[0].holds), (1, Some(true)), "{found:?}");
         assert!(found[0].measured.contains("0.4000 with 1 and 0.4000 with 100"), "{found:?}");
-        assert_eq!(of([(1.0, 0.4), (10.0, 0.2), (100.0, 0.1)])[0].holds, Some(false));
-        // Faster is right as well.
-        assert_eq!(of([(1.0, 0.4), (10.0, 0.1), (100.0, 0.02)])[0].holds, Some(true));
+        assert_eq!(from_errors([(1.0, 0.4), (10.0, 0.2), (100.0, 0.1)])[0].holds, Some(false));
+        // Being faster is fine, too.
+        assert_eq!(from_errors([(1.0, 0.4), (10.0, 0.1), (100.0, 0.02)])[0].holds, Some(true));
     }
 
     #[test]
@@ -200,7 +201,7 @@ mod tests {
                 rmse_analytic: Some(factor * analytic.expected(count)),
                 ..row("spbr", "", 1.0, 0.4 / count.sqrt(), 0)
             };
-            of(&[1.0, 10.0, 1000.0].map(row), Some(&analytic)).pop().unwrap()
+            check_statements(&[1.0, 10.0, 1000.0].map(row), Some(&analytic)).pop().unwrap()
         };
         let found = finding(0.08, 1.0);
         assert!(

@@ -27,8 +27,8 @@ use pellucid_engine::output::{self, linear, write_rgb_png};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::{Result, identity};
 
-/// Seconds of a frame of so much effort, from (effort, seconds) of the steps before: along the line through the last two, or
-/// in proportion to the effort. `None` without any.
+/// Predicts the seconds of a frame with this effort from (effort, seconds) of earlier steps: on the line through the
+/// last two, or in proportion to the effort. `None` without earlier steps.
 fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
     let &(last, seconds) = times.last()?;
     Some(match times.iter().rev().find(|(before, _)| *before < last) {
@@ -37,12 +37,12 @@ fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
     })
 }
 
-/// What is rendered.
+/// The scene to measure.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The scene's points.
     pub arranged: &'a Arranged,
-    /// The frame. Its method says whose image formation is compared; blending never stops early.
+    /// The frame. Its method defines the image formation that is compared; blending never stops early.
     pub frame: Frame,
     /// Linear RGB.
     pub background: Vec3,
@@ -50,19 +50,19 @@ pub struct Subject<'a> {
     pub scene: &'a str,
 }
 
-/// How much is measured.
+/// The extent of the measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// The settings of the methods.
     pub ladders: Ladders,
-    /// Names of methods; none: all.
+    /// Names of methods; empty for all.
     pub only: Vec<String>,
-    /// About how long frames may be rendered, in seconds. A setting of which one frame is predicted to take more than a
-    /// [`FRAME_SHARE`]th is skipped, and so is one for which no time is left.
+    /// Approximate limit on the total rendering time, in seconds. A setting is skipped if one frame is predicted to
+    /// take more than a [`FRAME_SHARE`]th of it, or if no time is left.
     pub seconds: f64,
-    /// Frames behind a median, if there is time, at least 1.
+    /// Frames behind a median, if time permits, at least 1.
     pub rounds: usize,
-    /// Images of a stochastic setting with seeds of their own, if there is time, at least 2.
+    /// Images of a stochastic setting with seeds of their own, if time permits, at least 2.
     pub seeds: u32,
     /// The command line.
     pub command: String,
@@ -70,22 +70,23 @@ pub struct Options {
 
 /// See [`Options::seconds`].
 pub const FRAME_SHARE: f64 = 8.0;
-/// A frame that takes more than one in so many parts of the time is timed once, where it is first rendered, and not in turns.
+/// A frame that takes more than 1/`ALONE_SHARE` of the time is timed once, where it is first rendered, instead of in
+/// turns.
 pub const ALONE_SHARE: f64 = 60.0;
-/// The images of a stochastic setting take at most one in so many parts of the time, beyond the two that it needs.
+/// The images of a stochastic setting take at most 1/`SEEDS_SHARE` of the time, beyond the two that it needs.
 const SEEDS_SHARE: f64 = 80.0;
 /// Part of the time for first frames, errors and seeds.
 const TRIALS_SHARE: f64 = 0.6;
 /// Part of the time for frames that are timed in turns.
 const ROUNDS_SHARE: f64 = 0.35;
 
-/// Measures every setting that applies, and goes on where an interrupted run on the same scene and device stopped. What was
-/// measured is stored in `folder`, which is made if it isn't there, after every frame; so are the pictures. Once the report
-/// is written, [`super::discard`] removes what was stored. `progress` counts settings and frames.
+/// Measures every applicable setting, and resumes an interrupted run on the same scene and device. Results are stored
+/// in `folder`, which is created if needed, after every frame; so are the pictures. Once the report is written,
+/// [`super::discard`] removes the stored results. `progress` counts settings and frames.
 ///
 /// # Errors
-/// A method of another image formation, a folder that can't be written to, a frame that the reference can't render, a lost
-/// device, a message of the validation layers. What one setting can't do is skipped instead.
+/// A method of another image formation, a folder that can't be written to, a frame that the reference can't render, a
+/// lost device, a message of the validation layers. Failures of a single setting only skip it.
 pub fn run(
     device: &Device,
     subject: &Subject<'_>,
@@ -109,7 +110,7 @@ pub fn run(
     let made = Made::new(device, subject, &formation, &frame, &mut clouds)?;
     let Made { reference, silhouette, facts, .. } = &made;
     let occasion = Occasion::new(subject.arranged.points(), formation, facts.max_list);
-    let planes = Planes::of(subject.arranged, &frame);
+    let planes = Planes::from_points(subject.arranged, &frame);
     let analytic = planes.map(|planes| planes.about(subject.background, reference));
     let surveyed = silhouette.as_ref().map(|silhouette| Surveyed {
         samples_across: made.samples_across,
@@ -139,16 +140,16 @@ pub fn run(
     Ok(run.report(&taken))
 }
 
-/// What images are compared with.
+/// The reference that images are compared with.
 struct Made {
     reference: LinearImage,
-    /// The image of the device, if it is to be checked against the float64 reference.
+    /// The image of the device, if it must be checked against the float64 reference.
     unchecked: Option<Image>,
-    /// What made it, in words.
+    /// The method that made it, in words.
     method: String,
-    /// Of the frame of the exact method.
+    /// The facts of the exact method's frame.
     facts: Facts,
-    /// Of opaque points.
+    /// For opaque points.
     silhouette: Option<Silhouette>,
     samples_across: u32,
 }
@@ -163,7 +164,7 @@ impl Made {
     ) -> Result<Self> {
         let (name, background) = (frame.method.name(), subject.background);
         let mut renderer = Renderer::new(device)?;
-        let cloud = clouds.of(&renderer, 1)?;
+        let cloud = clouds.on_device(&renderer, 1)?;
         if let Formation::Surfaces(_) = formation {
             let made = supersampled(&mut renderer, cloud, frame, background)?;
             let across = made.samples_across;
@@ -199,7 +200,7 @@ struct Run<'a> {
     options: &'a Options,
     folder: &'a Path,
     progress: &'a Progress,
-    /// That of the reference.
+    /// The reference frame.
     frame: Frame,
     partial: Partial,
     clouds: Clouds<'a>,
@@ -291,8 +292,8 @@ impl Run<'_> {
         Frame { method: setting.method, seed, ..self.frame }
     }
 
-    /// Renders a setting with buffers that nothing else uses: memory, errors, pictures, and what a frame takes about; for slow
-    /// ones that is their time.
+    /// Renders a setting with fresh buffers: measures memory, errors, pictures, and the approximate time of a frame,
+    /// which is final for slow settings.
     fn first_frames(&mut self, setting: &Setting) -> Result<Measured> {
         let mut renderer = Renderer::new(self.device)?;
         let first = self.render(&mut renderer, setting, 0)?;
@@ -324,7 +325,7 @@ impl Run<'_> {
         } else {
             (errors, None, self.rmse_analytic(&image))
         };
-        // Last, so that a setting that is skipped leaves none.
+        // Written last, so that a skipped setting leaves no pictures.
         let [picture, difference] = self.pictures(setting, &image)?;
         let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
         let trial = Trial {
@@ -344,10 +345,10 @@ impl Run<'_> {
 
     fn render(&mut self, renderer: &mut Renderer, setting: &Setting, image: u32) -> Result<Rendered, methods::Error> {
         let frame = self.frame_of(setting, image);
-        renderer.render(self.clouds.of(renderer, setting.thinning)?, &frame)
+        renderer.render(self.clouds.on_device(renderer, setting.thinning)?, &frame)
     }
 
-    /// As [`Run::render`]; points that are dealt, in other ensembles: which ones they are is as random as what is drawn.
+    /// Like [`Run::render`], but deals points to other ensembles: their choice is as random as the samples.
     fn render_anew(
         &mut self,
         renderer: &mut Renderer,
@@ -385,8 +386,8 @@ impl Run<'_> {
         Ok(names)
     }
 
-    /// Times frames of all settings in turns, so that a machine that slows down slows them all. Those that are missing in each
-    /// round alone: what an earlier run timed stays.
+    /// Times frames of all settings in turns, so that a machine that slows down affects all of them. Rounds timed by an
+    /// earlier run are kept; only the missing frames are rendered.
     fn rounds(&mut self, settings: &[Setting]) -> Result<()> {
         let rounds = self.options.rounds;
         let wanted = self.wanted(settings);
@@ -403,7 +404,7 @@ impl Run<'_> {
         // Buffers and shaders.
         for setting in &due {
             self.progress.set_message(format!("warming up, {}", setting.key()));
-            let renderer = renderers.of(setting.method.name())?;
+            let renderer = renderers.for_method(setting.method.name())?;
             let rendered = self.render(renderer, setting, 0)?;
             renderer.recycle(rendered.image);
             self.progress.inc(1);
@@ -412,7 +413,7 @@ impl Run<'_> {
             for setting in &due {
                 if missing(self, setting, round) {
                     self.progress.set_message(format!("times, {}", setting.key()));
-                    let renderer = renderers.of(setting.method.name())?;
+                    let renderer = renderers.for_method(setting.method.name())?;
                     self.time(renderer, setting, round)?;
                     self.progress.inc(1);
                 }
@@ -443,7 +444,7 @@ impl Run<'_> {
 
     fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
         if !self.clouds.are_on_device(setting.thinning) {
-            // What is found once for a cloud is no part of a frame's time.
+            // Work done once per cloud is not part of a frame's time.
             let rendered = self.render(renderer, setting, round as u32)?;
             renderer.recycle(rendered.image);
         }
@@ -456,9 +457,9 @@ impl Run<'_> {
         Ok(self.partial.save()?)
     }
 
-    /// How many frames of each setting are timed: as many as there are rounds, but fewer of those that take most, such that
-    /// all of them fit the time; of those that are timed alone one. It follows from the trials alone, so that an interrupted
-    /// run comes to the same.
+    /// The number of timed frames per setting: one per round, but fewer for the slowest settings, so that all fit the
+    /// time, and one for those that are timed alone. It depends only on the trials, so that an interrupted run arrives
+    /// at the same numbers.
     fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
         let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
         let most = self.options.seconds / ALONE_SHARE;
@@ -480,8 +481,8 @@ impl Run<'_> {
         let convergence = if surveyed.is_some() { Vec::new() } else { summary::convergence(settings, &rows) };
         let analytic = analytic.map(|known| Analytic { slope: analytic::slope(&rows, known.dealt_once), ..known });
         let findings = match surveyed {
-            Some(_) => surfaces::findings::of(&rows),
-            None => findings::of(&rows, analytic.as_ref()),
+            Some(_) => surfaces::findings::check_statements(&rows),
+            None => findings::check_statements(&rows, analytic.as_ref()),
         };
         let info = device.info();
         Tradeoff {
@@ -538,7 +539,7 @@ mod tests {
     fn slow_settings_are_seen_coming() {
         assert_eq!(predict(&[], 4.0), None);
         assert_eq!(predict(&[(1.0, 2.0)], 4.0), Some(8.0));
-        // One and four samples are one stratum.
+        // One and four samples are both one stratum.
         assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5)], 4.0), Some(10.0));
         assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5), (4.0, 4.0)], 16.0), Some(10.0));
         assert_eq!(predict(&[(1.0, 3.0), (4.0, 2.0)], 16.0), Some(2.0));

@@ -1,7 +1,8 @@
-//! Accuracy against time: every applicable method and setting on one scene, against the exact image of the same image
-//! formation; what lies on the Pareto front; how the error of stochastic methods falls with their samples.
+//! Accuracy against time: measures every applicable method and setting on one scene against the exact image of the same
+//! image formation, the Pareto front, and how the error of stochastic methods falls with their samples.
 
 mod analytic;
+mod applicable;
 mod figures;
 mod files;
 mod findings;
@@ -24,7 +25,8 @@ pub use partial::discard;
 use super::fit::PowerLaw;
 use super::stress::Spread;
 
-/// How far an image is from the reference, on composed linear R, G, B of all pixels; see [`pellucid_engine::metrics`].
+/// The error of an image against the reference, on composed linear R, G, B of all pixels; see
+/// [`pellucid_engine::metrics`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Root of the mean squared difference.
@@ -33,9 +35,9 @@ pub struct Errors {
     pub nmse: f64,
     /// In decibels; infinite for equal images (`null` in JSON).
     pub psnr: Option<f64>,
-    /// In [−1, 1]; 1 for equal images.
+    /// Range [−1, 1]; 1 for equal images.
     pub ssim: f64,
-    /// In [0, 1]; 0 for equal images.
+    /// Range [0, 1]; 0 for equal images.
     pub flip: f64,
     /// Largest difference in any channel.
     pub max: f64,
@@ -43,34 +45,34 @@ pub struct Errors {
     pub above_1_255: f64,
 }
 
-/// What repeating a stochastic setting with other seeds told.
+/// Statistics of a stochastic setting repeated with other seeds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Repeats {
     /// Images behind it, each with a seed of its own.
     pub seeds: u32,
     /// RMSE of one image against the mean over the seeds: the noise, with Bessel's correction.
     pub noise: f64,
-    /// RMSE of the mean over the seeds against the reference, less what the noise alone leaves in a mean of so many (by
-    /// squares, at least 0).
+    /// RMSE of the mean over the seeds against the reference, minus the noise that remains in a mean over this many
+    /// seeds (by squares, at least 0).
     pub bias: f64,
-    /// What the noise alone leaves in the mean: noise / √seeds. A bias below it can't be told from none.
+    /// The noise that remains in the mean: noise / √seeds. A smaller bias can't be distinguished from zero.
     pub bias_floor: f64,
 }
 
-/// One method with one setting, measured.
+/// Measurements of one method with one setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The method's name.
     pub method: String,
     /// Its setting as options of the command line would give it, as in `method.samples=64`; empty for the defaults.
     pub setting: String,
-    /// What is turned, and how far, as in `("samples", 64.0)`; `None` for a method without a ladder.
+    /// The ladder's key and its value, as in `("samples", 64.0)`; `None` for a method without a ladder.
     pub step: Option<(String, f64)>,
-    /// One point of so many was drawn; 1: all.
+    /// Thinning: only every n-th point was drawn; 1 means all.
     pub thinning: u32,
-    /// Whether the image depends on the seed.
+    /// True if the image depends on the seed.
     pub stochastic: bool,
-    /// Device time of all passes, frames of all settings taken in turns.
+    /// Device time of all passes; frames of all settings alternate.
     pub gpu_ms: Spread,
     /// From the first submission to the end of read-back, on the host's clock.
     pub wall_ms: Spread,
@@ -78,20 +80,20 @@ pub struct Row {
     pub frames: usize,
     /// Largest number of device bytes at any time of a frame, cloud and image included.
     pub peak_device_bytes: u64,
-    /// Bytes of the fragment buffer; 0 of methods that have none.
+    /// Bytes of the fragment buffer; 0 for methods without one.
     pub fragment_bytes: u64,
     /// Against the reference; for stochastic methods the root of the mean square (rmse) or means (the others) over the seeds.
     pub errors: Errors,
-    /// Of stochastic methods.
+    /// Only for stochastic methods.
     pub repeats: Option<Repeats>,
-    /// RMSE against the analytic image ([`Tradeoff::analytic`]), where there is one: root of the mean square over the seeds.
+    /// RMSE against the analytic image ([`Tradeoff::analytic`]), if it exists: root of the mean square over the seeds.
     pub rmse_analytic: Option<f64>,
-    /// Of opaque points: share of the pixels inside the surfaces' silhouette ([`Surveyed::silhouette`]) on which nothing is
-    /// drawn.
+    /// Only for opaque points: share of the pixels inside the surfaces' silhouette ([`Surveyed::silhouette`]) that are
+    /// empty.
     pub holes: Option<f64>,
-    /// RMSE of those pixels alone: what is said of a surface's detail, and not of how far splats reach over its outline.
+    /// RMSE of those pixels alone. It measures a surface's detail, and not how far splats extend beyond its outline.
     pub rmse_inside: Option<f64>,
-    /// Whether no other row is at least as fast and as accurate, and better in one of the two.
+    /// True if no other row is at least as fast and as accurate, and better in one of the two.
     pub front: bool,
     /// File names, relative to the report's folder: the picture (PNG over the scene's background) and the absolute
     /// difference from the reference, [`DIFFERENCE_GAIN`] times as bright.
@@ -102,7 +104,7 @@ pub struct Row {
     pub passes: Vec<(String, f64)>,
 }
 
-/// How much the difference pictures are brightened.
+/// Amplification of the difference pictures.
 pub const DIFFERENCE_GAIN: f64 = 10.0;
 
 /// A setting that was not measured, and why.
@@ -110,18 +112,18 @@ pub const DIFFERENCE_GAIN: f64 = 10.0;
 pub struct Skipped {
     /// The method's name.
     pub method: String,
-    /// As in [`Row`].
+    /// The setting's text, as in [`Row`].
     pub setting: String,
     /// Why.
     pub reason: String,
 }
 
-/// How the error of a method falls along its ladder.
+/// The fall of a method's error along its ladder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
     /// The method's name.
     pub method: String,
-    /// What is turned, as in `samples`.
+    /// The ladder's key, as in `samples`.
     pub key: String,
     /// RMSE over that key; −1/2 for independent samples.
     pub rmse: PowerLaw,
@@ -131,21 +133,21 @@ pub struct Convergence {
     pub rows: usize,
 }
 
-/// A statement of a paper, and what was measured of it on this scene.
+/// A statement of a paper, and its test on this scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// The statement.
     pub claim: String,
-    /// What was measured.
+    /// The measured values.
     pub measured: String,
-    /// Whether it holds here; `None` where it names no figure.
+    /// True if the statement holds here; `None` where it names no figure.
     pub holds: Option<bool>,
 }
 
 /// The image that all others are compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// The exact method that made it, and whether in float64.
+    /// The exact method that made it, and if it did so in float64.
     pub method: String,
     /// Its file name.
     pub picture: String,
@@ -158,7 +160,7 @@ pub struct Reference {
 /// The image of planes before each other that alpha blending of their opacities gives, α₁C₁ + (1 − α₁)(α₂C₂ + …): one color.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Analytic {
-    /// Those of the planes, the nearest first.
+    /// Opacities of the planes, the nearest first.
     pub opacities: Vec<f64>,
     /// Points on a pixel of the image, m, of each plane.
     pub points_per_pixel: Vec<f64>,
@@ -168,29 +170,29 @@ pub struct Analytic {
     pub dealt_once: f64,
     /// RMSE of a single ensemble, as expected: σ₁.
     pub expected_of_one: f64,
-    /// RMSE that is left however many ensembles there are, since how many points lie on a pixel is left to chance: for one plane
-    /// of color C before B it is (1 − α)·√(e^(ln²(1 − α) / m) − 1)·|C − B|.
+    /// RMSE that remains for any number of ensembles, since the number of points on a pixel is random: for one plane of
+    /// color C before B it is (1 − α)·√(e^(ln²(1 − α) / m) − 1)·|C − B|.
     pub expected_floor: f64,
     /// The same as measured: RMSE of the reference, the limit of ever more ensembles of these points.
     pub floor: f64,
-    /// RMSE over L of the settings up to [`Analytic::dealt_once`], if there are two of them: −1/2 is expected.
+    /// RMSE over L of the settings up to [`Analytic::dealt_once`], if at least two exist: −1/2 is expected.
     pub slope: Option<PowerLaw>,
 }
 
 impl Analytic {
-    /// RMSE as expected of so many ensembles: √(σ₁²/L) while no point is dealt twice, and then what the points leave besides,
-    /// which any two ensembles have in common that are not of one pass through them. Of planes whose passes differ a little more
-    /// than there is.
+    /// The expected RMSE for this many ensembles: √(σ₁²/L) while no point is dealt twice. Beyond that the points' own
+    /// error is added, which any two ensembles share unless they belong to the same pass through the points. For
+    /// several planes whose passes differ, this slightly overestimates the error.
     pub fn expected(&self, ensembles: f64) -> f64 {
         let shared = (1.0 - self.dealt_once / ensembles).max(0.0);
         (self.expected_of_one.powi(2) / ensembles + shared * self.expected_floor.powi(2)).sqrt()
     }
 }
 
-/// What opaque points are held against.
+/// The reference for opaque points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Surveyed {
-    /// Samples across a pixel of the reference: so many times so many are averaged.
+    /// Samples across a pixel of the reference: each pixel averages the square of this number.
     pub samples_across: u32,
     /// Pixels inside the silhouette: all samples of the reference are covered, on the pixel and on its eight neighbors. One
     /// pixel off the rim, since splats reach over it by a part of their radius.
@@ -206,14 +208,14 @@ pub struct Shaded {
     pub method: String,
     /// Samples of the light in the image that the others are compared with.
     pub reference_samples: u32,
-    /// By ascending samples.
+    /// In ascending order of samples.
     pub steps: Vec<ShadedStep>,
 }
 
-/// Shadows of so many samples.
+/// Shadows with a given number of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ShadedStep {
-    /// How many.
+    /// The number of samples.
     pub samples: u32,
     /// Device time of the passes that find the shadows, once for a light and a cloud.
     pub ms: Spread,
@@ -246,20 +248,20 @@ pub struct Tradeoff {
     pub max_list: u32,
     /// Runs of the command that it took, if it was interrupted: frames of all settings were timed in turns in each of them.
     pub sittings: u32,
-    /// What the errors are against.
+    /// The reference of the errors.
     pub reference: Reference,
-    /// Of ensembles of planes that fill the image.
+    /// Only for ensembles of planes that fill the image.
     pub analytic: Option<Analytic>,
-    /// Of opaque points.
+    /// Only for opaque points.
     pub surveyed: Option<Surveyed>,
-    /// Of opaque points in the light of an area.
+    /// Only for opaque points lit by an area light.
     pub shaded: Option<Shaded>,
-    /// What was measured, in the order of the settings' ladder.
+    /// The measured settings, in the order of the ladder.
     pub rows: Vec<Row>,
-    /// What was not.
+    /// The skipped settings.
     pub skipped: Vec<Skipped>,
-    /// One for each method with at least three rows on its ladder.
+    /// One entry for each method with at least three rows on its ladder.
     pub convergence: Vec<Convergence>,
-    /// What a paper says of its methods, and what was measured here.
+    /// Statements of papers on the methods, with the measured values.
     pub findings: Vec<Finding>,
 }

@@ -49,20 +49,20 @@ pub(super) fn html(report: &Tradeoff, figures: &[Drawn], pictures: &Pictures) ->
             (findings(report))
         }
         h2 { "Error over time" }
-        @for drawn in of(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
+        @for drawn in named(figures, &["error.svg", "flip.svg"]) { (shown(drawn, report)) }
         @if let Some(surveyed) = &report.surveyed {
             h2 { "Size of splats" }
-            @for drawn in of(figures, &["size-time.svg", "size-holes.svg", "size-error.svg"]) { (shown(drawn, report)) }
+            @for drawn in named(figures, &["size-time.svg", "size-holes.svg", "size-error.svg"]) { (shown(drawn, report)) }
             h2 { "Filters of the image" }
             (iterations(report, surveyed))
             @if let Some(found) = &report.shaded { (shaded(found)) }
         } @else {
             h2 { "Convergence" }
-            @for drawn in of(figures, &["convergence.svg"]) { (shown(drawn, report)) }
+            @for drawn in named(figures, &["convergence.svg"]) { (shown(drawn, report)) }
             (convergence(report))
             @if let Some(analytic) = &report.analytic { (blended(report, analytic)) }
             h2 { "Bias and noise" }
-            @for drawn in of(figures, &["bias.svg"]) { (shown(drawn, report)) }
+            @for drawn in named(figures, &["bias.svg"]) { (shown(drawn, report)) }
             (bias(report))
         }
         h2 { "All settings" }
@@ -115,7 +115,7 @@ fn about(report: &Tradeoff) -> Markup {
     ])
 }
 
-/// In how many runs; times of different ones were taken under conditions that may differ.
+/// The number of runs; the conditions of different runs may differ.
 fn sittings(count: u32) -> String {
     if count < 2 {
         return "in one run".to_owned();
@@ -182,7 +182,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn of<'a>(figures: &'a [Drawn], names: &'a [&str]) -> impl Iterator<Item = &'a Drawn> {
+fn named<'a>(figures: &'a [Drawn], names: &'a [&str]) -> impl Iterator<Item = &'a Drawn> {
     figures.iter().filter(|drawn| names.contains(&drawn.name))
 }
 
@@ -248,7 +248,7 @@ fn caption(name: &str, report: &Tradeoff) -> Markup {
     }
 }
 
-/// What `image-space` does with more iterations, cloud by cloud.
+/// The effect of more iterations on `image-space`, for each cloud.
 fn iterations(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
     let columns = [
         Column::text("points"),
@@ -629,7 +629,7 @@ fn method(report: &Tradeoff) -> Markup {
     }
 }
 
-/// What opaque points are held against.
+/// The reference for opaque points.
 fn about_surfaces(report: &Tradeoff, surveyed: &Surveyed) -> Markup {
     let across = surveyed.samples_across;
     html! {

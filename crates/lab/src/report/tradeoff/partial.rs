@@ -1,5 +1,4 @@
-//! What was measured so far, kept in the report's folder until the report is written: whoever is interrupted goes on from
-//! there.
+//! Results so far, kept in the report's folder until the report is written, so that an interrupted run can be resumed.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -25,14 +24,14 @@ pub(super) struct Trial {
     pub rmse_inside: Option<f64>,
     pub picture: String,
     pub difference: String,
-    /// Of a frame that found its buffers and shaders ready, on the host's clock.
+    /// Host time of a frame whose buffers and shaders were ready.
     pub seconds: f64,
 }
 
 /// A frame that was timed among those of the other settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Timed {
-    /// In which run of the command, from 1.
+    /// The run of the command, counted from 1.
     pub sitting: u32,
     pub gpu_ms: f64,
     pub wall_ms: f64,
@@ -49,13 +48,13 @@ pub(super) struct Measured {
 /// All of one scene, as the file holds it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Content {
-    /// Of the scene, the device and the program, see [`pellucid_engine::identity`].
+    /// Identifies the scene, the device and the program, see [`pellucid_engine::identity`].
     pub identity: String,
     /// Runs of the command so far.
     pub sittings: u32,
     pub reference: Option<Reference>,
     pub shaded: Option<Shaded>,
-    /// By [`super::settings::Setting::key`].
+    /// Keyed by [`super::settings::Setting::key`].
     pub settings: BTreeMap<String, Measured>,
 }
 
@@ -66,9 +65,9 @@ pub(super) struct Partial {
 }
 
 impl Partial {
-    /// What an earlier run left, if it measured the same; else nothing.
+    /// The results of an earlier run with the same identity, or none.
     pub fn open(folder: &Path, identity: String) -> Self {
-        // A cache: what can't be read counts as absent.
+        // This is a cache: unreadable content counts as absent.
         let read = || -> Option<Content> {
             let content: Content = serde_json::from_slice(&std::fs::read(folder.join(NAME)).ok()?).ok()?;
             (content.identity == identity).then_some(content)
@@ -94,10 +93,10 @@ impl Partial {
     }
 }
 
-/// Removes what was kept: the report has it all.
+/// Removes the stored results once the report contains them.
 ///
 /// # Errors
-/// What the system says, unless there was nothing.
+/// The file exists and can't be removed.
 pub fn discard(folder: &Path) -> Result<(), output::Error> {
     let path = folder.join(NAME);
     match std::fs::remove_file(&path) {

@@ -1,13 +1,13 @@
 //! Pictures for the page: reduced, so that dozens of them fit one file, and each only once.
 
 use std::collections::HashMap;
-use std::io::Cursor;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ImageEncoder, RgbImage};
+use png::{BitDepth, ColorType, Compression, DecodingError, Filter};
 use rayon::prelude::*;
 
 use super::Tradeoff;
@@ -26,7 +26,7 @@ pub(super) struct Pictures {
     pub uris: Vec<String>,
     /// The reference's index in `uris`.
     pub reference: usize,
-    /// Of each row: index of the picture and of the difference.
+    /// For each row, the indices of its picture and of its difference picture.
     pub rows: Vec<[usize; 2]>,
     /// Width and height of the pictures as they are embedded.
     pub size: [u32; 2],
@@ -34,10 +34,10 @@ pub(super) struct Pictures {
     pub factor: u32,
 }
 
-/// How a block of pixels becomes one.
+/// How to reduce a block of pixels to one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reduce {
-    /// The mean of linear light: what one sees from further away.
+    /// The mean of linear light, which looks like the picture seen from farther away.
     Mean,
     /// The greatest of each channel: a single wrong pixel stays visible.
     Max,
@@ -60,7 +60,7 @@ impl Pictures {
                 uris.len() - 1
             })
         };
-        // Collected in order, so that of several failures always the first is told, whatever the threads did.
+        // Collected in order, so that the first of several failures is reported whatever the threads did.
         let read = read.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut indices = read.into_iter().map(&mut index);
         let reference = indices.next().unwrap_or(0);
@@ -70,44 +70,86 @@ impl Pictures {
     }
 }
 
-/// By how much pictures are reduced; there are two for each row, and the reference.
+/// The factor to reduce pictures by. Each row has two of them, and the reference one.
 fn factor(size: [u32; 2], rows: usize) -> u32 {
     let pixels = |factor: u32| size.map(|side| u64::from(side.div_ceil(factor))).iter().product::<u64>();
     let all = |factor: u32| pixels(factor).saturating_mul(2 * rows as u64 + 1);
     let narrow = size[0].div_ceil(MAX_WIDTH).max(1);
-    // In a picture of one pixel there is nothing to reduce.
+    // A picture of one pixel can't be reduced.
     (narrow..).find(|factor| all(*factor) <= MAX_PIXELS || pixels(*factor) <= 1).unwrap_or(narrow)
 }
 
 fn embedded(path: &Path, factor: u32, how: Reduce) -> Result<String, output::Error> {
-    let failed = |error: image::ImageError| match error {
-        image::ImageError::IoError(source) => output::Error::Read { path: path.to_owned(), source },
-        other => output::Error::Decode { path: path.to_owned(), reason: other.to_string() },
-    };
-    let picture = reduced(&image::open(path).map_err(failed)?.into_rgb8(), factor, how);
-    let mut bytes = Cursor::new(Vec::new());
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(picture.as_raw(), picture.width(), picture.height(), image::ExtendedColorType::Rgb8)
-        .map_err(failed)?;
-    Ok(format!("data:image/png;base64,{}", STANDARD.encode(bytes.into_inner())))
+    let picture = Picture::read(path)?.reduced(factor, how);
+    let encoded = picture.encoded().map_err(|source| output::Error::Write { path: path.to_owned(), source })?;
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(encoded)))
 }
 
-/// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
-fn reduced(picture: &RgbImage, factor: u32, how: Reduce) -> RgbImage {
-    let (width, height) = picture.dimensions();
-    let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
-    RgbImage::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
-        let (columns, rows) = (x * factor..width.min((x + 1) * factor), y * factor..height.min((y + 1) * factor));
-        let block = || rows.clone().flat_map(|y| columns.clone().map(move |x| picture.get_pixel(x, y).0));
-        image::Rgb(std::array::from_fn(|channel| match how {
-            Reduce::Max => block().map(|pixel| pixel[channel]).max().unwrap_or(0),
-            Reduce::Mean => {
-                let sum: f32 = block().map(|pixel| linear[usize::from(pixel[channel])]).sum();
-                // Within [0, 255] by construction.
-                (255.0 * encode_srgb(sum / (columns.len() * rows.len()) as f32)).round() as u8
-            }
-        }))
-    })
+/// 8 bits of red, green and blue, sRGB-encoded.
+#[derive(Debug, Clone, PartialEq)]
+struct Picture {
+    width: u32,
+    height: u32,
+    /// Row by row from the top.
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Picture {
+    /// Reads a PNG of 8 bits, red, green and blue, as the report writes them.
+    fn read(path: &Path) -> Result<Self, output::Error> {
+        let unreadable = |source| output::Error::Read { path: path.to_owned(), source };
+        let failed = |error: DecodingError| match error {
+            DecodingError::IoError(source) => unreadable(source),
+            other => output::Error::Decode { path: path.to_owned(), reason: other.to_string() },
+        };
+        let file = File::open(path).map_err(unreadable)?;
+        let mut reader = png::Decoder::new(BufReader::new(file)).read_info().map_err(failed)?;
+        let (width, height) = reader.info().size();
+        let bytes = reader.output_buffer_size().unwrap_or(0);
+        if reader.output_color_type() != (ColorType::Rgb, BitDepth::Eight) || bytes == 0 {
+            let reason = "no PNG of 8 bits in red, green and blue, as the report writes them".to_owned();
+            return Err(output::Error::Decode { path: path.to_owned(), reason });
+        }
+        let mut pixels = vec![[0; 3]; bytes / 3];
+        reader.next_frame(pixels.as_flattened_mut()).map_err(failed)?;
+        Ok(Self { width, height, pixels })
+    }
+
+    /// As a PNG.
+    fn encoded(&self) -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(Compression::Balanced);
+        encoder.set_filter(Filter::Adaptive);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+
+    /// One pixel for each block of `factor` × `factor`; blocks at the right and lower end are cut off with the picture.
+    fn reduced(&self, factor: u32, how: Reduce) -> Self {
+        let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f32::from(byte) / 255.0)).collect();
+        let block = |x: u32, y: u32| -> [u8; 3] {
+            let columns = x * factor..self.width.min((x + 1) * factor);
+            let rows = y * factor..self.height.min((y + 1) * factor);
+            let at = |x: u32, y: u32| self.pixels[y as usize * self.width as usize + x as usize];
+            let block = || rows.clone().flat_map(|y| columns.clone().map(move |x| at(x, y)));
+            std::array::from_fn(|channel| match how {
+                Reduce::Max => block().map(|pixel| pixel[channel]).max().unwrap_or(0),
+                Reduce::Mean => {
+                    let sum: f32 = block().map(|pixel| linear[usize::from(pixel[channel])]).sum();
+                    // Within [0, 255] by construction.
+                    (255.0 * encode_srgb(sum / (columns.len() * rows.len()) as f32)).round() as u8
+                }
+            })
+        };
+        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| block(x, y)).collect();
+        Self { width, height, pixels }
+    }
 }
 
 #[cfg(test)]
@@ -125,14 +167,25 @@ mod tests {
     #[test]
     fn blocks_become_their_mean_or_their_greatest() {
         // 3 × 2, by 2: a whole block and one of a single column.
-        let bytes = [[0, 0, 7], [255, 0, 7], [9, 1, 7], [0, 0, 7], [255, 80, 7], [9, 2, 7]];
-        let picture = RgbImage::from_raw(3, 2, bytes.concat()).unwrap();
-        let greatest = reduced(&picture, 2, Reduce::Max);
-        assert_eq!((greatest.dimensions(), greatest.as_raw().as_slice()), ((2, 1), &[255, 80, 7, 9, 2, 7][..]));
+        let pixels = vec![[0, 0, 7], [255, 0, 7], [9, 1, 7], [0, 0, 7], [255, 80, 7], [9, 2, 7]];
+        let picture = Picture { width: 3, height: 2, pixels };
+        let greatest = picture.reduced(2, Reduce::Max);
+        assert_eq!(greatest, Picture { width: 2, height: 1, pixels: vec![[255, 80, 7], [9, 2, 7]] });
         // Half of the light is 188 in sRGB, not 128.
-        let mean = reduced(&picture, 2, Reduce::Mean);
-        assert_eq!((mean.get_pixel(0, 0).0[0], mean.get_pixel(0, 0).0[2], mean.get_pixel(1, 0).0[0]), (188, 7, 9));
-        assert_eq!(reduced(&picture, 1, Reduce::Mean), picture);
-        assert_eq!(reduced(&picture, 1, Reduce::Max), picture);
+        let mean = picture.reduced(2, Reduce::Mean).pixels;
+        assert_eq!((mean[0][0], mean[0][2], mean[1][0]), (188, 7, 9));
+        assert_eq!(picture.reduced(1, Reduce::Mean), picture);
+        assert_eq!(picture.reduced(1, Reduce::Max), picture);
+    }
+
+    #[test]
+    fn embedded_pictures_keep_their_pixels() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = Picture { width: 2, height: 2, pixels: vec![[1, 2, 3], [4, 5, 6], [7, 8, 9], [255, 0, 128]] };
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, picture.encoded().unwrap()).unwrap();
+        assert_eq!(Picture::read(&path).unwrap(), picture);
+        std::fs::write(&path, b"no picture").unwrap();
+        assert!(Picture::read(&path).unwrap_err().to_string().contains("a.png"));
     }
 }

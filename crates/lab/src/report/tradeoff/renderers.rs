@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Renderer};
 
-/// One renderer for each method if memory allows, so that none finds its buffers freed by another; else one for all.
+/// One renderer for each method if memory allows, so that no method frees another's buffers; else one for all.
 pub(crate) struct Renderers {
     device: Device,
     each: bool,
@@ -13,7 +13,7 @@ pub(crate) struct Renderers {
 }
 
 impl Renderers {
-    /// For methods of which a frame takes so many bytes.
+    /// Plans for methods with these peak bytes per frame.
     pub fn new(device: &Device, peaks: impl Iterator<Item = (&'static str, u64)>) -> Self {
         let mut most = BTreeMap::new();
         for (name, peak) in peaks {
@@ -24,8 +24,8 @@ impl Renderers {
         Self { device: device.clone(), each, by_name: BTreeMap::new() }
     }
 
-    /// That of a method, made when it is first asked for.
-    pub fn of(&mut self, name: &'static str) -> Result<&mut Renderer, Error> {
+    /// The renderer of a method, created on first use.
+    pub fn for_method(&mut self, name: &'static str) -> Result<&mut Renderer, Error> {
         let name = if self.each { name } else { "" };
         if !self.by_name.contains_key(name) {
             self.by_name.insert(name, Renderer::new(&self.device)?);

@@ -1,16 +1,16 @@
-//! What images with different seeds tell: bias apart from noise.
+//! Separates bias from noise, from images with different seeds.
 
 use super::{Errors, Repeats};
 
 /// Images of one stochastic setting, as differences from the reference.
 pub(super) struct Seeds {
     count: u32,
-    /// Of each channel of each pixel.
+    /// One value per channel and pixel.
     mean: Vec<f64>,
     /// Squared differences from the mean, over all channels.
     squares: f64,
     errors: Vec<Errors>,
-    /// RMSE against the analytic image, if there is one.
+    /// RMSE against the analytic image, if it exists.
     analytic: Vec<f64>,
 }
 
@@ -88,18 +88,19 @@ mod tests {
         }
         let Repeats { seeds: count, noise, bias, bias_floor } = seeds.repeats();
         assert_eq!(count, 2);
-        let is = |value: f64, square: f64| assert!((value * value - square).abs() < 1e-12, "{value}² for {square}");
-        is(noise, 2.0);
-        is(bias, 3.0);
-        is(bias_floor, 1.0);
+        let assert_is =
+            |value: f64, square: f64| assert!((value * value - square).abs() < 1e-12, "{value}² for {square}");
+        assert_is(noise, 2.0);
+        assert_is(bias, 3.0);
+        assert_is(bias_floor, 1.0);
         // √((1 + 9) / 2), and the mean of 1 and 3.
         let errors = seeds.errors();
-        is(errors.rmse, 5.0);
+        assert_is(errors.rmse, 5.0);
         assert_eq!(errors.max, 2.0);
         // (1.5² + 3.5²) / 2.
-        is(seeds.rmse_analytic().unwrap(), 7.25);
+        assert_is(seeds.rmse_analytic().unwrap(), 7.25);
         // Both together are the error: rmse² = bias² + noise².
-        is(errors.rmse, bias * bias + noise * noise);
+        assert_is(errors.rmse, bias * bias + noise * noise);
     }
 
     #[test]

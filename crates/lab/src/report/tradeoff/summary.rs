@@ -24,8 +24,8 @@ pub(super) fn row(setting: &Setting, measured: &Measured) -> Row {
         step: setting.step.map(|(key, value)| (key.to_owned(), value)),
         thinning: setting.thinning,
         stochastic: setting.is_stochastic(),
-        gpu_ms: Spread::of(frames.iter().map(|frame| frame.gpu_ms).collect()),
-        wall_ms: Spread::of(frames.iter().map(|frame| frame.wall_ms).collect()),
+        gpu_ms: Spread::from_values(frames.iter().map(|frame| frame.gpu_ms).collect()),
+        wall_ms: Spread::from_values(frames.iter().map(|frame| frame.wall_ms).collect()),
         frames: frames.len(),
         peak_device_bytes: trial.peak_device_bytes,
         fragment_bytes: trial.fragment_bytes,
@@ -49,13 +49,13 @@ pub(super) fn mark_front(rows: &mut [Row]) {
     }
 }
 
-/// Whether `a` is nowhere above `b` and somewhere below it.
+/// True if `a` is nowhere above `b` and somewhere below it.
 fn beats(a: [f64; 2], b: [f64; 2]) -> bool {
     a[0] <= b[0] && a[1] <= b[1] && a != b
 }
 
-/// How many frames of each cost (seconds) fit the allowed seconds, one more of each included that warms up: at most `most`,
-/// at least 1, fewer of what takes longest in all.
+/// The number of frames of each cost (seconds) that fit the allowed seconds, including one warm-up frame each: at most
+/// `most`, at least 1, and fewer for those with the largest total.
 pub(super) fn frames(costs: &[f64], most: usize, allowed: f64) -> Vec<usize> {
     let mut counts = vec![most; costs.len()];
     let total = |counts: &[usize]| counts.iter().zip(costs).map(|(n, cost)| (1 + n) as f64 * cost).sum::<f64>();
@@ -142,7 +142,7 @@ mod tests {
         let mut rows: Vec<Row> = places.map(|(ms, rmse)| row(&all()[0], &measured(&[ms], rmse))).into();
         mark_front(&mut rows);
         let front: Vec<bool> = rows.iter().map(|row| row.front).collect();
-        // Of two equal ones neither is better.
+        // Of two equal rows neither dominates.
         assert_eq!(front, [true, false, true, false, true, true, true]);
     }
 

@@ -1,4 +1,4 @@
-//! What the panel does to the scene.
+//! Edits of the scene by the panel.
 
 use super::*;
 use crate::census::{Census, FieldFacts};
@@ -10,7 +10,7 @@ fn word(word: &str) -> Setting {
     Setting::Word(word.to_owned())
 }
 
-/// Every change asks for a picture at once, also while another one is on its way; what is no scene asks for none.
+/// Every change requests a picture at once, even while another one is being rendered; an invalid change requests none.
 #[test]
 fn every_change_asks_for_a_picture() {
     let (mut model, _) = settled();
@@ -50,7 +50,7 @@ fn every_method_can_be_chosen_from_every_other() {
         }
         controls::Control::Count(from, to) => Setting::Integer(if last { to } else { from }),
         controls::Control::Flag => Setting::Flag(last),
-        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }]),
+        controls::Control::Choice(words) => word(words[if last { words.len() - 1 } else { 0 }].name),
         controls::Control::Color => Setting::Numbers(vec![0.0; 3]),
     };
     for first in METHODS {
@@ -58,7 +58,7 @@ fn every_method_can_be_chosen_from_every_other() {
             model.set_method(first);
             for key in method_keys(first) {
                 let method = model.scene().method;
-                let control = controls::control(&method.representative(), key, model.extent()).unwrap().control;
+                let control = controls::method(&method.representative(), key, model.extent()).unwrap().control;
                 model.change(&controls::method_changes(&method.representative(), key, Some(end(control, last))));
             }
             let edited = model.document.clone();
@@ -78,7 +78,7 @@ fn values_of_another_method_make_room() {
     model.set_method("peel");
     model.set("method.layers", Setting::Integer(0));
     model.set("method.shape", word("oriented"));
-    // Peeling points has no "all layers"; what both have stays.
+    // Peeling points has no "all layers"; keys that both methods share stay.
     model.set_method("peel-layers");
     assert!(matches!(model.scene().method.fixed(), Some(Method::PeelLayers(layers)) if layers.layers == 4));
     model.set_method("sorted");

@@ -1,4 +1,4 @@
-//! What keys do, without a window: egui takes its input from anywhere.
+//! Keyboard actions, without a window: egui accepts input from anywhere.
 
 use egui::{Context, Event, Key, Modifiers, RawInput};
 
@@ -27,7 +27,7 @@ fn a_key_of_a_shortcut_moves_nothing_however_long_it_is_held() {
     frame(&ctx, &mut model, &[(Key::S, false, none)], none);
     frame(&ctx, &mut model, &[], none);
     assert_eq!(model.navigator, before);
-    // By itself it flies, and with a modifier that comes later it stops.
+    // The key alone flies; a modifier pressed later stops it.
     frame(&ctx, &mut model, &[(Key::S, true, none)], none);
     let moved = model.navigator;
     assert_ne!(moved, before);
@@ -54,7 +54,7 @@ fn keys_make_and_play_a_path() {
     assert!(model.route.is_playing());
     press(&mut model, Key::Space, none);
     assert!(!model.route.is_playing());
-    // While files are written none are asked for, and a dialog has the keys for itself.
+    // While files are being written no others are requested, and an open dialog receives all keys.
     press(&mut model, Key::O, Modifiers::CTRL);
     assert!(!model.dialog.is_open());
     model.busy = false;

@@ -9,7 +9,7 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
     model.open(vec!["b.ply".into()]);
     model.open(vec!["c.ply".into(), "flight.json".into()]);
     assert_eq!(std::iter::from_fn(|| model.next_task(now)).count(), 3);
-    // What is saved now would have the clouds of another scene.
+    // Saving now would write the clouds of another scene.
     model.save(true);
     assert!(
         model.next_task(now).is_none() && model.message.as_ref().is_some_and(|(text, _)| text.contains("not saved"))
@@ -21,7 +21,7 @@ fn files_that_are_opened_one_upon_the_other_are_waited_for() {
     assert!(model.busy && asked(&mut model, now).is_none());
     model.take_in(News::Failed(0, "flight.json: no such file".into())).unwrap();
     assert!(!model.busy && asked(&mut model, now).is_some());
-    // What waits for the worker when a scene comes goes to it then.
+    // Tasks that wait while a scene arrives are sent to the worker afterwards.
     model.open(vec!["d.ply".into()]);
     model.next_task(now);
     model.open(vec!["e.ply".into()]);
@@ -44,7 +44,7 @@ fn a_scene_without_a_picture_does_not_promise_one() {
     let request = asked(&mut model, Instant::now()).unwrap();
     model.take_in(picture(&request, true)).unwrap();
     assert_eq!((model.line_without_picture(), &model.message), (None, &None));
-    // What else was said stays.
+    // Other messages stay.
     model.look_from(View::default());
     let request = asked(&mut model, Instant::now()).unwrap();
     model.take_in(News::Failed(request.serial, "too many points".into())).unwrap();

@@ -56,7 +56,7 @@ fn a_key_is_the_camera_that_is_shown() {
         assert_eq!((pose(&mut model), camera.near), (Pose::At(*camera), Some(0.5)));
         assert_eq!(model.route.selected(), Some(at));
     }
-    // What turns the camera then starts from the key.
+    // Turning the camera then starts from the key.
     model.navigate(|navigator| navigator.orbit(DVec2::new(48.0, 0.0), 48.0));
     let (Pose::At(turned), last) = (model.pose, &cameras[2]) else { panic!("moved") };
     let arm = |camera: &CameraSettings| camera.eye.unwrap() - last.target.unwrap();
@@ -124,7 +124,7 @@ fn a_path_is_saved_with_the_scene_that_it_leads_through() {
     model.save_path();
     let Some(Task::Save(saving)) = model.next_task(Instant::now()) else { panic!("nothing to save") };
     let scene = saving.document.scene().unwrap();
-    // With the camera that it has, which keys take what they don't say from.
+    // The scene keeps its camera, which supplies what keys leave open.
     assert_eq!((scene.camera, scene.image.size, scene.clouds[0].opacity), (model.scene().camera, SIZE, 0.25));
     assert_eq!((saving.path, saving.picture, model.busy), (Some(model.route.path(SIZE)), false, true));
     model.take_in(News::Saved(vec!["s-path-1.toml".into(), "s-path-1.json".into()])).unwrap();
@@ -153,7 +153,7 @@ fn a_scene_is_saved_under_the_name_that_was_chosen() {
     assert_eq!(chosen("a.toml").unwrap(), "a.toml");
     assert_eq!(chosen("a").unwrap(), "a.toml");
     assert_eq!(chosen("a.b").unwrap(), "a.b.toml");
-    // The dialog has asked whether a whole name is to be replaced.
+    // For a complete name the dialog has already asked whether to replace the file.
     assert_eq!(chosen("there.toml").unwrap(), "there.toml");
     assert!(chosen("there").unwrap_err().contains("is there already"));
 }
@@ -164,14 +164,14 @@ fn files_of_cameras_become_keys() {
     let text = r#"{"version": 1, "size": [640, 480], "loop": true, "keys": [
         {"eye": [0, -9, 0], "target": [0, 0, 0]}, {"eye": [9, 0, 0], "target": [0, 0, 0]}]}"#;
     let path = CameraPath::from_json(text, Path::new("a.json")).unwrap();
-    // Before the first picture there is nothing to look from.
+    // Before the first picture the position of the camera is unknown.
     model.take_path("a.json".into(), Source::Path(path.clone()));
     assert!(model.route.keys().is_empty());
     let request = asked(&mut model, Instant::now()).unwrap();
     model.take_in(picture(&request, true)).unwrap();
     assert_eq!((model.route.path(SIZE), model.message.clone()), (path, Some(("a.json: 2 keys".into(), false))));
     assert!(matches!(pose(&mut model), Pose::At(camera) if camera.eye == Some(DVec3::new(0.0, -9.0, 0.0))));
-    // A second file takes its place, and what is wrong changes nothing.
+    // A second file replaces the first; an invalid file changes nothing.
     let key = Key { target: Some([0.0; 3]), up: Some([1.0, 0.0, 0.0]), ..Key::at([5.0, 0.0, 0.0]) };
     model.take_in(News::Cameras("b.json".into(), Box::new(Source::Path(CameraPath::new(vec![key]))))).unwrap();
     let (text, wrong) = model.message.clone().unwrap();
@@ -192,7 +192,7 @@ fn files_of_cameras_become_keys() {
     assert_eq!(model.route.keys().len(), 1);
 }
 
-/// Cameras of nerfstudio stay what they are, and what they lose is said.
+/// Cameras of nerfstudio keep their poses, and a message names what they lose.
 #[test]
 fn cameras_of_other_programs_become_keys() {
     let (mut model, _) = settled();
@@ -228,7 +228,7 @@ fn cameras_are_told_from_clouds() {
     model.busy = false;
     model.open(vec!["a.json".into(), "b.JSON".into()]);
     assert!(model.next_task(now).is_none() && model.message.as_ref().is_some_and(|(_, wrong)| *wrong));
-    // Without keys there is nothing to play and to save.
+    // Without keys, playing and saving do nothing.
     for ask in [Model::play, Model::save_path] {
         model.message = None;
         ask(&mut model);

@@ -1,7 +1,9 @@
 //! A scene that was saved and is opened again, by the worker on a device.
 
+use pellucid_testing::skip::{NO_DEVICE, skip};
+
 use super::*;
-use crate::worker::{Held, Setup, Worker};
+use crate::worker::{Setup, Worker, Workload};
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::scene::{self, Opened};
 
@@ -43,8 +45,7 @@ fn write_clouds(folder: &Path) {
 fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let device = match Device::open(&DeviceOptions::validated()) {
         Ok(device) => device,
-        Err(error) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device: {error}"),
-        Err(error) => return eprintln!("skipped, no device: {error}"),
+        Err(error) => return skip(NO_DEVICE, &error.to_string()),
     };
     let folder = tempfile::tempdir().unwrap();
     write_clouds(folder.path());
@@ -53,8 +54,8 @@ fn a_saved_scene_is_the_same_when_it_is_opened_again() {
     let Opened { name, document, clouds, generated } = opened;
     let mut model = Model::new(name, document, View::default(), 33.0).unwrap();
     model.set_viewport(Viewport { at: [0, 0], size: SIZE });
-    let held = Held { clouds, generated, tasks: Vec::new() };
-    let worker = Worker::start(&device, held, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
+    let workload = Workload { clouds, generated, tasks: Vec::new() };
+    let worker = Worker::start(&device, workload, Setup { seed: 7, memory_budget: None }, || {}).unwrap();
     let first = settle(&mut model, &worker);
     let settings = [
         ("method.name", Setting::Word("sorted".into())),

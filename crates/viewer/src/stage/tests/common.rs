@@ -1,8 +1,9 @@
-//! What the tests of the stage share: clouds, a scene, comparisons.
+//! Helpers of the stage's tests: clouds, a scene, comparisons.
 
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
+use pellucid_testing::skip::{NO_DEVICE, skip};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -17,8 +18,7 @@ pub fn with_device(test: impl FnOnce(&Device)) {
             test(&device);
             assert_eq!(device.validation_messages(), Vec::<String>::new());
         }
-        Err(e) if std::env::var("PELLUCID_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("a device is required: {e}"),
-        Err(e) => eprintln!("skipped, no device: {e}"),
+        Err(e) => skip(NO_DEVICE, &e.to_string()),
     }
 }
 
@@ -38,7 +38,7 @@ pub fn cloud(seed: u64, count: usize) -> Cloud {
     cloud
 }
 
-/// One with alpha and one without, of which the second has radii.
+/// Two clouds: the first has alpha, the second has radii.
 pub fn clouds() -> Vec<Cloud> {
     let (mut one, mut two) = (cloud(1, 60), cloud(2, 50));
     one.alphas = Some((0..60).map(|i| 0.3 + 0.01 * i as f32).collect());
@@ -70,16 +70,16 @@ pub fn document() -> Document {
 
 /// Compares all of two pictures that a window shows or a file gets; two errors are equal if they say the same.
 #[track_caller]
-pub fn assert_same(live: &Taken, fresh: &Taken, what: &str) {
-    let frame = |taken: &Taken| format!("{:?}, {:?}, {:?}", taken.frame, taken.subject, taken.brightness);
+pub fn assert_same(live: &TakenPicture, fresh: &TakenPicture, what: &str) {
+    let frame = |taken: &TakenPicture| format!("{:?}, {:?}, {:?}", taken.frame, taken.subject, taken.brightness);
     assert_eq!(frame(live), frame(fresh), "{what}");
-    let bits = |taken: &Taken| {
+    let bits = |taken: &TakenPicture| {
         let image = &taken.rendered.image;
         let colors: Vec<_> = image.rgba.iter().map(|rgba| rgba.map(f32::to_bits)).collect();
         (colors, image.depth.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>())
     };
     assert!(bits(live) == bits(fresh), "{what}: pixels differ");
-    let facts = |taken: &Taken| {
+    let facts = |taken: &TakenPicture| {
         let facts = &taken.rendered.facts;
         (facts.visible, facts.solid_points, facts.soft_visible, facts.slots, facts.max_list, facts.thin.clone())
     };
@@ -109,13 +109,13 @@ pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
     };
     let all = |cloud: &DeviceCloud| [bits(&cloud.points_hi), bits(&cloud.points_lo), bits(&cloud.point_colors)];
     assert_eq!(all(live), all(fresh), "{what}");
-    // Of no field there is one element, which is undefined.
+    // Without a field the buffer has one undefined element.
     assert_eq!(live.fields.len(), fresh.fields.len(), "{what}");
     if live.fields.len() == live.len() {
         let fields = |cloud: &DeviceCloud| cloud.fields.read(0, cloud.len()).unwrap();
         assert_eq!(fields(live), fields(fresh), "{what}");
     }
-    // Shadows that were cast stay while methods look that have none.
+    // Cast shadows survive methods that don't use them.
     if live.has_normals() {
         let normals = |cloud: &DeviceCloud| bits(&cloud.normals).into_iter().map(|[x, y, z, _]| [x, y, z]).collect();
         let [live, fresh]: [Vec<[u32; 3]>; 2] = [normals(live), normals(fresh)];

@@ -19,7 +19,7 @@ fn garden(device: &Device) -> (Stage, Document) {
     (stage(device, clouds), document.clone())
 }
 
-fn composed(taken: &Taken, scene: &Scene) -> Vec<[f32; 3]> {
+fn composed(taken: &TakenPicture, scene: &Scene) -> Vec<[f32; 3]> {
     let image = &taken.rendered.image;
     let pixels = display::compose(image, scene.image.background, scene.image.color);
     display::enlarge(&pixels, [image.width, image.height], SIZE)
@@ -37,7 +37,7 @@ fn blurred(pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
     (0..width * height).map(|i| mean(i % width, i / width)).collect()
 }
 
-/// Root mean square difference where both are, the second one moved by so many pixels.
+/// Root mean square difference over the common pixels, with the second picture shifted by `dx`, `dy` pixels.
 fn apart(a: &[[f32; 3]], b: &[[f32; 3]], [dx, dy]: [i64; 2]) -> f64 {
     let [width, height] = SIZE.map(i64::from);
     let border = 16;
@@ -47,8 +47,8 @@ fn apart(a: &[[f32; 3]], b: &[[f32; 3]], [dx, dy]: [i64; 2]) -> f64 {
     metrics::rmse(&a, &b)
 }
 
-/// A draft of a share of the work, whatever the machine takes for a frame.
-fn draft(stage: &mut Stage, scene: &Scene, work: f64) -> Taken {
+/// A draft with a share of the work, independent of the machine's frame time.
+fn draft(stage: &mut Stage, scene: &Scene, work: f64) -> TakenPicture {
     let name = scene.method.name();
     stage.costs = Some((name, None, Costs::new(Cost { ms: 1000.0, work: 1.0 })));
     stage.take(scene, Pose::Scene, Effort::Moving(1000.0 * work)).unwrap()
@@ -58,7 +58,7 @@ fn draft(stage: &mut Stage, scene: &Scene, work: f64) -> Taken {
 fn drafts_lie_where_the_whole_picture_does() {
     with_device(|device| {
         let (mut stage, mut document) = garden(device);
-        // Least share of the work, and what is drawn for it.
+        // The least share of the work, and the drafts it yields.
         let of_pixels =
             [(0.25, "2 × 2 pixels as one", 2), (0.12, "3 × 3 pixels as one", 3), (0.07, "4 × 4 pixels as one", 4)];
         // Discs that face the camera at one depth cover what is farther, in a garden seen from above by up to their radius above
@@ -79,7 +79,7 @@ fn drafts_lie_where_the_whole_picture_does() {
         let mut wrong = Vec::new();
         for (method, drafts) in cases {
             if method == "spbr" {
-                // So little that there are points enough for it on the smallest pixels too: larger ones have more.
+                // Little opacity, so that enough points remain on the smallest pixels; larger ones hold more.
                 document.put("cloud.*.opacity", Setting::Number(0.2)).unwrap();
             }
             let scene = document.set("method.name", Setting::Word(method.into())).unwrap();
@@ -167,8 +167,8 @@ fn lights_of_an_area_come_one_by_one() {
         assert_eq!(lights(Effort::Moving(1e9)), (Some([10, 10]), true));
         let live = stage.take(&scene, Pose::Scene, Effort::Whole).unwrap();
         let mut other = self::stage(device, clouds.clone());
-        assert_same(&live, &fresh(&mut other, &clouds, &scene), "after fewer lights");
-        // With another light it begins anew.
+        assert_same(&live, &fresh(&mut other, device, &clouds, &scene), "after fewer lights");
+        // Another light restarts the refinement.
         let moved = document.set("shading.light", Setting::Numbers(vec![-0.5, -1.0, -0.5])).unwrap();
         let taken = stage.take(&moved, Pose::Scene, Effort::Moving(1e9)).unwrap();
         assert_eq!(taken.lights, Some([1, 10]));

@@ -1,4 +1,4 @@
-//! What stands in the house and on the terrace.
+//! Furniture of the house and the terrace.
 
 use glam::DVec3;
 

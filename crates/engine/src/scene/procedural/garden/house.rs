@@ -57,7 +57,7 @@ fn walls() -> [Wall; 4] {
     ]
 }
 
-/// Walls, gables, partition, glass and roof: what one wants to look through.
+/// Walls, gables, partition, glass and roof: the parts one wants to look through.
 pub(super) fn structure() -> Model {
     let mut model = Model::new(class::BUILDING);
     let plaster = Paint::boards([196, 210, 220], 0.2);

@@ -16,7 +16,7 @@ const SKY_COLOR: DVec3 = DVec3::new(0.50, 0.54, 0.60);
 const REACH: f64 = 15.0;
 const HEIGHT: f64 = 10.0;
 
-/// How high above the plane through the origin that faces the sun the topmost points are, cell by cell.
+/// The height of the topmost points above the plane through the origin that faces the sun, cell by cell.
 pub(super) struct ShadowMap {
     cell: f64,
     side: usize,
@@ -40,8 +40,8 @@ impl ShadowMap {
         }
     }
 
-    /// Share of the sun that reaches a point, from the 3 × 3 cells around it; what lies less than `bias` above does
-    /// not count.
+    /// Share of the sunlight that reaches a point, from the 3 × 3 cells around it; points less than `bias` above it
+    /// don't occlude.
     fn lit(&self, position: DVec3, bias: f64) -> f64 {
         let (at, height) = self.place(position);
         let lit = |i: i32| {

@@ -27,7 +27,7 @@ pub(super) const BUILTIN: Builtin = Builtin {
     generate,
 };
 
-/// One cloud of the scene.
+/// A single cloud of the scene.
 struct Part {
     name: &'static str,
     opacity: f64,
@@ -47,7 +47,7 @@ const LEAVES: Part = Part { name: "leaves", opacity: 0.25, share: 0.26, overlap:
 /// Standard deviation of the scanner's range, in metres.
 const NOISE: f64 = 0.003;
 
-/// One point in so many is a stray one.
+/// One point in this many is an outlier.
 const OUTLIERS: usize = 1200;
 
 /// A part, its points without light, and their spacing.

@@ -1,4 +1,4 @@
-//! What surfaces look like before any light falls on them.
+//! The appearance of unlit surfaces.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ pub(super) struct Paint {
     grain: f64,
 }
 
-/// How the color varies over the surface; lengths in metres.
+/// The variation of the color over the surface; lengths in metres.
 #[derive(Clone, Copy)]
 enum Pattern {
     Plain,

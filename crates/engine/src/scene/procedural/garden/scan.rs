@@ -15,7 +15,7 @@ pub(super) struct Sample {
     pub(super) class: u8,
 }
 
-/// Where the scanner stood: around the house and in both rooms.
+/// Positions of the scanner: around the house and in both rooms.
 const STATIONS: [DVec3; 6] = [
     DVec3::new(-2.6, -5.6, 1.7),
     DVec3::new(4.2, -6.2, 1.7),
@@ -55,7 +55,7 @@ pub(super) fn scan(patches: &[Patch], count: usize, random: &mut Random) -> Resu
     let total: f64 = shares.iter().sum();
     let mut out = samples(count)?;
     for (patch, share) in patches.iter().zip(&shares) {
-        // What `kept` leaves of these is the surface's share of the points.
+        // `kept` reduces these tries to the surface's share of the points.
         let tries = count as f64 / total * patch.shape.area() * patch.weight;
         if *share > 0.0 {
             scan_patch(patch, tries, random, &mut out);

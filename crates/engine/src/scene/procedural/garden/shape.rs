@@ -1,4 +1,4 @@
-//! Surfaces of the garden: each maps the unit square onto itself, true to area but for balls that are not round.
+//! Surfaces of the garden: each maps the unit square onto itself, area-preserving except for balls that are not round.
 
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub(super) enum Shape {
 pub(super) struct Place {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// How deep inside foliage, from 0 outside to 1.
+    /// Depth inside foliage, from 0 outside to 1.
     pub(super) depth: f64,
 }
 
@@ -59,7 +59,7 @@ impl Shape {
         }
     }
 
-    /// The place of (s, t) in the unit square; none for the half of it that a triangle leaves out.
+    /// The position of (s, t) in the unit square; `None` for the half of it that a triangle leaves out.
     pub(super) fn at(&self, s: f64, t: f64, random: &mut Random) -> Option<Place> {
         let surface = |position, normal: DVec3| Place { position, normal: normal.normalize_or(DVec3::Z), depth: 0.0 };
         match *self {

@@ -10,7 +10,7 @@ pub(super) struct Field<'a> {
     volume: &'a Volume,
     /// The finite ones, ascending.
     sorted: Vec<f32>,
-    /// Whether values grow toward the outside.
+    /// True if values grow toward the outside.
     rises: bool,
 }
 
@@ -23,7 +23,7 @@ impl<'a> Field<'a> {
         field
     }
 
-    /// Of all finite values or of those on the volume's faces.
+    /// The mean of all finite values or of those on the volume's faces.
     fn mean(&self, on_faces: bool) -> f64 {
         let [width, height, depth] = self.volume.dims;
         let is_end = |at: usize, count: usize| at == 0 || at + 1 == count;
@@ -39,7 +39,7 @@ impl<'a> Field<'a> {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// Least and greatest value; `None` if none is finite.
+    /// Least and greatest value; `None` if no value is finite.
     pub fn extremes(&self) -> Option<[f64; 2]> {
         Some([f64::from(*self.sorted.first()?), f64::from(*self.sorted.last()?)])
     }
@@ -49,19 +49,19 @@ impl<'a> Field<'a> {
         self.extremes().map_or(0.0, |[least, greatest]| greatest - least)
     }
 
-    /// Whether values grow toward the outside: on the volume's faces they are greater than elsewhere, on average.
+    /// True if values grow toward the outside: on the volume's faces they are greater than elsewhere, on average.
     pub fn rises(&self) -> bool {
         self.rises
     }
 
-    /// The value that a surface has which encloses such a share of the volume's numbers; between two of its values, so that
-    /// none of them lies on the surface. `None` if all of them are equal.
+    /// The isovalue whose surface encloses this share of the volume's numbers. It lies between two of its values, so
+    /// that none of them is on the surface. `None` if all of them are equal.
     pub fn enclosing(&self, share: f64) -> Option<f64> {
         let count = self.sorted.len();
         let inside = (share * count as f64).round().clamp(1.0, count.max(2) as f64 - 1.0) as usize;
         let last_inside = if self.rises { inside - 1 } else { count.checked_sub(inside)? };
         let value = self.sorted.get(last_inside)?;
-        // Its equals are inside too, unless that is all there is.
+        // Equal values are inside, too, unless all values are equal.
         let [below, up_to] = [self.sorted.partition_point(|v| v < value), self.sorted.partition_point(|v| v <= value)];
         let up_to_it = if self.rises { up_to < count } else { below == 0 };
         let edge = if up_to_it { up_to } else { below };
@@ -74,7 +74,7 @@ impl<'a> Field<'a> {
         self.volume.dims.map(|count| count - 1)
     }
 
-    /// Whether a place is between the numbers.
+    /// True if a position lies within the grid.
     pub fn holds(&self, place: DVec3) -> bool {
         let end = DVec3::from_array(self.cells().map(|count| count as f64));
         place.cmpge(DVec3::ZERO).all() && place.cmple(end).all()
@@ -85,7 +85,7 @@ impl<'a> Field<'a> {
         f64::from(self.volume.values[(z * height + y) * width + x])
     }
 
-    /// Of a cell; corner numbers have a bit for x, y and z.
+    /// The values at the corners of a cell; corner numbers have a bit for x, y and z.
     pub fn corners(&self, [x, y, z]: [usize; 3]) -> [f64; 8] {
         std::array::from_fn(|c| self.number([x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)]))
     }

@@ -1,7 +1,8 @@
-//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). Unlike the other built-in scenes it
-//! needs a file.
+//! `iso`: surfaces of equal value in a volume, as points (Dobrev et al., Figs. 18 and 19). The volume is a file's, or that of a
+//! hydrogen orbital.
 
 mod field;
+mod orbital;
 mod surface;
 
 use glam::DVec3;
@@ -13,11 +14,10 @@ use crate::io::volume::Volume;
 use field::Field;
 use surface::Surface;
 
-/// What `pellucid scene` calls it.
+/// Its name in `pellucid scene`.
 pub const NAME: &str = "iso";
-/// One line for `--list`.
-pub const SUMMARY: &str =
-    "nested surfaces of equal value in a volume (--volume FILE), at --values or at some chosen ones";
+/// A single line for `--list`.
+pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
 /// What `--set` can change.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
@@ -27,8 +27,8 @@ pub const PARAMETERS: &[Parameter] = &[
 /// Surfaces at most.
 pub const MAX_SURFACES: usize = 8;
 
-/// The outermost surface that is chosen encloses the volume over the first number squared, the innermost one over the second
-/// squared, those between over what lies between: a ninth, 1/49, 1/121.
+/// The outermost chosen surface encloses the volume divided by the square of the first number, the innermost one by the
+/// square of the second. Those between use divisors in between, for example a ninth, 1/49, 1/121.
 const DIVISORS: [f64; 2] = [3.0, 11.0];
 /// The share of a single one.
 const ENCLOSED_BY_ONE: f64 = 0.08;
@@ -52,11 +52,17 @@ const NESTED: [f64; 3] = [0.5, 0.3, 1.0];
 /// Layers that are seen: a single surface is crossed four times, nested ones six times (Figs. 18 and 19).
 const LAYERS: [u32; 2] = [4, 6];
 
+/// The volume where none is given: the density of the electron in a hydrogen atom's state 3d (m = 0), 64³ numbers from 0 to 1
+/// within 20 Bohr radii of the nucleus.
+pub fn built_in() -> Volume {
+    orbital::orbital()
+}
+
 /// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field has
 /// surfaces; none: chosen such that they lie within each other.
 ///
 /// # Errors
-/// A parameter that there isn't or out of range, a value without a surface, too many values, a volume without different
+/// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different
 /// values, too little memory.
 pub fn build_iso(volume: &Volume, values: &[f64], parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
     let settings = Values::new(NAME, PARAMETERS, parameters)?;
@@ -117,7 +123,7 @@ fn surfaces<'a>(field: &'a Field<'a>, values: &[f64], chosen: usize) -> Result<V
     values.into_iter().map(surface).collect()
 }
 
-/// Shares of the volume that so many surfaces enclose.
+/// The shares of the volume that the surfaces enclose.
 fn shares(count: usize) -> Vec<f64> {
     if count == 1 {
         return vec![ENCLOSED_BY_ONE];
@@ -136,7 +142,7 @@ fn opacity(place: usize, count: usize) -> f64 {
     }
 }
 
-/// The scene file but for its clouds. Points within a pixel or two of each other are of one layer.
+/// The scene file without its clouds. Points within a pixel or two of each other belong to one layer.
 fn header(surfaces: usize, spacing: f64) -> String {
     let layers = LAYERS[usize::from(surfaces > 1)];
     let min_layer_distance = (LAYER_SPACINGS * spacing) as f32;
@@ -169,5 +175,5 @@ min_layer_distance = {min_layer_distance:?}
     )
 }
 
-/// Layers are so many distances between points apart: a surface that is seen aslant is one layer.
+/// Distance between layers, in point spacings: a surface seen at a grazing angle is one layer.
 const LAYER_SPACINGS: f64 = 6.0;

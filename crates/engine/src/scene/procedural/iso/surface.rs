@@ -15,7 +15,7 @@ const TETRAHEDRA: [[usize; 4]; 6] =
 const NEWTON_STEPS: usize = 8;
 /// Halvings of a distance of up to √3 cells: to the last bit.
 const BISECTIONS: usize = 54;
-/// Part of the range of values that is as good as none.
+/// Share of the range of values that counts as zero.
 const RESIDUAL: f64 = 1e-9;
 
 /// A piece of the surface where the field counts as linear in each tetrahedron.
@@ -24,7 +24,7 @@ struct Triangle {
     corners: [DVec3; 3],
     /// A corner of the tetrahedron with at least the value.
     above: DVec3,
-    /// One with less.
+    /// A position with a smaller value.
     below: DVec3,
 }
 
@@ -89,7 +89,7 @@ impl<'a> Surface<'a> {
             left -= triangle.area();
             left < 0.0
         });
-        // Of the last bits of a sum the last triangle takes care.
+        // The last triangle absorbs the rounding errors of the sum.
         match chosen.or(triangles.last()) {
             Some(triangle) => self.moved(triangle.point(random), triangle),
             None => DVec3::ZERO,
@@ -134,7 +134,7 @@ fn triangles(field: &Field<'_>, cell: [usize; 3], value: f64) -> Vec<Triangle> {
     let corner = |c: usize| origin + DVec3::new((c & 1) as f64, (c >> 1 & 1) as f64, (c >> 2) as f64);
     for tetrahedron in TETRAHEDRA {
         let (high, low): (Vec<usize>, Vec<usize>) = tetrahedron.iter().partition(|c| values[**c] >= value);
-        // Where an edge from one side to the other meets the value.
+        // The point of an edge between the sides where the field equals the value.
         let cut =
             |a: usize, b: usize| corner(a) + (corner(b) - corner(a)) * ((value - values[a]) / (values[b] - values[a]));
         let mut add = |corners: [DVec3; 3]| {
@@ -179,7 +179,7 @@ mod tests {
             assert!((point.dot(DVec3::new(1.0, 2.0, 3.0)) - 4.5).abs() < 1e-6, "{point}");
         }
         assert_eq!(Surface::new(&field, 40.0).area(), 0.0);
-        // What is not a number has no surface around it.
+        // NaN values have no surface around them.
         let mut hurt = volume.clone();
         hurt.values[0] = f32::NAN;
         let field = Field::new(&hurt);

@@ -19,7 +19,7 @@ pub(in super::super) struct Clouds<'a> {
 }
 
 impl<'a> Clouds<'a> {
-    /// With one point of so many; 1 stands for all of them, which are always there.
+    /// Prepares the thinned clouds; 1 stands for the complete cloud, which always exists.
     pub fn new(arranged: &'a Arranged, thinning: &[u32], seed: u64) -> Self {
         let thinned = if thinning.iter().any(|one_of| *one_of > 1) {
             thinned(arranged.points(), thinning, seed)
@@ -29,12 +29,12 @@ impl<'a> Clouds<'a> {
         Self { arranged, thinned, on_device: None }
     }
 
-    /// How many points there are with one point of so many.
+    /// The number of points that remain with this thinning.
     pub fn len(&self, thinning: u32) -> u64 {
         self.thinned.get(&thinning).unwrap_or(self.arranged.points()).len() as u64
     }
 
-    /// Whether those are on the device.
+    /// True if those points are on the device.
     pub fn are_on_device(&self, thinning: u32) -> bool {
         self.on_device.as_ref().is_some_and(|(there, _)| *there == thinning)
     }
@@ -44,11 +44,11 @@ impl<'a> Clouds<'a> {
         self.on_device = None;
     }
 
-    /// Those on the device, uploaded unless they are there.
+    /// Returns those points on the device and uploads them if needed.
     ///
     /// # Errors
-    /// What uploading says.
-    pub fn of(&mut self, renderer: &Renderer, thinning: u32) -> Result<&mut DeviceCloud, Error> {
+    /// Uploading fails.
+    pub fn on_device(&mut self, renderer: &Renderer, thinning: u32) -> Result<&mut DeviceCloud, Error> {
         if !self.are_on_device(thinning) {
             // The memory of the others first.
             self.on_device = None;
@@ -62,8 +62,8 @@ impl<'a> Clouds<'a> {
     }
 }
 
-/// One point of each so many, by chance; whoever is in a thinner cloud is in the denser ones too. Radii grow as the root of
-/// the share shrinks, as the distance to the K-th neighbor (Eq. 20) does on a surface.
+/// Random subsets with every n-th point on average; each thinner cloud is a subset of the denser ones. Radii grow as
+/// the inverse root of the share, as the distance to the K-th neighbor (Eq. 20) does on a surface.
 fn thinned(points: &Points, thinning: &[u32], seed: u64) -> BTreeMap<u32, Points> {
     // Places of points on a device are 32-bit numbers.
     let mut places: Vec<u32> = (0..points.len() as u32).collect();
@@ -71,7 +71,7 @@ fn thinned(points: &Points, thinning: &[u32], seed: u64) -> BTreeMap<u32, Points
     let cloud = |one_of: u32| {
         let count = places.len().div_ceil(one_of as usize);
         let mut chosen = places[..count].to_vec();
-        // In the order of the scene's points, which is one of neighbors.
+        // In the order of the scene's points, which keeps neighbors together.
         chosen.sort_unstable();
         let factor = (places.len() as f64 / count.max(1) as f64).sqrt();
         (one_of, points.subset(&chosen, factor as f32))
@@ -108,7 +108,8 @@ mod tests {
         let factor = (1000.0f32 / 63.0).sqrt();
         assert!(sixteenth.positions.iter().zip(&sixteenth.radii).all(|(p, r)| (r - factor * p.x as f32).abs() < 1e-2));
         assert_eq!((quarter.normals.is_none(), quarter.colors.len(), quarter.fields.len()), (true, 250, 0));
-        // By chance, not the first ones or every fourth: 250 of 1000 with a standard error of 6.9 in the first half.
+        // Random, neither the first quarter nor every fourth: 250 of 1000 with a standard error of 6.9 in the first
+        // half.
         let low = x(quarter).iter().filter(|place| **place < 500.0).count();
         assert!((90..160).contains(&low), "{low}");
         assert_eq!(thinned(&points, &[4], 3)[&4], *quarter, "the same by the same seed");

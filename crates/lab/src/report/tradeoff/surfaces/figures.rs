@@ -8,7 +8,7 @@ const SIZE: [u32; 2] = [1140, 430];
 /// Device time below is drawn here, in ms.
 const TIME_FLOOR: f64 = 1e-3;
 
-/// What is shown over the size of splats.
+/// The quantity shown over the size of splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in super::super) enum Over {
     Time,
@@ -16,8 +16,8 @@ pub(in super::super) enum Over {
     Error,
 }
 
-/// Time, holes or error over the size factor; `None` if no splats were measured. What has no size is a line across: points of
-/// one pixel, and `image-space` with one iteration of each filter.
+/// Time, holes or error over the size factor; `None` if no splats were measured. Methods without a size are a
+/// horizontal line: points of one pixel, and `image-space` with one iteration of each filter.
 pub(in super::super) fn over_size(surveyed: &Surveyed, rows: &[Row], over: Over) -> Option<Figure> {
     let has_size = |row: &&Row| row.step.as_ref().is_some_and(|(key, _)| key == "size");
     let sized: Vec<&Row> = rows.iter().filter(has_size).collect();
@@ -62,7 +62,7 @@ pub(in super::super) fn holes_floor(surveyed: &Surveyed) -> f64 {
     0.5 / surveyed.silhouette.max(1) as f64
 }
 
-/// What a panel of a cloud is called.
+/// The title of a cloud's panel.
 pub(in super::super) fn title(thinning: u32, points: u64) -> String {
     match thinning {
         1 => format!("all {points} points"),
@@ -81,7 +81,7 @@ pub(in super::super) fn names<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<St
     names
 }
 
-/// A figure of panels in a row.
+/// A figure with panels in a row.
 pub(in super::super) fn side_by_side(names: Vec<String>, x: Axis, y: Axis, panels: Vec<Panel>) -> Figure {
     let columns = panels.len().clamp(1, 3);
     let panel = [SIZE[0] / columns as u32, SIZE[1]];

@@ -1,4 +1,4 @@
-//! What Schütz and Wimmer (2015) say of opaque points, and what was measured of it.
+//! Compares measurements with the statements of Schütz and Wimmer (2015) on opaque points.
 
 use crate::report::tradeoff::{Finding, Row};
 
@@ -7,8 +7,8 @@ const COVERED: f64 = 1e-3;
 /// Slowest last.
 const ORDER: [&str; 4] = ["squares", "circles", "paraboloid", "hqs"];
 
-/// One for each statement of which all rows are there.
-pub(in super::super) fn of(rows: &[Row]) -> Vec<Finding> {
+/// One finding for each statement whose rows were all measured.
+pub(in super::super) fn check_statements(rows: &[Row]) -> Vec<Finding> {
     [cost(rows), covering(rows), quality(rows)].into_iter().flatten().collect()
 }
 
@@ -54,7 +54,7 @@ fn cost(rows: &[Row]) -> Option<Finding> {
     })
 }
 
-/// Fig. 8: what is wrong with other sizes than 1. Of the clouds whose points alone don't cover the surfaces.
+/// Fig. 8: the faults of sizes other than 1, for clouds whose points alone don't cover the surfaces.
 fn covering(rows: &[Row]) -> Option<Finding> {
     let mut thinning: Vec<u32> = rows.iter().map(|row| row.thinning).collect();
     thinning.sort_unstable();
@@ -141,7 +141,7 @@ pub(in super::super) mod tests {
         }
     }
 
-    /// As the paper has it: of all points and of a quarter.
+    /// Rows that agree with the paper, for all points and for a quarter of them.
     fn as_claimed() -> Vec<Row> {
         let mut rows = Vec::new();
         for thinning in [1, 4] {
@@ -158,13 +158,13 @@ pub(in super::super) mod tests {
     }
 
     fn holds(rows: &[Row]) -> Vec<Option<bool>> {
-        of(rows).iter().map(|finding| finding.holds).collect()
+        check_statements(rows).iter().map(|finding| finding.holds).collect()
     }
 
     #[test]
     fn what_is_as_claimed_holds() {
         let rows = as_claimed();
-        let found = of(&rows);
+        let found = check_statements(&rows);
         assert_eq!(holds(&rows), [Some(true); 3], "{found:#?}");
         assert!(found[0].measured.starts_with("at sizes 1, 2; ms at 2: squares 3.00, circles 4.00"));
         let told = "1 point of 4: 5.00% holes with 0.5, 0.000% with 1; 3.00 ms with 1, 4.00 ms with 2";
@@ -195,10 +195,10 @@ pub(in super::super) mod tests {
 
     #[test]
     fn nothing_is_found_without_rows() {
-        assert_eq!(of(&[]), []);
+        assert_eq!(check_statements(&[]), []);
         let all = as_claimed();
         let circles: Vec<Row> = all.iter().filter(|row| row.method == "circles").cloned().collect();
-        assert_eq!(of(&circles).len(), 1);
+        assert_eq!(check_statements(&circles).len(), 1);
         let dense: Vec<Row> = circles.into_iter().filter(|row| row.thinning == 1).collect();
         assert_eq!(holds(&dense), [None], "nothing to cover");
     }

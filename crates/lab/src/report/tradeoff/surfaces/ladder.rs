@@ -3,9 +3,9 @@
 use super::Surfaces;
 use crate::report::tradeoff::Skipped;
 use crate::report::tradeoff::settings::{Ladders, Setting};
-use pellucid_engine::scene::{Discs, ImageSpace, Method, OneLayer, PeelLayers, Relief, Soft, Spbr, SplatShape};
+use pellucid_engine::scene::{ImageSpace, Method, Relief, SplatShape};
 
-/// All of them, cloud after cloud; and what draws something else.
+/// All of them, cloud after cloud; and the methods of opaque points that are left out.
 pub(in super::super) fn settings(surfaces: &Surfaces, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
     let settings = ladders.thinning.iter().flat_map(|thinning| of_cloud(surfaces, ladders, *thinning)).collect();
     (settings, skipped(surfaces))
@@ -16,7 +16,7 @@ fn of_cloud(surfaces: &Surfaces, ladders: &Ladders, thinning: u32) -> Vec<Settin
     let mut settings = vec![Setting::single(Method::Points, &rest)];
     for method in sized(surfaces) {
         settings.extend(ladders.sizes.iter().map(|size| Setting {
-            // The pixels of a splat, and what it takes without any.
+            // The pixels of a splat, plus the fixed cost.
             effort: Some(1.0 + size * size),
             ..Setting::step(method(surfaces, *size), ("size", *size), &rest)
         }));
@@ -52,19 +52,10 @@ fn sized(surfaces: &Surfaces) -> Vec<Sized> {
 
 fn skipped(surfaces: &Surfaces) -> Vec<Skipped> {
     let relief = "a relief like that of paraboloid; compared where it is the scene's method";
-    let layers = "draws layers that are seen through, another image formation";
-    let discs = "draws transparent discs, another image formation";
-    let soft = "draws soft spheres, another image formation";
-    let ensembles = "draws surfaces that are seen through, another image formation";
     let others = [
         (Method::Cone(surfaces.interpolated(1.0)), relief, surfaces.relief != Relief::Cone),
         (Method::Sphere(surfaces.splats), relief, surfaces.relief != Relief::Sphere),
         (Method::Splats(Default::default()), "no point has a normal: the same as hqs", !surfaces.normals),
-        (Method::PeelLayers(PeelLayers::default()), layers, true),
-        (Method::OneLayer(OneLayer::default()), layers, true),
-        (Method::ABuffer(Discs::default()), discs, true),
-        (Method::SoftBase(Soft::default()), soft, true),
-        (Method::Spbr(Spbr::default()), ensembles, true),
     ];
     let skipped = others.into_iter().filter(|(.., is_skipped)| *is_skipped);
     skipped.map(|(method, reason, _)| Setting::single(method, "").skipped(reason)).collect()
@@ -75,14 +66,14 @@ mod tests {
     use super::*;
     use pellucid_engine::points::Points;
 
-    fn of(method: Method, normals: bool) -> (Vec<Setting>, Vec<Skipped>) {
+    fn ladder_of(method: Method, normals: bool) -> (Vec<Setting>, Vec<Skipped>) {
         let points = Points { normals: normals.then(Vec::new), ..Points::default() };
-        settings(&Surfaces::of(&method, &points).unwrap(), &Ladders::QUICK)
+        settings(&Surfaces::for_method(&method, &points).unwrap(), &Ladders::QUICK)
     }
 
     #[test]
     fn every_cloud_has_every_ladder() {
-        let (all, skipped) = of(Method::Points, true);
+        let (all, skipped) = ladder_of(Method::Points, true);
         // Points, three sizes of five methods, three numbers of iterations; of all points and of a sixteenth.
         assert_eq!(all.len(), 2 * (1 + 5 * 3 + 3));
         let keys: Vec<String> = all[..19].iter().map(Setting::key).collect();
@@ -96,12 +87,12 @@ mod tests {
         assert!(matches!(all[18].method, Method::ImageSpace(ImageSpace { fill: 4, occlusion: 4, smooth: 1, .. })));
         assert_eq!(all[37].stem(), "image-space-fill-4-occlusion-4-thinning-16");
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(names, ["cone", "sphere", "peel-layers", "one-layer", "abuffer", "soft-base", "spbr"]);
+        assert_eq!(names, ["cone", "sphere"]);
     }
 
     #[test]
     fn names_differ_and_ladders_ascend() {
-        let (all, _) = of(Method::Cone(Default::default()), true);
+        let (all, _) = ladder_of(Method::Cone(Default::default()), true);
         assert!(all.iter().any(|setting| setting.method.name() == "cone"));
         let mut keys: Vec<String> = all.iter().map(Setting::key).chain(all.iter().map(Setting::stem)).collect();
         let count = keys.len();
@@ -112,7 +103,7 @@ mod tests {
         for pair in all.windows(2).filter(|pair| pair[0].series == pair[1].series) {
             assert!(pair[0].effort < pair[1].effort && pair[0].step.unwrap().1 < pair[1].step.unwrap().1, "{pair:?}");
         }
-        let (flat, skipped) = of(Method::Sphere(Default::default()), false);
+        let (flat, skipped) = ladder_of(Method::Sphere(Default::default()), false);
         assert!(flat.iter().all(|setting| setting.method.name() != "splats"));
         assert!(skipped.iter().any(|skipped| skipped.method == "splats" && skipped.reason.contains("no point")));
     }

@@ -1,4 +1,4 @@
-//! Opaque points: what their methods have in common, and what their images are held against.
+//! Opaque points: the common properties of their methods, and the reference for their images.
 
 mod clouds;
 pub(super) mod figures;
@@ -13,10 +13,10 @@ pub(super) use truth::{Silhouette, supersampled};
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{BlendedSplats, ImageSpace, Interpolated, Method, Relief, ScreenSplats, SplatShape};
 
-/// What the scene says of opaque points, whatever its method. Sizes and iterations are settings.
+/// The scene's settings for opaque points, independent of its method. Sizes and iterations are varied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
-    /// Whether points have normals.
+    /// True if points have normals.
     pub normals: bool,
     /// Clamp and rasteriser; of size 1.
     pub splats: ScreenSplats,
@@ -26,13 +26,13 @@ pub struct Surfaces {
     pub blend_depth: f32,
     /// The filters of `image-space`.
     pub filters: ImageSpace,
-    /// That of the scene's method.
+    /// The relief of the scene's method.
     pub relief: Relief,
 }
 
 impl Surfaces {
-    /// Of a scene; `None` if its method draws no opaque points.
-    pub fn of(method: &Method, points: &Points) -> Option<Self> {
+    /// The settings of a scene; `None` if its method draws no opaque points.
+    pub fn for_method(method: &Method, points: &Points) -> Option<Self> {
         let normals = points.normals.is_some();
         let plain = Self {
             normals,
@@ -61,7 +61,8 @@ impl Surfaces {
         })
     }
 
-    /// The method that draws surfaces best: blended splats of size 1, in the points' tangent planes if there are normals.
+    /// The method that draws surfaces best: blended splats of size 1, in the points' tangent planes if they have
+    /// normals.
     pub fn reference(&self) -> Method {
         let settings = self.blended(1.0, SplatShape::default());
         if self.normals { Method::Splats(settings) } else { Method::Hqs(settings) }
@@ -76,7 +77,7 @@ impl Surfaces {
     }
 
     fn blended(&self, size: f64, shape: SplatShape) -> BlendedSplats {
-        // They go through tiles in compute shaders, whatever draws the others.
+        // Compute tiles draw these, regardless of how the others are drawn.
         let splats = ScreenSplats { raster: Default::default(), ..self.sized(size) };
         BlendedSplats { splats, blend_depth: self.blend_depth, shape }
     }
@@ -91,25 +92,27 @@ mod tests {
         let splats = ScreenSplats { size: 3.0, max_pixel_radius: 7.0, ..ScreenSplats::default() };
         let square = SplatShape::Square;
         let points = Points { normals: Some(Vec::new()), ..Points::default() };
-        let of = |method: Method| Surfaces::of(&method, &points).unwrap();
-        let cone = of(Method::Cone(Interpolated { splats, shape: square }));
+        let surfaces_of = |method: Method| Surfaces::for_method(&method, &points).unwrap();
+        let cone = surfaces_of(Method::Cone(Interpolated { splats, shape: square }));
         assert_eq!((cone.splats.size, cone.splats.max_pixel_radius, cone.shape), (1.0, 7.0, square));
         assert_eq!((cone.relief, cone.normals), (Relief::Cone, true));
         let Method::Splats(reference) = cone.reference() else { panic!("{cone:?}") };
         assert_eq!((reference.splats.size, reference.splats.max_pixel_radius), (1.0, 7.0));
         assert_eq!(reference.shape, SplatShape::Circle);
-        let hqs =
-            Surfaces::of(&Method::Hqs(BlendedSplats { splats, blend_depth: 0.5, shape: square }), &Points::default());
+        let hqs = Surfaces::for_method(
+            &Method::Hqs(BlendedSplats { splats, blend_depth: 0.5, shape: square }),
+            &Points::default(),
+        );
         let hqs = hqs.unwrap();
         assert!(matches!(hqs.reference(), Method::Hqs(BlendedSplats { blend_depth: 0.5, .. })), "{hqs:?}");
         let filters = ImageSpace { min_layer_distance: Some(0.25), ..ImageSpace::default() };
-        assert_eq!(of(Method::ImageSpace(filters)).filters, filters);
+        assert_eq!(surfaces_of(Method::ImageSpace(filters)).filters, filters);
         for other in [
             Method::ABuffer(Default::default()),
             Method::PeelLayers(Default::default()),
             Method::OneLayer(Default::default()),
         ] {
-            assert_eq!(Surfaces::of(&other, &points), None);
+            assert_eq!(Surfaces::for_method(&other, &points), None);
         }
     }
 }

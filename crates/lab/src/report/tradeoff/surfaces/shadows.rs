@@ -14,14 +14,14 @@ use pellucid_engine::metrics::rmse;
 use pellucid_engine::output::linear;
 use pellucid_engine::scene::{Light, ShadingModel, Shadows};
 
-/// How a pass of shadows is called.
+/// Prefix of the labels of shadow passes.
 const PASSES: &str = "shadows/";
-/// Samples of the reference, if there is time; at least the second.
+/// Samples of the reference, if time permits; at least the second number.
 const REFERENCE: [f64; 2] = [1000.0, 100.0];
-/// The reference takes at most one in so many parts of the time, if it has more than the least samples.
+/// The reference takes at most 1/`REFERENCE_SHARE` of the time, unless it has only the least samples.
 const REFERENCE_SHARE: f64 = 10.0;
 
-/// How much is measured.
+/// The extent of the measurement.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Effort {
     /// Numbers of samples, ascending.
@@ -32,16 +32,16 @@ pub(in super::super) struct Effort {
     pub seconds: f64,
 }
 
-/// What decides whether a frame has shadows of an area light.
+/// The settings of the area light's shadows, if the frame has them.
 fn lit(frame: &Frame) -> Option<Shadows> {
     let shades = frame.shading.model != ShadingModel::None && frame.shading.light != Light::Headlight;
     frame.shadows.filter(|shadows| shades && frame.method.takes_shadows() && shadows.light_radius > 0.0)
 }
 
-/// Renders a frame with the scene's own method and with each number of samples; `None` if it has no shadows that are soft.
+/// Renders a frame with the scene's own method and with each number of samples; `None` without soft shadows.
 ///
 /// # Errors
-/// What rendering says.
+/// Rendering fails.
 pub(in super::super) fn measure(
     device: &Device,
     clouds: &mut Clouds<'_>,
@@ -70,14 +70,14 @@ pub(in super::super) fn measure(
     let (reference, _) = shaded(&mut renderer, clouds, &many, background)?;
     let step = |((samples, image), times): ((&u32, &LinearImage), Vec<Duration>)| ShadedStep {
         samples: *samples,
-        ms: Spread::of(times.iter().map(|time| time.as_secs_f64() * 1e3).collect()),
+        ms: Spread::from_values(times.iter().map(|time| time.as_secs_f64() * 1e3).collect()),
         rmse: rmse(&reference.pixels, &image.pixels),
     };
     let steps = effort.samples.iter().zip(&images).zip(times).map(step).collect();
     Ok(Some(Shaded { method: frame.method.name().to_owned(), reference_samples, steps }))
 }
 
-/// As many as there is time for, by the step with the most samples.
+/// The number of samples that the time permits, judged by the step with the most samples.
 fn reference_samples(effort: Effort, times: &[Vec<Duration>]) -> u32 {
     let least = |times: &Vec<Duration>| times.iter().map(Duration::as_secs_f64).fold(f64::INFINITY, f64::min);
     let most_samples = effort.samples.last().zip(times.last());
@@ -86,7 +86,7 @@ fn reference_samples(effort: Effort, times: &[Vec<Duration>]) -> u32 {
     (effort.seconds / REFERENCE_SHARE / each.max(1e-9)).clamp(fewest, most) as u32
 }
 
-/// An image with shadows found anew, and what its passes of shadows took.
+/// An image with newly cast shadows, and the time of its shadow passes.
 fn shaded(
     renderer: &mut Renderer,
     clouds: &mut Clouds<'_>,
@@ -95,7 +95,7 @@ fn shaded(
 ) -> Result<(LinearImage, Duration), Error> {
     // A cloud keeps the shadows that were found for it.
     clouds.forget();
-    let rendered = renderer.render(clouds.of(renderer, 1)?, frame)?;
+    let rendered = renderer.render(clouds.on_device(renderer, 1)?, frame)?;
     let passes = rendered.profile.passes.iter().filter(|pass| pass.name.starts_with(PASSES));
     let time = passes.map(|pass| pass.gpu).sum();
     Ok((linear(&rendered.image, background, frame.color), time))
@@ -108,12 +108,12 @@ mod tests {
     #[test]
     fn the_reference_has_what_there_is_time_for() {
         let effort = Effort { samples: &[1, 10], frames: 2, seconds: 50.0 };
-        let of = |ms: u64| {
+        let samples_for = |ms: u64| {
             let times = |ms: u64| vec![Duration::from_millis(2 * ms), Duration::from_millis(ms)];
-            // What one sample takes besides is not asked for.
+            // The fixed cost of a sample doesn't matter.
             reference_samples(effort, &[times(40), times(ms)])
         };
         // 5 seconds of 20 ms each.
-        assert_eq!((of(200), of(1), of(10_000)), (250, 1000, 100));
+        assert_eq!((samples_for(200), samples_for(1), samples_for(10_000)), (250, 1000, 100));
     }
 }

@@ -1,4 +1,5 @@
-//! The surfaces that opaque points stand for, as well as points tell them: blended splats with many samples in a pixel.
+//! The surfaces that opaque points sample, as accurately as the points permit: blended splats with many samples per
+//! pixel.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,16 +23,16 @@ const MAX_SAMPLES: u64 = 1 << 25;
 pub(in super::super) struct Supersampled {
     /// Over the background, in linear light: the means over each pixel's samples.
     pub image: LinearImage,
-    /// Where the surfaces are.
+    /// The pixels the surfaces cover.
     pub silhouette: Silhouette,
     /// Samples across a pixel.
     pub samples_across: u32,
 }
 
-/// Renders a frame of three-pass splats with several samples in a pixel. The camera is the frame's; its image is larger.
+/// Renders a frame of three-pass splats with several samples per pixel. The camera is the frame's; its image is larger.
 ///
 /// # Errors
-/// What rendering says.
+/// Rendering fails.
 pub(in super::super) fn supersampled(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,
@@ -42,12 +43,12 @@ pub(in super::super) fn supersampled(
     let size = frame.size.map(|side| side * samples_across);
     let fine = Frame { size, method: scaled(frame.method, samples_across), ..*frame };
     let image = renderer.render(cloud, &fine)?.image;
-    let silhouette = Silhouette::of(&image, samples_across);
+    let silhouette = Silhouette::from_image(&image, samples_across);
     let image = averaged(&linear(&image, background, frame.color), samples_across);
     Ok(Supersampled { image, silhouette, samples_across })
 }
 
-/// As many as there may be.
+/// The largest possible number of samples across a pixel.
 fn samples_across(size: [u32; 2]) -> u32 {
     let fits = |across: &u32| {
         let [width, height] = size.map(|side| u64::from(side) * u64::from(*across));
@@ -56,7 +57,7 @@ fn samples_across(size: [u32; 2]) -> u32 {
     (2..=SAMPLES_ACROSS).rev().find(fits).unwrap_or(1)
 }
 
-/// The same splats where pixels are so many times smaller.
+/// The same splats on pixels that are smaller by this factor.
 fn scaled(method: Method, factor: u32) -> Method {
     let scale = |settings: BlendedSplats| {
         let max_pixel_radius = (settings.splats.max_pixel_radius * factor as f32).min(f32::MAX);
@@ -92,15 +93,15 @@ fn averaged(image: &LinearImage, factor: u32) -> LinearImage {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in super::super) struct Silhouette {
     inside: Vec<bool>,
-    /// How many are inside.
+    /// The number of pixels inside.
     pub pixels: u64,
 }
 
 impl Silhouette {
-    /// Of an image with `factor` × `factor` samples in a pixel: those that are covered by all of them, as are the eight
-    /// around them that the image has. Splats reach over the rim of a surface by a part of their radius; one pixel off the
-    /// rim is a place that is meant.
-    fn of(image: &Image, factor: u32) -> Self {
+    /// From an image with `factor` × `factor` samples per pixel: the pixels whose samples are all covered, and whose
+    /// eight neighbors in the image are, too. Splats extend over the rim of a surface by a part of their radius, so
+    /// only pixels at least one pixel inside the rim certainly show the surface.
+    fn from_image(image: &Image, factor: u32) -> Self {
         let (width, height) = ((image.width / factor) as usize, (image.height / factor) as usize);
         let (pitch, side) = (image.width as usize, factor as usize);
         let is_covered = |x: usize, y: usize| {
@@ -119,15 +120,15 @@ impl Silhouette {
         Self { inside, pixels }
     }
 
-    /// The share of them on which an image of the same size, with a sample in a pixel, has nothing: no depth. (Antialiasing of
-    /// an edge colors pixels beside it.) `None` if there is no pixel inside.
+    /// The share of these pixels that are empty, without depth, in an image of the same size with one sample per pixel.
+    /// (Antialiasing of an edge colors pixels beside it, so color is no criterion.) `None` if no pixel is inside.
     pub fn holes(&self, image: &Image) -> Option<f64> {
         let pixels = self.inside.iter().zip(&image.depth);
         let holes = pixels.filter(|(inside, depth)| **inside && !depth.is_finite()).count();
         (self.pixels > 0).then(|| holes as f64 / self.pixels as f64)
     }
 
-    /// RMSE of these pixels of an image against the reference. `None` if there is no pixel inside.
+    /// RMSE of these pixels of an image against the reference. `None` if no pixel is inside.
     pub fn rmse(&self, reference: &LinearImage, image: &LinearImage) -> Option<f64> {
         let inside = |image: &LinearImage| -> Vec<[f32; 3]> {
             let pixels = image.pixels.iter().zip(&self.inside).filter(|(_, inside)| **inside);
@@ -156,35 +157,35 @@ mod tests {
 
     #[test]
     fn holes_are_counted_off_the_rim() {
-        // 6 × 4 pixels of 2 × 2 samples: the left five columns are covered, but for one sample of the fourth column's second
-        // pixel from above.
+        // 6 × 4 pixels of 2 × 2 samples: the left five columns are covered, except for one sample of the fourth
+        // column's second pixel from above.
         let is_hole = |x, y| (x, y) == (7, 3);
         let fine = image(12, 8, |x, y| if x < 10 && !is_hole(x, y) { 1.0 } else { 0.0 });
-        let silhouette = Silhouette::of(&fine, 2);
+        let silhouette = Silhouette::from_image(&fine, 2);
         // Columns 0 and 1 touch nothing; 2 to 4 touch the pixel (3, 1) in rows 0 to 2, and column 4 touches 5; row 3 of
         // columns 2 and 3 is left.
         let expected: Vec<bool> = (0..24).map(|at| [0, 1].contains(&(at % 6)) || [20, 21].contains(&at)).collect();
         assert_eq!(silhouette, Silhouette { inside: expected, pixels: 10 });
         assert_eq!(silhouette.holes(&image(6, 4, |_, _| 1.0)), Some(0.0));
-        // What is outside is no hole; one of ten is, whatever its color.
+        // Empty pixels outside are not holes; one of ten inside is, whatever its color.
         let mut open = image(6, 4, |x, _| if x == 5 { 0.0 } else { 1.0 });
         assert_eq!(silhouette.holes(&open), Some(0.0));
         open.depth[7] = f32::INFINITY;
         assert_eq!(silhouette.holes(&open), Some(0.1));
         assert_eq!(silhouette.holes(&image(6, 4, |_, _| 0.0)), Some(1.0));
-        assert_eq!(Silhouette::of(&image(12, 8, |_, _| 0.0), 2).holes(&open), None);
+        assert_eq!(Silhouette::from_image(&image(12, 8, |_, _| 0.0), 2).holes(&open), None);
     }
 
     #[test]
     fn only_what_is_inside_counts() {
         let silhouette = Silhouette { inside: vec![true, false, true], pixels: 2 };
-        let of = |values: [f32; 3]| LinearImage { width: 3, height: 1, pixels: values.map(|v| [v; 3]).into() };
-        let rmse = |values| silhouette.rmse(&of([0.5; 3]), &of(values)).unwrap();
+        let row = |values: [f32; 3]| LinearImage { width: 3, height: 1, pixels: values.map(|v| [v; 3]).into() };
+        let rmse = |values| silhouette.rmse(&row([0.5; 3]), &row(values)).unwrap();
         assert_eq!(rmse([0.5, 9.0, 0.5]), 0.0);
-        // One of two pixels is off by 0.5.
+        // One of the two pixels is off by 0.5.
         assert!((rmse([0.5, 9.0, 1.0]) - 0.125f64.sqrt()).abs() < 1e-12);
         let nowhere = Silhouette { inside: vec![false; 3], pixels: 0 };
-        assert_eq!(nowhere.rmse(&of([0.0; 3]), &of([1.0; 3])), None);
+        assert_eq!(nowhere.rmse(&row([0.0; 3]), &row([1.0; 3])), None);
     }
 
     #[test]

@@ -1,0 +1,76 @@
+//! Budgets that are too small, for each family of methods: the same picture, or an error that names a budget that will do.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::{command, has_device, place, text};
+
+/// With least budgets: `spbr` works within any, but copies its points so often that it takes minutes.
+const METHODS: [(&str, &[&str]); 20] = [
+    ("points", &["1", "10KB"]),
+    ("squares", &["1", "10KB"]),
+    ("sphere", &["1", "10KB"]),
+    ("hqs", &["1", "60KB"]),
+    ("splats", &["1", "60KB"]),
+    ("image-space", &["1", "10KB"]),
+    ("peel-layers", &["1", "40KB"]),
+    ("abuffer", &["1", "2KB", "40KB"]),
+    ("linked-list", &["1", "2KB", "40KB"]),
+    ("sorted", &["1", "40KB"]),
+    ("peel", &["1", "2KB"]),
+    ("stochastic", &["1", "60KB"]),
+    ("weighted", &["1", "40KB"]),
+    ("hybrid", &["1", "40KB"]),
+    ("average", &["1", "40KB"]),
+    ("unsorted", &["1", "40KB"]),
+    ("soft-base", &["1", "40KB"]),
+    ("soft-express", &["1", "40KB"]),
+    ("one-layer", &["1", "60KB"]),
+    ("spbr", &["300KB"]),
+];
+
+/// The picture, or what was said instead.
+fn render(folder: &TempDir, method: &str, budget: Option<&str>) -> Result<Vec<u8>, String> {
+    let picture = folder.path().join("out/a.exr");
+    fs::write(&picture, "old").unwrap();
+    let args = ["render", "in/scene.toml", "-q", "--size", "12x10", "--method", method, "-o", "out/a.exr"];
+    let budget = budget.map_or_else(Vec::new, |budget| vec!["--memory-budget", budget]);
+    let output = command(folder.path(), &[&args[..], &budget].concat()).output().unwrap();
+    let (found, stderr) = (fs::read(&picture).unwrap(), text(&output.stderr));
+    if output.status.success() {
+        assert_eq!(stderr, "", "{method} {budget:?}");
+        return Ok(found);
+    }
+    super::assert_failed(&output, &format!("{method} {budget:?}"), &["--memory-budget ", " would do"]);
+    assert_eq!(found, b"old", "{method} {budget:?}");
+    Err(stderr)
+}
+
+#[test]
+fn a_budget_is_kept_or_the_error_names_one_that_will_do() {
+    if !has_device() {
+        return;
+    }
+    let folder = place();
+    for (method, budgets) in METHODS {
+        let wanted = render(&folder, method, None).unwrap();
+        for budget in budgets {
+            let mut budget = (*budget).to_owned();
+            let mut tries = 0;
+            let found = loop {
+                match render(&folder, method, Some(&budget)) {
+                    Ok(found) => break found,
+                    Err(said) => {
+                        // Each pixel that was too much may be followed by one that is more.
+                        tries += 1;
+                        assert!(tries < 8, "{method}: {budget} after {tries} errors: {said}");
+                        let (_, named) = said.split_once("--memory-budget ").unwrap();
+                        budget = named.split(" would").next().unwrap().replace(' ', "");
+                    }
+                }
+            };
+            assert!(found == wanted, "{method} within {budget}");
+        }
+    }
+}

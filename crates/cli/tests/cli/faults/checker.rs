@@ -1,0 +1,126 @@
+//! Says what is half-written, and is itself tested on what is.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+
+use pellucid_engine::progress::Progress;
+
+use super::{CASES, Files, cases, done, files, place, put_old};
+
+/// Whether this is the name of a temporary file.
+pub fn is_temporary(path: &Path) -> bool {
+    let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    name.starts_with(".pellucid-") && name.ends_with(".tmp")
+}
+
+/// How much may have happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Allowed {
+    /// Nothing.
+    Nothing,
+    /// Any file may be new, if it is whole.
+    NewOrOld,
+    /// That, and temporary files may be left.
+    Leftovers,
+}
+
+/// What is wrong with a folder after a command that failed in it.
+pub fn complaints(before: &Files, after: &Files, allowed: Allowed) -> Vec<String> {
+    let mut found = Vec::new();
+    for path in before.keys().filter(|path| !after.contains_key(*path)) {
+        found.push(format!("{} is gone", path.display()));
+    }
+    for (path, bytes) in after.iter().filter(|(path, bytes)| before.get(*path) != Some(bytes)) {
+        let name = path.display();
+        if is_temporary(path) {
+            if allowed != Allowed::Leftovers {
+                found.push(format!("{name} is left"));
+            }
+        } else if allowed == Allowed::Nothing {
+            found.push(format!("{name} is new or changed"));
+        } else if let Err(why) = is_whole(path, bytes) {
+            found.push(format!("{name} is not whole: {why}"));
+        }
+    }
+    found
+}
+
+/// Whether a file is what its name says, to the end.
+pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let text = || std::str::from_utf8(bytes).map_err(|error| error.to_string());
+    let ends = |end: &str| if text()?.trim_end().ends_with(end) { Ok(()) } else { Err(format!("no {end} at its end")) };
+    let folder = tempfile::tempdir().unwrap();
+    let copy = folder.path().join(path.file_name().unwrap_or_default());
+    fs::write(&copy, bytes).unwrap();
+    match path.extension().and_then(OsStr::to_str) {
+        Some("png") => {
+            // The picture may be there though the end of the file isn't.
+            if !bytes.ends_with(b"IEND\xaeB`\x82") {
+                return Err("no end".to_owned());
+            }
+            pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string())
+        }
+        Some("exr") => pellucid_engine::output::read_image(&copy).map(drop).map_err(|error| error.to_string()),
+        Some("ply") => {
+            pellucid_engine::io::load(&copy, &Progress::hidden()).map(drop).map_err(|error| error.to_string())
+        }
+        Some("json") => serde_json::from_slice::<serde_json::Value>(bytes).map(drop).map_err(|error| error.to_string()),
+        Some("toml") if !text()?.ends_with('\n') => Err("no end of its last line".to_owned()),
+        Some("toml") => toml::from_str::<toml::Table>(text()?).map(drop).map_err(|error| error.to_string()),
+        Some("html") => ends("</html>"),
+        Some("svg") => ends("</svg>"),
+        Some("csv") => {
+            let mut reader = csv::Reader::from_reader(bytes);
+            let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(|error| error.to_string())?;
+            if rows.is_empty() || !bytes.ends_with(b"\n") { Err("no end of its last line".to_owned()) } else { Ok(()) }
+        }
+        _ => Err("nobody knows what this is".to_owned()),
+    }
+}
+
+#[test]
+fn what_is_half_written_is_noticed() {
+    for case in cases() {
+        let folder = place();
+        let whole = done(folder.path(), case);
+        for (path, bytes) in &whole {
+            assert_eq!(is_whole(path, bytes), Ok(()), "{}", path.display());
+            for cut in [0, 1, bytes.len() / 2, bytes.len() - 2] {
+                let mut after = whole.clone();
+                after.insert(path.clone(), bytes[..cut].to_vec());
+                for allowed in [Allowed::Nothing, Allowed::NewOrOld, Allowed::Leftovers] {
+                    let found = complaints(&whole, &after, allowed);
+                    assert_eq!(found.len(), 1, "{} cut at {cut} of {}: {found:?}", path.display(), bytes.len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_left_gone_or_changed_is_noticed() {
+    let folder = place();
+    put_old(folder.path(), CASES[0]);
+    let before = files(&folder.path().join("out"));
+    assert_eq!(complaints(&before, &before, Allowed::Nothing), [""; 0]);
+    let with = |name: &str, content: &str| {
+        let mut after = before.clone();
+        after.insert(name.into(), content.as_bytes().to_vec());
+        after
+    };
+    for name in [".pellucid-Ab12.tmp", "deep/.pellucid-x.tmp"] {
+        let after = with(name, "half");
+        assert_eq!(complaints(&before, &after, Allowed::Nothing).len(), 1);
+        assert_eq!(complaints(&before, &after, Allowed::NewOrOld).len(), 1);
+        assert_eq!(complaints(&before, &after, Allowed::Leftovers).len(), 0);
+    }
+    // A name that nobody would know for a temporary one.
+    assert_eq!(complaints(&before, &with(".tmpAb12", ""), Allowed::Leftovers).len(), 1);
+    let other = with("scene.toml", "a = 1\n");
+    assert_eq!(complaints(&before, &other, Allowed::Nothing), ["scene.toml is new or changed"]);
+    assert_eq!(complaints(&before, &other, Allowed::NewOrOld), [""; 0]);
+    let mut gone = before.clone();
+    gone.pop_first();
+    assert_eq!(complaints(&before, &gone, Allowed::Leftovers).len(), 1);
+}

@@ -1,0 +1,192 @@
+//! A device that is lost or has no memory left, simulated: an error that says what helps, nothing written, and the validation
+//! layers have nothing to say about what is taken down after it.
+
+use std::process::Output;
+
+use pellucid_testing::long_or;
+
+use super::checker::{Allowed, complaints};
+use super::{CASES, RENDER_EXR, assert_failed, command, files, has_device, place, text};
+
+const LIGHT: [&str; 11] = [
+    "prepare",
+    "in/cloud.ply",
+    "-q",
+    "-o",
+    "out/p.ply",
+    "--light",
+    "0,0,-1",
+    "--shadow-resolution",
+    "64",
+    "--seed",
+    "1",
+];
+const TRADEOFF: [&str; 9] =
+    ["tradeoff", "in/scene.toml", "-q", "--size", "16x12", "-o", "new", "--quick", "--only=peel"];
+const STRESS: [&str; 11] =
+    ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
+
+/// Of each family of methods one, and the rasteriser.
+const METHODS: [&[&str]; 9] = [
+    &["--method", "circles"],
+    &["--method", "hqs"],
+    &["--method", "peel-layers"],
+    &["--method", "linked-list"],
+    &["--method", "sorted"],
+    &["--method", "stochastic", "--set", "method.raster=hardware"],
+    &["--method", "hybrid"],
+    &["--method", "soft-base", "--set", "method.threshold=0.5"],
+    &["--method", "spbr"],
+];
+
+/// Runs with a fault and validation; the files must be as they were. `None` if it ended before the fault, as it should.
+fn failed(args: &[&str], fault: &str) -> Option<Output> {
+    let folder = place();
+    std::fs::write(folder.path().join("out/a.exr"), "old").unwrap();
+    let before = files(folder.path());
+    let output =
+        command(folder.path(), args).env("PELLUCID_FAULT", fault).env("PELLUCID_VALIDATION", "1").output().unwrap();
+    if output.status.success() {
+        assert_eq!(text(&output.stderr), "", "{args:?} {fault}");
+        return None;
+    }
+    let found = complaints(&before, &files(folder.path()), Allowed::Nothing);
+    assert!(found.is_empty(), "{args:?} {fault}: {found:?}");
+    assert!(!folder.path().join("new").exists(), "{args:?} {fault}: no folder without content");
+    Some(output)
+}
+
+fn assert_lost(args: &[&str], fault: &str) -> bool {
+    let output = failed(args, fault);
+    if let Some(output) = &output {
+        let parts = ["the device was lost during ", "try again", "--size", "--memory-budget", "--device"];
+        assert_failed(output, &format!("{args:?} {fault}"), &parts);
+    }
+    output.is_some()
+}
+
+fn assert_out_of_memory(args: &[&str], fault: &str) -> bool {
+    let output = failed(args, fault);
+    if let Some(output) = &output {
+        let parts = ["out of device memory: ", " needs ", " in use; ", "--memory-budget or --size would help"];
+        assert_failed(output, &format!("{args:?} {fault}"), &parts);
+    }
+    output.is_some()
+}
+
+fn render(options: &[&'static str]) -> Vec<&'static str> {
+    [RENDER_EXR.args, options].concat()
+}
+
+#[test]
+fn a_lost_device_is_an_error_that_says_what_helps() {
+    if !has_device() {
+        return;
+    }
+    for fault in ["submit", "wait", "submit:2", "wait:4"] {
+        assert!(assert_lost(RENDER_EXR.args, &format!("device-lost@{fault}")), "{fault}");
+    }
+    for options in METHODS {
+        assert!(assert_lost(&render(options), "device-lost@wait:3"), "{options:?}");
+    }
+    let others: [(&[&str], &str); 4] =
+        [(CASES[6].args, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
+    for (args, point) in others {
+        assert!(assert_lost(args, &format!("device-lost@{point}")), "{args:?}");
+    }
+    assert!(!assert_lost(RENDER_EXR.args, "device-lost@submit:100000"), "a fault that never comes is none");
+}
+
+#[test]
+fn too_little_memory_on_the_device_is_an_error_that_names_what_needed_it() {
+    if !has_device() {
+        return;
+    }
+    for nth in [1, 4, 12] {
+        assert!(assert_out_of_memory(RENDER_EXR.args, &format!("out-of-memory@allocate:{nth}")), "{nth}");
+    }
+    for options in METHODS {
+        assert!(assert_out_of_memory(&render(options), "out-of-memory@allocate:15"), "{options:?}");
+    }
+    assert!(assert_out_of_memory(&LIGHT, "out-of-memory@allocate:5"));
+    assert!(assert_out_of_memory(&TRADEOFF, "out-of-memory@allocate:10"));
+    let busy = failed(RENDER_EXR.args, "out-of-memory@submit:2").unwrap();
+    assert_failed(&busy, "a submission", &["vkQueueSubmit2", "out of device memory", "--memory-budget or --size"]);
+}
+
+#[test]
+#[ignore = "long: every submission and allocation of every family of methods"]
+fn a_device_that_fails_at_any_time() {
+    if !has_device() {
+        return;
+    }
+    for options in METHODS {
+        let args = render(options);
+        for point in ["submit", "wait"] {
+            (1..).step_by(long_or(1, 7)).find(|nth| !assert_lost(&args, &format!("device-lost@{point}:{nth}")));
+        }
+        (1..)
+            .step_by(long_or(1, 16))
+            .find(|nth| !assert_out_of_memory(&args, &format!("out-of-memory@allocate:{nth}")));
+    }
+}
+
+#[test]
+fn what_one_method_had_no_memory_for_is_skipped_by_a_sweep() {
+    if !has_device() {
+        return;
+    }
+    let folder = place();
+    let args = [&STRESS[..], &["--json"]].concat();
+    let mut skipped = 0;
+    // Some of these allocations are made for a cell, others before there is any.
+    for nth in [20, 40] {
+        let mut run = command(folder.path(), &args);
+        let output = run.env("PELLUCID_FAULT", format!("out-of-memory@allocate:{nth}")).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let reasons = report["skipped"].as_array().unwrap().iter().map(|skipped| skipped["reason"].as_str().unwrap());
+        skipped += reasons.filter(|reason| reason.contains("out of device memory: ")).count();
+    }
+    assert!(skipped > 0);
+}
+
+#[test]
+fn what_a_comparison_had_no_memory_for_is_skipped_and_leaves_no_picture() {
+    if !has_device() {
+        return;
+    }
+    let mut skipped = 0;
+    for nth in [70, 100, 130, 150] {
+        let folder = place();
+        let args = [&TRADEOFF[..], &["--only=weighted", "--json"]].concat();
+        let mut run = command(folder.path(), &args);
+        let output = run.env("PELLUCID_FAULT", format!("out-of-memory@allocate:{nth}")).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let reasons = report["skipped"].as_array().unwrap().iter().map(|skipped| skipped["reason"].as_str().unwrap());
+        skipped += reasons.filter(|reason| reason.contains("out of device memory: ")).count();
+        let of = |row: &serde_json::Value| ["picture", "difference"].map(|key| row[key].as_str().unwrap().to_owned());
+        let mut named: Vec<String> = report["rows"].as_array().unwrap().iter().flat_map(of).collect();
+        named.push("reference.png".to_owned());
+        let written = files(&folder.path().join("new"));
+        let pictures =
+            written.keys().map(|path| path.to_string_lossy().into_owned()).filter(|name| name.ends_with(".png"));
+        named.sort();
+        assert_eq!(pictures.collect::<Vec<_>>(), named, "allocation {nth}");
+    }
+    assert!(skipped > 1);
+}
+
+#[test]
+fn a_check_on_a_device_that_is_lost_fails_and_says_so() {
+    if !has_device() {
+        return;
+    }
+    let folder = place();
+    let mut run = command(folder.path(), &["check", "abuffer/", "--json"]);
+    let output = run.env("PELLUCID_FAULT", "device-lost@wait:3").env("PELLUCID_VALIDATION", "1").output().unwrap();
+    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(1), ""));
+    assert!(text(&output.stdout).contains("the device was lost during "));
+    serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap();
+}

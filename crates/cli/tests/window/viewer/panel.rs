@@ -1,0 +1,142 @@
+//! The panel by a real pointer: what is clicked and dragged there is in the scene that is saved.
+
+use std::path::Path;
+
+use pellucid_engine::cloud::field::Field;
+use pellucid_engine::scene::{Density, Method, Scene, Shadows, Shells, Soft};
+
+use super::display::Display;
+use super::garden::{garden, rendered, shoot, with_display};
+use super::scene;
+use super::window::Window;
+
+/// High enough for every control that is used here.
+const WINDOW: &str = "900x690";
+
+/// A window on a scene file with this text, and the scene that it saves after a few deeds.
+struct Desk<'a> {
+    display: &'a Display,
+    window: Window,
+    folder: &'a Path,
+}
+
+impl<'a> Desk<'a> {
+    fn open(display: &'a Display, folder: &'a Path, text: &str) -> Self {
+        std::fs::write(folder.join("desk.toml"), text).unwrap();
+        let mut window = Window::open(folder, &display.name, &["view", "desk.toml", "--size", WINDOW]);
+        window.wait_for("at rest");
+        let id = display.do_it("search --sync --onlyvisible --name pellucid");
+        display.do_it(&format!("windowfocus --sync {id}"));
+        Self { display, window, folder }
+    }
+
+    /// Clicks a control, which changes the picture.
+    fn click(&mut self, key: &str) {
+        let [left, top, width, height] = self.window.control(key);
+        self.display.do_it(&format!("mousemove {} {}", left + width.min(height) / 2, top + height / 2));
+        self.display.do_it("click 1");
+        self.window.wait_for("at rest");
+    }
+
+    /// Drags a slider from one place to another, in pixels from its left end.
+    fn drag(&mut self, key: &str, from: i32, to: i32) {
+        let [left, top, _, height] = self.window.control(key);
+        let y = top + height / 2;
+        self.display.drag(1, [left + from, y], [left + to, y]);
+        self.window.wait_for("at rest");
+    }
+
+    /// The scene that is saved now. Its picture is that of `render`, byte for byte.
+    #[track_caller]
+    fn saved(&mut self) -> Scene {
+        let name = shoot(self.display, &mut self.window);
+        let picture = std::fs::read(self.folder.join(format!("{name}.png"))).unwrap();
+        assert!(picture == rendered(self.folder, &name, &[]), "{name}: another picture than that of its scene");
+        scene(self.folder, &name)
+    }
+}
+
+/// What is soft, how dense it is, and which classes are.
+#[test]
+fn soft_points_are_chosen_in_the_panel() {
+    with_display(|display| {
+        let folder = garden();
+        let text = "[method]\nname = 'soft-concentric'\nthreshold = 0.25\n[[cloud]]\npath = 'leaves.ply'\n\
+            field = 'classification'\nsoft_classes = [3]\n";
+        let mut desk = Desk::open(display, folder.path(), text);
+        let soft = |scene: &Scene| *scene.method.fixed().and_then(Method::soft).unwrap();
+        let before = soft(&desk.saved());
+        assert_eq!(before, Soft { threshold: 0.25, ..Soft::default() });
+
+        desk.click("cloud.0.soft_classes.5");
+        desk.click("method.lambda?");
+        desk.click("method.modulation?");
+        desk.click("method.shells?");
+        // Far to the right, where the modulation stops it.
+        desk.drag("method.threshold", 30, 300);
+        let scene = desk.saved();
+        let after = soft(&scene);
+        assert!(matches!(after.density, Density::Lambda(lambda) if lambda > 0.0), "{after:?}");
+        assert_eq!((after.threshold, after.modulation, after.shells), (0.624, Some(0.625), Shells::Fixed(8)));
+        assert_eq!(scene.clouds[0].field, Some(Field::Classification { classes: vec![3, 5] }));
+
+        // Of the same points, since a lambda is another softness for points of another radius.
+        desk.click("method.softness?");
+        desk.click("cloud.0.soft_classes.5");
+        desk.click("method.modulation?");
+        desk.click("method.shells?");
+        let scene = desk.saved();
+        let Soft { density, modulation, shells, .. } = soft(&scene);
+        // The slider of the one began where the other one was, to its step.
+        assert!(matches!(density, Density::Softness(softness) if (softness - 0.5).abs() < 2e-3), "{density:?}");
+        assert_eq!((modulation, shells), (None, Shells::Adaptive));
+        assert_eq!(scene.clouds[0].field, Some(Field::Classification { classes: vec![3] }));
+    });
+}
+
+/// What a scene says again is what it said at first, whatever was found for the points in between.
+#[test]
+fn a_field_that_is_taken_back_is_the_default_again() {
+    with_display(|display| {
+        let folder = garden();
+        let text = "[method]\nname = 'soft-express'\nthreshold = 0.1\n[[cloud]]\npath = 'wood.ply'\n\
+            field = 'z'\nneighbors = 5\n";
+        let mut desk = Desk::open(display, folder.path(), text);
+        desk.click("cloud.0.field default");
+        assert_eq!(desk.saved().clouds[0].field, None);
+        // The cloud's name unfolds it, however slowly it is clicked: frames may take long between pressing and letting go.
+        let [left, top, width, height] = desk.window.control("cloud.0");
+        display.do_it(&format!("mousemove {} {}", left + width / 2, top + height / 2));
+        display.do_it("mousedown 1");
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        display.do_it("mouseup 1");
+        desk.window.wait_for("control cloud.0.neighbors?");
+        desk.click("cloud.0.neighbors?");
+        let scene = desk.saved();
+        assert_eq!((&scene.clouds[0].field, scene.clouds[0].neighbors), (&None, None));
+    });
+}
+
+/// A light that turns, and shadows that come and go.
+#[test]
+fn light_and_shadows_are_set_in_the_panel() {
+    with_display(|display| {
+        let folder = garden();
+        let text = "[method]\nname = 'circles'\n[shading]\nmodel = 'phong'\nlight = [0.5, 0.5, -1.0]\n[shadows]\n\
+            [[cloud]]\npath = 'structure.ply'\n";
+        let mut desk = Desk::open(display, folder.path(), text);
+        let before = desk.saved();
+        assert_eq!(before.shadows, Some(Shadows::default()));
+        desk.drag("shading.light.elevation", 90, 60);
+        desk.drag("shading.specular", 6, 80);
+        desk.drag("shadows.light_radius", 6, 60);
+        let after = desk.saved();
+        let Some(shadows) = after.shadows else { panic!("{:?}", after.warnings) };
+        assert!(shadows.light_radius > 10.0 && after.shading.specular > 0.5, "{shadows:?} {:?}", after.shading);
+        assert_ne!(after.shading.light, before.shading.light);
+        desk.click("shadows.method");
+        assert_eq!(desk.saved().shadows, None);
+        desk.click("shadows.method");
+        assert_eq!(desk.saved().shadows, Some(shadows));
+    });
+}

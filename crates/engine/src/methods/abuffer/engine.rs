@@ -1,0 +1,161 @@
+//! The engine of lists of fragments: `abuffer` and `linked-list`.
+
+use super::{ABuffer, Lists, PIXEL_BYTES, Storing, WindowJob, explain, footprint};
+use crate::gpu::Device;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work, project, windows_of};
+use crate::methods::explain::Plan;
+use crate::methods::projecting::UNCLAMPED;
+use crate::methods::walker::walker;
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, Timeline, linked_list, sorted, tiled};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::{self, Bin, Bins, Order};
+use crate::passes::project::{DeviceCloud, Part, Projecting, Stats};
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{DiscShape, Discs, LongLists};
+
+/// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
+pub const ORDERED_AREA: u64 = 32;
+
+/// How the discs of a cloud become splats.
+pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
+    frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All)
+}
+
+/// Lists of fragments, each pixel's sorted and blended.
+pub(crate) struct ListEngine {
+    /// The discs.
+    pub discs: Discs,
+    /// Whether fragments go through linked lists.
+    pub linked: bool,
+}
+
+impl ListEngine {
+    fn storing(&self) -> Storing<'static> {
+        if self.linked { Storing::Links } else { Storing::Slots }
+    }
+
+    /// Whether lists are filled tile by tile from sorted splats: only flat discs come in the order of blending then, and it
+    /// pays where splats are large enough.
+    fn in_order(&self, device: &Device, job: &bin::Job<'_>) -> bool {
+        let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+        !self.linked
+            && self.discs.shape == DiscShape::Flat
+            && self.discs.long_lists == LongLists::Merge
+            && job.raster.walker == Walker::Compute
+            && device.info().subgroup.is_some()
+            && Stats::area(job.raster.stats) >= visible.max(1) * ORDERED_AREA
+            && Bins::least_bytes(device, job) <= job.budget.left(0) / 4
+    }
+
+    /// The lists of a frame that fits in one window and band, before sorting.
+    pub fn lists(
+        &self,
+        device: &Device,
+        cloud: &mut DeviceCloud,
+        buffers: &mut Buffers,
+        frame: &Frame,
+        budget: Budget,
+    ) -> Result<Lists, Error> {
+        let [width, height] = frame.size;
+        let (window, how) = ([0, 0, width, height], projecting(frame, cloud, &self.discs));
+        let stats = project(device, cloud, (frame, window), &how, &mut Timeline::default())?;
+        let walker = walker(device, self.discs.raster, window)?;
+        buffers.tiles.reserve(device, &stats, window)?;
+        let tiles = &buffers.tiles;
+        let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
+        let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
+        let job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
+        buffers.machines.lists.lists(device, &job)
+    }
+}
+
+impl Engine for ListEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, PIXEL_BYTES))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_WITHIN
+    }
+
+    fn render(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines: Machines { lists, bins, .. } }: &mut Buffers,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, frame, window) = (work.device, work.frame, work.window);
+        let how = projecting(frame, cloud, &self.discs);
+        let stats = work.project(cloud, &how)?;
+        let walker = walker(device, self.discs.raster, window)?;
+        let visited = walker == Walker::Compute;
+        let Some(budget) = work.reserve_tiles(tiles, &stats, visited)? else {
+            return Ok(Outcome::Overflow);
+        };
+        let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let mut job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
+        let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
+        let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.depth_range(), budget, counted_bytes };
+        let mut ordered = 0;
+        if self.in_order(device, &bin)
+            && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
+        {
+            work.facts.note_binned(binned);
+            job.storing = Storing::Ordered(bins.tiles(binned));
+            job.budget.tiles += bins.bytes();
+            ordered = 1;
+        }
+        let outcome = if work.survey { lists.survey(work, &job)? } else { lists.render(work, &job)? };
+        if outcome == Outcome::Done {
+            work.facts.ordered += ordered;
+            work.facts.note(&stats, walker);
+        }
+        Ok(outcome)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        buffers.machines.lists.counts(frame, window)
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let tilted = self.discs.shape == DiscShape::Oriented;
+        let lists = || list_bytes(pass, tilted).or_else(|| super::least_bytes(pass.name, pass.lengths));
+        pass.projected(tilted).or_else(|| tiled::binned_bytes(pass, tilted)).or_else(lists)
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        explain::lists(plan, &self.discs, self.linked);
+    }
+}
+
+impl ABuffer {
+    /// List lengths of the window that was counted last, if the frame asks for them.
+    pub(crate) fn counts(&self, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let fragments = if frame.fragments { Some(self.read_counts(window)?) } else { None };
+        Ok(Counts { fragments, ..Counts::default() })
+    }
+}
+
+/// Bytes that a pass over lists must at least move, whatever their lengths; `tilted` if discs lie in their tangent planes.
+pub(crate) fn list_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
+    let (facts, pixels) = (pass.facts, pass.pixels());
+    let stored = |fragment: u64| {
+        let splats = facts.points * 8 * facts.bands + facts.visible * pass.splat(tilted);
+        splats + facts.fragments * (8 + fragment)
+    };
+    match pass.name {
+        "abuffer/clear" | "abuffer/measure" | "abuffer/classify" => Some(pixels * 4),
+        "abuffer/cursors" | "abuffer/order" => Some(pixels * 8),
+        "abuffer/count" => Some(pass.walks(tilted) + facts.fragments * 8),
+        "abuffer/store" => Some(stored(super::FRAGMENT_BYTES)),
+        // Besides the node, its link and the counter of nodes, read and written.
+        "linked-list/store" => Some(stored(super::FRAGMENT_BYTES + linked_list::LINK_BYTES + 8)),
+        // Every run looks at all offsets.
+        "linked-list/gather" => {
+            Some(pixels * 8 + facts.fragments * (2 * super::FRAGMENT_BYTES + linked_list::LINK_BYTES))
+        }
+        _ => None,
+    }
+}

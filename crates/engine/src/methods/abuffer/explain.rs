@@ -1,0 +1,122 @@
+//! What plans say of lists of fragments.
+
+use super::{CLASSES, LOCAL_LENGTH, lower_bound};
+use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
+use crate::passes::bin::Order;
+use crate::scene::{Discs, LongLists};
+
+/// The passes that find the lengths of lists.
+pub(crate) const COUNT: [&str; 5] =
+    ["abuffer/clear", "abuffer/count", "abuffer/measure", "abuffer/cursors", "abuffer/summary"];
+/// The passes that sort pixels by the length of their lists.
+pub(crate) const BY_LENGTH: [&str; 3] = ["abuffer/classify", "abuffer/groups", "abuffer/order"];
+/// The passes that put fragments into lists.
+const STORE: [&str; 4] = ["abuffer/store", "linked-list/clear", "linked-list/store", "linked-list/gather"];
+/// The passes of lists that are too long for one invocation, and the way of sorting them that each belongs to, if to one.
+const LONG: [(&str, Option<LongLists>); 7] = [
+    ("abuffer/split", None),
+    ("abuffer/run-groups", None),
+    ("abuffer/sort-runs", None),
+    ("abuffer/merge", Some(LongLists::Merge)),
+    ("abuffer/merge-in-place", Some(LongLists::InPlace)),
+    ("abuffer/blend-runs", None),
+    ("abuffer/combine", None),
+];
+
+/// The passes that find the lengths of lists.
+pub(crate) fn count_group() -> PassGroup {
+    PassGroup::new(&COUNT, Absent::Discs("no lists"))
+}
+
+/// The passes of lists once their lengths are known.
+pub(crate) fn list_group() -> PassGroup {
+    PassGroup { names: list_passes(), absent: Absent::Discs("no lists") }
+}
+
+/// The passes of lists once their lengths are known.
+pub(crate) fn list_passes() -> Vec<&'static str> {
+    let kernels = ["abuffer/resolve-ordered"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
+    STORE.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
+}
+
+/// The plan of a frame of lists.
+pub(super) fn lists(plan: &mut Plan<'_>, discs: &Discs, linked: bool) {
+    let (facts, why) = (plan.facts, plan.why);
+    plan.projected();
+    // Windows whose splats are sorted need no tiles of large splats, and no sort of fragments.
+    let (ordered, unordered) = (facts.ordered > 0, facts.windows > facts.ordered);
+    let mut counters = 0;
+    if ordered {
+        counters = plan.order(Order::Depth, "splats are large and flat: sorted, they make ordered lists");
+    }
+    count(plan, why, unordered, counters, linked);
+    plan.add("image/clear", true, "pixels without fragments stay empty");
+    let any = facts.fragments > 0;
+    let stored = format!("{} fragments in {} band(s)", facts.fragments, facts.bands);
+    for (name, for_links) in STORE.into_iter().zip([false, true, true, true]) {
+        let reason = if for_links == linked { plan.if_seen(stored.clone()) } else { why.to_owned() };
+        plan.add(name, any && for_links == linked, reason);
+    }
+    if ordered {
+        plan.add("abuffer/resolve-ordered", any, plan.if_seen("the lists are in the order of blending".to_owned()));
+    }
+    if unordered {
+        for name in BY_LENGTH {
+            plan.add(name, any, plan.if_seen("lists of each length get their own kernel".to_owned()));
+        }
+        kernels(plan, facts.max_list, discs.long_lists);
+    }
+    plan.rest(&list_passes(), "no list has to be sorted, or none is in order");
+}
+
+/// The lengths of lists, counted beside what the method does if they are asked for; `others` are elements of its prefix sums.
+pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
+    if plan.frame.fragments {
+        count(plan, "lengths of lists are asked for", true, others, false);
+    } else {
+        plan.scan(others, "counters of digits and tiles");
+    }
+}
+
+/// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.
+fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: bool) {
+    let facts = plan.facts;
+    let counted = if plan.seen() { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
+    plan.add("abuffer/clear", true, "counters start at zero");
+    plan.add("abuffer/count", plan.seen(), counted);
+    plan.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
+    // One element more than pixels: the last prefix sum is the total.
+    let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
+    let tiled = if visited { plan.tiles(facts.large) } else { 0 };
+    plan.scan(counts.max(tiled).max(others), "counters of fragments, tiles and digits");
+    let slots = if linked { "linked lists need no slots" } else { "the next free slot of each list is its first" };
+    plan.add("abuffer/cursors", !linked, slots);
+    plan.add("abuffer/summary", true, "the fragments' total decides the bands");
+}
+
+/// The kernels of the lengths that occur.
+fn kernels(plan: &mut Plan<'_>, longest: u32, long_lists: LongLists) {
+    for (class, (most, name)) in CLASSES.into_iter().enumerate() {
+        let least = lower_bound(class) + 1;
+        let on = longest >= least;
+        let lengths = if least == most { most.to_string() } else { format!("{least} to {most}") };
+        let reason = if on {
+            format!("lists of length {lengths} (longest: {longest})")
+        } else {
+            format!("no list has length {least} or more (longest: {longest})")
+        };
+        plan.add(name, on, reason);
+    }
+    let long = longest > LOCAL_LENGTH;
+    let reason = if long {
+        format!("the longest list has {longest} fragments, more than {LOCAL_LENGTH}")
+    } else {
+        format!("no list is longer than {LOCAL_LENGTH} (longest: {longest})")
+    };
+    for (name, way) in LONG {
+        let taken = way.is_none_or(|way| way == long_lists);
+        let how = if long_lists == LongLists::Merge { "merge" } else { "in-place" };
+        let reason = if taken { reason.clone() } else { format!("long_lists = \"{how}\"") };
+        plan.add(name, long && taken, reason);
+    }
+}

@@ -1,0 +1,78 @@
+//! The engine of `weighted`, `average`, `unsorted` and `hybrid`.
+
+use super::{Kind, WindowJob, least_bytes, pixel_bytes};
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::explain::Plan;
+use crate::methods::tiled::{self, Stage};
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::bin::{self, Order};
+use crate::passes::project::DeviceCloud;
+use crate::scene::{DiscShape, Discs};
+
+/// Sums for each pixel of what its fragments are.
+pub(crate) struct ApproximateEngine {
+    /// The discs.
+    pub discs: Discs,
+    /// Which sums.
+    pub kind: Kind,
+}
+
+impl Stage for ApproximateEngine {
+    fn discs(&self) -> Discs {
+        self.discs
+    }
+
+    fn order(&self) -> Order {
+        match self.kind {
+            Kind::Weighted | Kind::Average => Order::Index,
+            Kind::Unsorted => Order::File,
+            Kind::Hybrid(_) => Order::Depth,
+        }
+    }
+
+    fn draw(
+        &self,
+        Machines { bins, approximations, .. }: &mut Machines,
+        work: &mut Work<'_>,
+        bin: bin::Job<'_>,
+        _most_color: f32,
+    ) -> Result<Outcome, Error> {
+        approximations.render(bins, work, &WindowJob { bin, discs: self.discs, kind: self.kind })
+    }
+}
+
+impl Engine for ApproximateEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + pixel_bytes(self.kind, self.discs.shape)))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_BESIDE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        tiled::render(self, cloud, buffers, work)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        tiled::counts(buffers, frame, window)
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let tilted = pass.is_tilted(self.discs.shape == DiscShape::Oriented);
+        let own = || least_bytes(pass.name, pass.facts, self.kind, tilted, pass.pixels());
+        tiled::disc_bytes(pass, &self.discs).or_else(own)
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        let stage = match self.kind {
+            Kind::Weighted => "weighted/accumulate",
+            Kind::Average => "average/accumulate",
+            Kind::Unsorted => "unsorted/accumulate",
+            Kind::Hybrid(_) => "hybrid/accumulate",
+        };
+        tiled::explain(plan, stage, self.order());
+    }
+}

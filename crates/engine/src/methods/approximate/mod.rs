@@ -1,0 +1,422 @@
+//! Approximations of transparency that go through tiles of splats once and keep a few sums for each pixel: `weighted`,
+//! `average`, `unsorted` and `hybrid`. Sums are compensated, so that neither the number of fragments nor where a run
+//! over a tile's splats ends shows in them.
+
+mod engine;
+
+pub(crate) use engine::ApproximateEngine;
+
+use super::abuffer::record_nothing;
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Target};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
+use crate::passes::bands::{self, Budget};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
+use crate::passes::compose;
+use crate::passes::project::{DISCS, Footprint};
+use crate::scene::{DiscShape, Discs, Falloff};
+use crate::{gpu_struct, group, pass};
+
+gpu_struct! {
+    /// Push constants of the stages; shaders/shared/tile_fold.wgsl says what the members are.
+    pub struct SumPush {
+        walk: TileWalk,
+    }
+}
+
+gpu_struct! {
+    /// The same for `hybrid`, and how many fragments are composed exactly.
+    pub struct HybridPush {
+        walk: TileWalk,
+        k: u32,
+    }
+}
+
+group! {
+    /// What all stages bind besides the tiles.
+    pub Sums as SumsGroup {
+        /// Premultiplied color and A of the window's pixels.
+        image: ReadWrite<[f32; 4]>,
+        /// Their depths.
+        depths: ReadWrite<f32>,
+        /// What a run leaves to the next.
+        kept: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// Weighted blending.
+    pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
+        tiles: Shared<FoldingGroup>,
+        sums: Shared<SumsGroup>,
+    }
+}
+
+pass! {
+    /// The mean color.
+    pub Average(SumPush) = "average/accumulate" in "approximate/average" {
+        tiles: Shared<FoldingGroup>,
+        sums: Shared<SumsGroup>,
+    }
+}
+
+pass! {
+    /// Over one another in the order of the files.
+    pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
+        tiles: Shared<FoldingGroup>,
+        sums: Shared<SumsGroup>,
+    }
+}
+
+pass! {
+    /// The first fragments exactly, and a mean behind them; flat discs.
+    pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
+        tiles: Shared<FoldingGroup>,
+        sums: Shared<SumsGroup>,
+    }
+}
+
+pass! {
+    /// The same of oriented discs.
+    pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
+        tiles: Shared<FoldingGroup>,
+        sums: Shared<SumsGroup>,
+        lasts: ReadWrite<[u32; 2]>,
+        slots: ReadWrite<[u32; 4]>,
+    }
+}
+
+/// Bytes of a pixel's state between two runs.
+const STATE_BYTES: u64 = 64;
+/// Slots for the nearest fragments of a pixel: in registers, hence few.
+const MOST_SLOTS: u32 = 8;
+/// Bytes of a slot between two runs; one more holds where the round begins.
+const SLOT_BYTES: u64 = 32;
+/// Bytes of the rank of the last fragment that is composed.
+const LAST_BYTES: u64 = 8;
+/// Up to so many pixels a window has room for their state whatever else there is.
+const SMALL_WINDOW: u64 = 256;
+
+/// Which approximation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `weighted`
+    Weighted,
+    /// `average`
+    Average,
+    /// `unsorted`
+    Unsorted,
+    /// `hybrid`, with so many fragments composed exactly.
+    Hybrid(u32),
+}
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// What is binned.
+    pub bin: bin::Job<'a>,
+    /// Shape and falloff.
+    pub discs: Discs,
+    /// What is made of it.
+    pub kind: Kind,
+}
+
+impl WindowJob<'_> {
+    /// Slots of each round of `hybrid` over oriented discs; the last one has a tail. Empty for all else.
+    fn rounds(&self) -> Vec<u32> {
+        match (self.bin.raster.footprint, self.kind) {
+            (Footprint::Oriented, Kind::Hybrid(k)) => rounds(k),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// k fragments in rounds of as many slots as there are.
+fn rounds(k: u32) -> Vec<u32> {
+    (0..k).step_by(MOST_SLOTS as usize).map(|first| MOST_SLOTS.min(k - first)).collect()
+}
+
+/// Device bytes of a pixel that a method always needs.
+pub fn pixel_bytes(kind: Kind, shape: DiscShape) -> u64 {
+    match (kind, shape) {
+        (Kind::Hybrid(k), DiscShape::Oriented) => round_bytes(&rounds(k)),
+        _ => 0,
+    }
+}
+
+/// Device bytes of a pixel between two rounds.
+fn round_bytes(rounds: &[u32]) -> u64 {
+    if rounds.len() > 1 { LAST_BYTES } else { 0 }
+}
+
+/// Device bytes of a pixel between two runs over a tile's splats.
+fn run_bytes(rounds: &[u32]) -> u64 {
+    STATE_BYTES + rounds.first().map_or(0, |slots| 16 + SLOT_BYTES * u64::from(*slots))
+}
+
+/// An error whose budget leaves room for `more` bytes besides.
+fn beside(error: Error, more: u64) -> Error {
+    match error {
+        Error::SortOverBudget { points, needed, available, .. } => {
+            Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed + more) }
+        }
+        other => other,
+    }
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Approximations {
+    state: Kept<[f32; 4]>,
+    lasts: Kept<[u32; 2]>,
+    slots: Kept<[u32; 4]>,
+}
+
+impl Default for Approximations {
+    fn default() -> Self {
+        Self {
+            state: Kept::new("sums of pixels", Memory::Device),
+            lasts: Kept::new("last ranks of pixels", Memory::Device),
+            slots: Kept::new("nearest fragments of pixels, by slot", Memory::Device),
+        }
+    }
+}
+
+impl Approximations {
+    /// Bins a window's splats and accumulates them into the target.
+    pub(crate) fn render(
+        &mut self,
+        bins: &mut Bins,
+        work: &mut Work<'_>,
+        job: &WindowJob<'_>,
+    ) -> Result<Outcome, Error> {
+        let (device, target) = (work.device, work.target);
+        let (window, rounds) = (job.bin.raster.window, job.rounds());
+        let pixels = bands::pixels(window);
+        let mut bin = job.bin;
+        bin.counted_bytes += pixels * round_bytes(&rounds) + pixels.min(SMALL_WINDOW) * run_bytes(&rounds);
+        let mut recorder;
+        let runs = SMALL_WINDOW * run_bytes(&rounds);
+        match bins.bin(device, &bin, work.timeline).map_err(|error| beside(error.into(), runs))? {
+            Bin::TooLarge => return Ok(Outcome::Overflow),
+            Bin::Nothing => {
+                recorder = device.recorder()?;
+                record_nothing(&mut recorder, target, window)?;
+            }
+            Bin::Done(binned) => {
+                work.facts.note_binned(binned);
+                if binned.segments() > 1 && pixels > SMALL_WINDOW {
+                    let left = bin.budget.left(bin.counted_bytes).saturating_sub(bins.bytes());
+                    if pixels * run_bytes(&rounds) > left.min(bin.budget.binding) {
+                        return Ok(Outcome::Overflow);
+                    }
+                }
+                self.reserve(device, pixels, binned, &rounds)?;
+                work.facts.bands += 1;
+                recorder = device.recorder()?;
+                self.record(bins, &mut recorder, job, binned, &rounds, target)?;
+            }
+        }
+        target.record_read_back(&mut recorder, pixels)?;
+        work.timeline.add(recorder.submit("accumulate")?);
+        Ok(Outcome::Done)
+    }
+
+    fn reserve(&mut self, device: &Device, pixels: u64, binned: Binned, rounds: &[u32]) -> Result<(), Error> {
+        let kept = if binned.segments() > 1 { pixels } else { 0 };
+        self.state.reserve(device, (kept * STATE_BYTES / 16).max(1))?;
+        if let Some(slots) = rounds.first() {
+            self.slots.reserve(device, (kept * (1 + 2 * u64::from(*slots))).max(1))?;
+            self.lasts.reserve(device, if rounds.len() > 1 { pixels } else { 1 })?;
+        }
+        Ok(())
+    }
+
+    /// Records the stage of the method over all tiles.
+    fn record<'a>(
+        &'a self,
+        bins: &'a Bins,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: Binned,
+        rounds: &[u32],
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let tiles = bins.tiles(binned).folding(job.bin.raster.cloud.view());
+        let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
+        let stage = Stage { shape: compose::shape_variant(job.bin.raster.footprint, job.discs.falloff), binned };
+        match job.kind {
+            Kind::Weighted => stage.record(recorder, &Weighted { tiles, sums }),
+            Kind::Average => stage.record(recorder, &Average { tiles, sums }),
+            Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
+            Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
+                let push = HybridPush { walk: binned.walk(run.number), k };
+                let over = Run::new(Dispatch::Groups(binned.tiles().into()));
+                Ok(recorder.run(
+                    &HybridFlat { tiles, sums },
+                    push,
+                    &over.variant(sum_variant(stage.shape.clone(), run)),
+                )?)
+            }),
+            Kind::Hybrid(_) => {
+                let (lasts, slots) = (self.lasts.get().all(), self.slots.get().all());
+                stage.record_rounds(recorder, &HybridOriented { tiles, sums, lasts, slots }, rounds)
+            }
+        }
+    }
+}
+
+/// One of the runs that it takes to get through the tiles' splats.
+#[derive(Debug, Clone, Copy)]
+pub struct OneRun {
+    /// Which; all but the first go on from what others left.
+    pub number: u32,
+    /// How many there are; with more than one, each leaves what it knows.
+    pub of: u32,
+    /// The subgroup size.
+    pub subgroup: u32,
+}
+
+/// A round of `hybrid` over oriented discs.
+#[derive(Debug, Clone, Copy)]
+pub struct Round {
+    /// Fragments that it composes.
+    pub slots: u32,
+    /// Whether others came before.
+    pub behind: bool,
+    /// Whether it is the last one.
+    pub tail: bool,
+}
+
+/// A stage over all tiles.
+struct Stage {
+    shape: Variant,
+    binned: Binned,
+}
+
+impl Stage {
+    /// Runs until the longest list of a tile is done.
+    fn each_run(&self, run: impl FnMut(OneRun) -> Result<(), Error>) -> Result<(), Error> {
+        let (of, subgroup) = (self.binned.segments(), self.binned.subgroup());
+        (0..of).map(|number| OneRun { number, of, subgroup }).try_for_each(run)
+    }
+
+    fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
+        self.each_run(|run| {
+            let push = SumPush { walk: self.binned.walk(run.number) };
+            let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
+            Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
+        })
+    }
+
+    fn record_rounds<'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        pass: &HybridOriented<'a>,
+        rounds: &[u32],
+    ) -> Result<(), Error> {
+        rounds.iter().enumerate().try_for_each(|(i, slots)| {
+            let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
+            self.each_run(|run| {
+                let push = SumPush { walk: self.binned.walk(run.number) };
+                let over = Run::new(Dispatch::Groups(self.binned.blocks()));
+                Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
+            })
+        })
+    }
+}
+
+/// A variant of the stages, from that of shape and falloff.
+fn sum_variant(shape: Variant, run: OneRun) -> Variant {
+    bin::fold_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
+}
+
+/// A variant of `hybrid` over oriented discs.
+fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
+    bin::fold_blocks_variant(shape, run.number > 0, run.subgroup)
+        .with("KEPT", u32::from(run.of > 1))
+        .with("BEHIND", u32::from(round.behind))
+        .with("TAIL", u32::from(round.tail))
+        .constant("SLOTS", round.slots)
+        .each("slot", round.slots)
+}
+
+/// Bytes that a stage must at least read and write: `tilted` whether discs are oriented. Of splats each pair with a tile, in
+/// each round, and the window's pixels.
+pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: u64) -> Option<u64> {
+    if !name.ends_with("/accumulate") {
+        return None;
+    }
+    let rounds = match kind {
+        Kind::Hybrid(k) if tilted => rounds(k).len() as u64,
+        _ => 1,
+    };
+    // Rank, then record, footprint and color.
+    let splat = 4 + 8 + 16 + 16 + if tilted { 16 } else { 0 };
+    Some(rounds * (facts.tile_entries * splat + pixels * 20))
+}
+
+/// The variants of a pass: a footprint and all falloffs with one run, and the first and second of two.
+fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
+        .into_iter()
+        .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
+        .collect();
+    let mut all = Vec::new();
+    for falloff in Falloff::all() {
+        let shape = compose::shape_variant(footprint, falloff);
+        runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
+    }
+    all
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let sums = |footprint| variants(footprint, |shape, run| vec![sum_variant(shape, run)]);
+    let both = || DISCS.iter().flat_map(|disc| sums(*disc)).collect::<Vec<_>>();
+    // One round; the first and the middle ones of several, and the last one, which has the slots that are left.
+    let round = |slots, behind, tail| Round { slots, behind, tail };
+    let last = (1..=MOST_SLOTS).flat_map(|slots| [round(slots, false, true), round(slots, true, true)]);
+    let rounds: Vec<Round> =
+        [round(MOST_SLOTS, false, false), round(MOST_SLOTS, true, false)].into_iter().chain(last).collect();
+    let oriented = variants(Footprint::Oriented, |shape, run| {
+        rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect()
+    });
+    vec![
+        Shader::new::<Weighted>(both()),
+        Shader::new::<Average>(both()),
+        Shader::new::<Unsorted>(both()),
+        Shader::new::<HybridFlat>(sums(Footprint::Disc)),
+        Shader::new::<HybridOriented>(oriented),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::MAX_K;
+
+    #[test]
+    fn rounds_have_room_for_all_fragments() {
+        assert_eq!(rounds(1), [1]);
+        assert_eq!(rounds(8), [8]);
+        assert_eq!(rounds(9), [8, 1]);
+        assert_eq!(rounds(24), [8, 8, 8]);
+        assert!((1..=MAX_K).all(|k| rounds(k).iter().sum::<u32>() == k));
+        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Oriented), 8);
+        assert_eq!(pixel_bytes(Kind::Hybrid(8), DiscShape::Oriented), 0);
+        assert_eq!(pixel_bytes(Kind::Hybrid(9), DiscShape::Flat), 0);
+        assert_eq!((run_bytes(&[]), run_bytes(&[8, 1])), (64, 64 + 16 + 8 * 32));
+    }
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { tile_entries: 20, ..Facts::default() };
+        let of = |kind, tilted| least_bytes("hybrid/accumulate", &facts, kind, tilted, 100);
+        assert_eq!(of(Kind::Average, false), Some(20 * 44 + 2000));
+        let hybrid = Kind::Hybrid(9);
+        assert_eq!(of(hybrid, false), Some(20 * 44 + 2000));
+        assert_eq!(of(hybrid, true), Some(2 * (20 * 60 + 2000)));
+        assert_eq!(least_bytes("sorted/blend", &facts, hybrid, true, 100), None);
+    }
+}

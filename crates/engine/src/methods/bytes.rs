@@ -1,0 +1,94 @@
+//! What the passes of a frame took, and the bytes that each must move at least.
+
+use std::time::Duration;
+
+use super::engine::Engine;
+use super::{Facts, Frame, PassProfile, shadows};
+use crate::gpu::PassTime;
+use crate::passes::project::DeviceCloud;
+
+/// All runs of a pass in a frame.
+pub(crate) struct PassRuns<'a> {
+    /// The pass.
+    pub name: &'static str,
+    /// How often it ran.
+    pub runs: u64,
+    /// What the frame met.
+    pub facts: &'a Facts,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Its points.
+    pub cloud: &'a DeviceCloud,
+    /// Lengths of all lists of fragments, if they were read back.
+    pub lengths: &'a [u32],
+}
+
+impl PassRuns<'_> {
+    /// Pixels of the image.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
+    }
+
+    /// Bytes of a splat: `tilted` of a method whose splats lie in their tangent planes.
+    pub fn splat(&self, tilted: bool) -> u64 {
+        20 + if self.is_tilted(tilted) { 16 } else { 0 }
+    }
+
+    /// Whether splats have tilts.
+    pub fn is_tilted(&self, tilted: bool) -> bool {
+        tilted && self.cloud.has_normals()
+    }
+
+    /// Every band's store reads the rectangles of all splats again.
+    pub fn walks(&self, tilted: bool) -> u64 {
+        let facts = self.facts;
+        facts.points * 8 * facts.windows.max(1) + facts.visible * self.splat(tilted)
+    }
+
+    /// Bytes of the projection.
+    pub fn projected(&self, tilted: bool) -> Option<u64> {
+        let facts = self.facts;
+        let normal = if self.cloud.has_normals() || self.cloud.casting().is_some() { 16 } else { 0 };
+        let points = facts.points * (32 + 16 + normal + 8) * facts.windows.max(1);
+        (self.name == "splat/project").then(|| points + facts.visible * (self.splat(tilted) + 16))
+    }
+
+    /// Bytes of what every engine has: empty pixels, the copy to the host, and shadows.
+    fn everyone_s(&self) -> Option<u64> {
+        match self.name {
+            "image/clear" => Some(self.pixels() * 20),
+            "image/read-back" => Some(self.pixels() * 20 * 2),
+            name if name.starts_with("shadows/") => {
+                let resolution = self.frame.shadows.map_or(0, |shadows| shadows.resolution);
+                let chunks = self.cloud.chunks().count() as u64;
+                shadows::least_bytes(name, self.runs, self.facts.points, chunks, resolution)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Sums the dispatches of each pass, in order of first appearance, and adds the bytes that each must move. `lengths` are those
+/// of all lists of fragments, if they were read back.
+pub(super) fn aggregate(
+    engine: &dyn Engine,
+    timeline: &[(PassTime, Duration)],
+    facts: &Facts,
+    frame: &Frame,
+    cloud: &DeviceCloud,
+    lengths: &[u32],
+) -> Vec<PassProfile> {
+    let mut passes: Vec<PassProfile> = Vec::new();
+    for (time, _) in timeline {
+        if let Some(pass) = passes.iter_mut().find(|pass| pass.name == time.name) {
+            pass.gpu += time.gpu;
+            pass.invocations = pass.invocations.zip(time.invocations).map(|(a, b)| a + b);
+            continue;
+        }
+        let runs = timeline.iter().filter(|(other, _)| other.name == time.name).count() as u64;
+        let pass = PassRuns { name: time.name, runs, facts, frame, cloud, lengths };
+        let bytes = pass.everyone_s().or_else(|| engine.least_bytes(&pass));
+        passes.push(PassProfile { name: time.name, gpu: time.gpu, invocations: time.invocations, bytes });
+    }
+    passes
+}

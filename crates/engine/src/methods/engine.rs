@@ -1,0 +1,224 @@
+//! What a method is to the renderer: an engine, and what an engine gets to work with.
+
+use crate::progress::Progress;
+
+use super::bytes::PassRuns;
+use super::explain::Plan;
+use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
+use crate::gpu::Device;
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Projecting, Stats};
+use crate::passes::tiles::Tiles;
+
+/// A family of methods with the settings of one of them: how its frames are cut into windows, rendered, counted, measured and
+/// explained. Buffers that outlive a frame are in [`Buffers`].
+pub(crate) trait Engine {
+    /// Cuts a frame into windows whose buffers fit the budget, the first one first.
+    ///
+    /// # Errors
+    /// Not even the smallest window fits.
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error>;
+
+    /// Cuts a window that turned out to be too large; `None` for a single pixel.
+    fn halves(&self, window: Window) -> Option<[Window; 2]> {
+        bands::halves(window)
+    }
+
+    /// Brings to the device what frames need of a cloud: its points, and room for their splats. A survey may do with less.
+    ///
+    /// # Errors
+    /// No memory for them, or more of them than the device can address.
+    fn place(&self, device: &Device, cloud: &mut DeviceCloud, _frame: &Frame, _survey: bool) -> Result<(), Error> {
+        Cut::new(device, cloud.len())?;
+        cloud.make_resident(device)?;
+        Ok(cloud.make_room(device)?)
+    }
+
+    /// Finds what is found once for a cloud, before the first frame that needs it.
+    ///
+    /// # Errors
+    /// No memory for it.
+    fn prepare(&self, _device: &Device, _cloud: &mut DeviceCloud, _frame: &Frame) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Points that are on the device at a time, of a cloud that goes through it during the frame.
+    fn streamed(&self, _device: &Device, _cloud: &DeviceCloud, _frame: &Frame) -> Option<u64> {
+        None
+    }
+
+    /// Samples of a pixel or ensembles that the frame asks for; `None` for engines that draw no random ones.
+    fn samples(&self, _frame: &Frame) -> Option<u32> {
+        None
+    }
+
+    /// Whether a survey renders into the target, because only rendering tells what the frame meets.
+    fn renders_to_survey(&self) -> bool {
+        false
+    }
+
+    /// What the engine can count for each pixel.
+    fn channels(&self) -> Channels;
+
+    /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
+    ///
+    /// # Errors
+    /// What the device lacks or has no memory for, however small the window.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error>;
+
+    /// Counts of the window that was rendered last, where the frame asks for them.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error>;
+
+    /// Bytes that a pass must at least read and write, from the counts of the frame; cached re-reads are not counted. `None`
+    /// where that is not known.
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64>;
+
+    /// Adds the passes of the frame to its plan, in the order of their first run, and those of its own that it leaves out.
+    fn explain(&self, plan: &mut Plan<'_>);
+}
+
+/// What an engine can count for each pixel, beside color and depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Channels {
+    /// Lengths of lists.
+    pub fragments: Fragments,
+    /// Whether it counts layers that were peeled.
+    pub layers: bool,
+}
+
+/// How an engine knows the lengths of a pixel's lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fragments {
+    /// Not at all.
+    Never,
+    /// By passes of their own, where a frame asks for them: images need none.
+    Beside,
+    /// By the passes that render.
+    Within,
+}
+
+impl Channels {
+    /// Nothing.
+    pub const NONE: Self = Self { fragments: Fragments::Never, layers: false };
+    /// Lengths of lists alone, by the passes that render.
+    pub const LISTS_WITHIN: Self = Self { fragments: Fragments::Within, layers: false };
+    /// Lengths of lists alone, by passes of their own.
+    pub const LISTS_BESIDE: Self = Self { fragments: Fragments::Beside, layers: false };
+}
+
+/// What was counted for each pixel of a window, in its order; `None` for what was not.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Counts {
+    /// Lengths of lists.
+    pub fragments: Option<Vec<u32>>,
+    /// Layers that were peeled.
+    pub layers: Option<Vec<u32>>,
+    /// Standard errors of R, G and B.
+    pub stderr: Option<Vec<[f32; 3]>>,
+}
+
+/// What tests switch off or set lower.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Switches {
+    /// Whether 64-bit atomics are used.
+    pub wide_atomics: bool,
+    /// Whether ensembles are drawn in one go where that can be.
+    pub single_pass: bool,
+    /// Most bits of a key for epochs of ensembles.
+    pub epoch_bits: u32,
+    /// Layers after which peeling gives up.
+    pub max_layers: u32,
+}
+
+/// A window in work, with everything that all engines need.
+pub(crate) struct Work<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// The window.
+    pub window: Window,
+    /// The memory that may be used.
+    pub budget: Budget,
+    /// Samples or ensembles to draw; 0 where the engine draws no random ones.
+    pub samples: u32,
+    /// Where the pixels go, with room for the window.
+    pub target: &'a Target,
+    /// Times of the submissions.
+    pub timeline: &'a mut Timeline,
+    /// What the frame met; only those of windows that are done are kept.
+    pub facts: &'a mut Facts,
+    /// Counts finished pixels.
+    pub progress: &'a Progress,
+    /// What tests switch.
+    pub switches: Switches,
+    /// Whether counting is enough.
+    pub survey: bool,
+}
+
+impl Work<'_> {
+    /// Pixels of the window.
+    pub fn pixels(&self) -> u64 {
+        bands::pixels(self.window)
+    }
+
+    /// Projects a cloud's points to splats of the window; what was found, chunk by chunk.
+    pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Vec<Stats>, Error> {
+        project(self.device, cloud, (self.frame, self.window), how, self.timeline)
+    }
+
+    /// Makes room for the tiles of large splats, if they are `needed`; the budget beside them, or `None` if the window must be
+    /// cut.
+    pub fn reserve_tiles(&self, tiles: &mut Tiles, stats: &[Stats], needed: bool) -> Result<Option<Budget>, Error> {
+        let bytes = if needed { Tiles::bytes(stats, self.window) } else { 0 };
+        let countable = stats.iter().all(|s| u32::try_from(s.tiles()).is_ok());
+        let budget = self.budget.with_tiles(bytes).filter(|_| countable);
+        if budget.is_some() {
+            tiles.reserve(self.device, if bytes > 0 { stats } else { &[] }, self.window)?;
+        }
+        Ok(budget)
+    }
+
+    /// Copies a finished window to the host.
+    pub fn read_back(&mut self) -> Result<(), Error> {
+        if !self.survey {
+            let mut recorder = self.device.recorder()?;
+            self.target.record_read_back(&mut recorder, self.pixels())?;
+            self.timeline.add(recorder.submit("image/read-back")?);
+            self.finish();
+        }
+        Ok(())
+    }
+
+    /// Counts the window's pixels as finished, unless it was only surveyed.
+    pub fn finish(&self) {
+        if !self.survey {
+            self.progress.inc(self.pixels());
+        }
+    }
+}
+
+/// Projects a cloud's points to splats of a window of a frame; what was found, chunk by chunk.
+pub(crate) fn project(
+    device: &Device,
+    cloud: &mut DeviceCloud,
+    (frame, window): (&Frame, Window),
+    how: &Projecting,
+    timeline: &mut Timeline,
+) -> Result<Vec<Stats>, Error> {
+    cloud.reserve_tilts(device, how.footprint)?;
+    cloud.set_view(&frame.camera, frame.size, window, how);
+    let mut recorder = device.recorder()?;
+    cloud.record_project(&mut recorder, how)?;
+    timeline.add(recorder.submit("splat/project")?);
+    Ok(cloud.stats())
+}
+
+/// Windows of so many bytes per pixel.
+pub(crate) fn windows_of(frame: &Frame, budget: Budget, pixel_bytes: u64) -> Vec<Window> {
+    bands::windows(frame.size, budget.window_pixels(pixel_bytes))
+}

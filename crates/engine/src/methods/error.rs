@@ -1,0 +1,225 @@
+//! Why a frame cannot be rendered.
+
+use bytesize::ByteSize;
+
+use crate::passes;
+
+/// Why a frame cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::Error),
+    /// One pixel alone has more fragments than fit: of the pixels rendered at a time the one with most.
+    #[error(
+        "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do for this pixel",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
+    )]
+    PixelOverBudget {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// Fragments of the pixel.
+        length: u32,
+        /// Bytes that they need.
+        needed: u64,
+        /// Bytes that are there for fragments.
+        available: u64,
+        /// The budget that would do for this pixel.
+        budget: u64,
+    },
+    /// A list is too long to be sorted in place.
+    #[error(
+        "a list of {length} fragments: long_lists = \"in-place\" sorts lists of up to {most}; use long_lists = \"merge\""
+    )]
+    ListTooLong {
+        /// Fragments of the list.
+        length: u32,
+        /// Fragments of the longest list that is sorted in place.
+        most: u32,
+    },
+    /// More points than events of soft spheres can name.
+    #[error(
+        "{points} points, but method {method} with up to {shells} shells tells at most {limit} apart; fewer shells or soft-express would do"
+    )]
+    TooManySpheres {
+        /// Points of the scene.
+        points: u64,
+        /// The method.
+        method: &'static str,
+        /// Shells of a sphere.
+        shells: u32,
+        /// Points that can be told apart.
+        limit: u64,
+    },
+    /// One pixel alone overflows the 32-bit counters.
+    #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]
+    PixelOverflow {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// More layers than peeling goes through.
+    #[error(
+        "a pixel has more than {limit} layers, each of which visits every splat; method \"abuffer\" renders any number, and layers = N stops after N"
+    )]
+    TooManyLayers {
+        /// Layers that were peeled.
+        limit: u32,
+    },
+    /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.needed)
+    )]
+    HaloOverBudget {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Bytes that the smallest window takes.
+        needed: u64,
+        /// Bytes that are there for a window.
+        available: u64,
+    },
+    /// A window of a single pixel has more tiles than the device can bind, with all around it that filters reach.
+    #[error(
+        "the filters of all layers reach {halo} pixels around a window of the image, which has {tiles} tiles of 16 × 16 pixels at least; this device allows {limit}: fewer layers or iterations would do"
+    )]
+    HaloTooLarge {
+        /// Pixels that are rendered on each side of a window.
+        halo: u32,
+        /// Tiles of the smallest window.
+        tiles: u64,
+        /// Tiles that can be bound.
+        limit: u64,
+    },
+    /// The cloud is longer than the device can address.
+    #[error("{points} points, but for the method in force maxStorageBufferRange of this device allows {limit} at most")]
+    TooManyPoints {
+        /// Points of the scene.
+        points: u64,
+        /// Points that fit.
+        limit: u64,
+    },
+    /// The sort of splats alone takes more than the budget.
+    #[error(
+        "sorting {points} splats needs {} of device memory; the budget leaves {}: --memory-budget {} would do, or for transparent discs method abuffer",
+        ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
+    )]
+    SortOverBudget {
+        /// Points of the scene.
+        points: u64,
+        /// Bytes that the sort needs.
+        needed: u64,
+        /// Bytes that are there.
+        available: u64,
+        /// The budget that would do.
+        budget: u64,
+    },
+    /// The points are not in the order that ensembles are dealt from.
+    #[error("methods spbr and spbr-simplified need points that were dealt before they were uploaded")]
+    NotDealt,
+    /// The device has no shuffles.
+    #[error(
+        "methods that go through tiles of splats (sorted, stochastic, hybrid, weighted, average, unsorted, hqs, splats, the soft ones where there are solid points, one-layer) need subgroups of a known size from 8 to 32 with ballots and shuffles, which {device} lacks; use abuffer or circles"
+    )]
+    NoSubgroups {
+        /// The device.
+        device: String,
+    },
+    /// The rasteriser was asked for, but the device cannot write from fragment shaders, or not over so large an area.
+    #[error("raster = \"hardware\" needs {needed}, which {device} lacks; use \"compute\" or \"auto\"")]
+    NoHardwareRaster {
+        /// The device.
+        device: String,
+        /// What is missing.
+        needed: String,
+    },
+    /// A light's image doesn't fit a binding or the budget.
+    #[error(
+        "shadows.resolution = {resolution} needs {} of device memory in two parts; the budget leaves {}, and a part may have {}: {}",
+        ByteSize(*.needed), ByteSize(*.budget), ByteSize(*.binding), smaller_image(*.largest)
+    )]
+    ShadowImage {
+        /// Columns and rows of the image.
+        resolution: u32,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that the budget leaves.
+        budget: u64,
+        /// Bytes that a binding may have, which is half of the image.
+        binding: u64,
+        /// The largest resolution that would do; 0 if none would.
+        largest: u32,
+    },
+    /// Somebody who watches the progress wanted the work to end.
+    #[error("cancelled")]
+    Cancelled,
+    /// The image is empty or too large.
+    #[error("an image of {width} × {height} pixels: each side must have 1 to {} pixels", crate::image::MAX_SIDE)]
+    ImageSize {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+}
+
+impl From<passes::Error> for Error {
+    fn from(error: passes::Error) -> Self {
+        match error {
+            passes::Error::Gpu(error) => Self::Gpu(error),
+            passes::Error::NoSubgroups { device } => Self::NoSubgroups { device },
+            passes::Error::TooManyPoints { points, limit } => Self::TooManyPoints { points, limit },
+            passes::Error::SortOverBudget { points, needed, available, budget } => {
+                Self::SortOverBudget { points, needed, available, budget }
+            }
+        }
+    }
+}
+
+/// A budget as a message names it: rounded up, such that what is printed is no less.
+fn printed(budget: u64) -> ByteSize {
+    let unit = match budget {
+        ..0x400 => 1,
+        0x400..0x10_0000 => 1 << 10,
+        0x10_0000..0x4000_0000 => 1 << 20,
+        _ => 1 << 29,
+    };
+    ByteSize(budget.next_multiple_of(unit))
+}
+
+fn smaller_image(largest: u32) -> String {
+    match largest {
+        0 => "a larger --memory-budget would help".to_owned(),
+        _ => format!("up to {largest} would do"),
+    }
+}
+
+impl Error {
+    /// Whether this is something that one method with its settings can't do here, while another may: not a device that
+    /// failed, nor a frame that none could render.
+    pub fn is_refusal(&self) -> bool {
+        use crate::gpu::Error::{OutOfMemory, TooLarge};
+        match self {
+            Self::Gpu(error) => matches!(error, OutOfMemory { .. } | TooLarge { .. }),
+            Self::ImageSize { .. } | Self::Cancelled => false,
+            _ => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_that_is_printed_is_enough() {
+        for budget in [1, 1023, 1025, 964_467, (1 << 20) - 1, (5 << 20) + 1, 73_123_456, (1 << 30) - 1, 3_333_333_333] {
+            let named: ByteSize = printed(budget).to_string().parse().unwrap();
+            assert!((budget..=budget + budget / 8 * 5 + 1024).contains(&named.as_u64()), "{budget}: {named}");
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The plan of a frame: which passes run, and the fact that decides each. Engines add their own; what several share is here.
+
+use super::{Facts, Frame, shadows};
+use crate::gpu::Device;
+use crate::passes::bin::{self, Order};
+use crate::passes::radix::Digits;
+use crate::passes::tiles;
+use crate::scene::ShadingModel;
+
+/// One pass of the frame plan.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Step {
+    /// Method and stage, as in profiles.
+    pub name: &'static str,
+    /// Whether the frame runs it.
+    pub on: bool,
+    /// The fact about the scene or the device that decided it.
+    pub reason: String,
+}
+
+/// Passes that belong together, and why frames without them leave them out.
+#[derive(Debug, Clone)]
+pub(crate) struct PassGroup {
+    /// Their names, in the order of their first run.
+    pub names: Vec<&'static str>,
+    /// Why they don't run, unless an engine says it more precisely.
+    pub absent: Absent,
+}
+
+/// Why a group of passes doesn't run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Absent {
+    /// For this reason.
+    Always(&'static str),
+    /// For this reason, because the method in force has no use for them.
+    Method(&'static str),
+    /// The same, but methods without discs have no transparency at all.
+    Discs(&'static str),
+}
+
+impl PassGroup {
+    /// A group.
+    pub fn new(names: &[&'static str], absent: Absent) -> Self {
+        Self { names: names.to_vec(), absent }
+    }
+}
+
+/// Why a pass over splats is off.
+pub(crate) const NOTHING: &str = "no splat touches the image";
+
+/// Why splats go through tiles where any order would do.
+pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
+
+/// Counters and pixels that most methods clear, and what the projection found.
+pub(crate) const COUNTERS: [&str; 2] = ["splat/clear", "splat/stats"];
+/// The passes that sort splats, four of them, and put them into tiles.
+pub(crate) const ORDER: [&str; 10] = [
+    "bin/keys",
+    "radix/clear",
+    "radix/count",
+    "radix/scatter",
+    "bin/gather",
+    "bin/clear",
+    "bin/tile-count",
+    "bin/measure",
+    "bin/summary",
+    "bin/tile-store",
+];
+/// The passes that go through an order of points that was made beforehand.
+pub(crate) const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
+/// The pass that empties pixels.
+pub(crate) const CLEAR: [&str; 1] = ["image/clear"];
+/// The passes that list the large splats of tiles.
+pub(crate) const TILES: [&str; 3] = ["splat/tile-count", "splat/tile-cursors", "splat/tile-store"];
+/// The passes of prefix sums.
+pub(crate) const SCAN: [&str; 2] = ["scan/reduce", "scan/spread"];
+
+/// Elements that a prefix sum takes in one run, without a level of sums above.
+const SCAN_RUN: u64 = 64;
+
+/// The plan of a frame that an engine explains.
+pub(crate) struct Plan<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// What it met, or would meet.
+    pub facts: &'a Facts,
+    /// Whether 64-bit atomics are used.
+    pub wide_atomics: bool,
+    /// Why this method.
+    pub why: &'a str,
+    /// The passes so far.
+    pub steps: Vec<Step>,
+}
+
+impl Plan<'_> {
+    /// Adds a pass.
+    pub fn add(&mut self, name: &'static str, on: bool, reason: impl Into<String>) {
+        self.steps.push(Step { name, on, reason: reason.into() });
+    }
+
+    /// Passes that are not listed yet are off.
+    pub fn rest(&mut self, names: &[&'static str], reason: &str) {
+        for name in names {
+            if self.steps.iter().all(|step| step.name != *name) {
+                self.add(name, false, reason);
+            }
+        }
+    }
+
+    /// The passes of a group that are not listed yet are off.
+    pub fn rest_of(&mut self, group: &PassGroup) {
+        let reason = match group.absent {
+            Absent::Always(reason) => reason.to_owned(),
+            Absent::Discs(_) if self.frame.method.discs().is_none() => format!("no transparency: {}", self.why),
+            Absent::Discs(reason) | Absent::Method(reason) => format!("{reason}: {}", self.why),
+        };
+        self.rest(&group.names, &reason);
+    }
+
+    /// Whether any splat touches the image.
+    pub fn seen(&self) -> bool {
+        self.facts.visible > 0
+    }
+
+    /// A reason where splats touch the image.
+    pub fn if_seen(&self, reason: String) -> String {
+        if self.seen() { reason } else { NOTHING.to_owned() }
+    }
+
+    /// How points are shaded, in words.
+    pub fn shading(&self) -> &'static str {
+        match self.frame.shading.model {
+            ShadingModel::None => "no shading asked for",
+            ShadingModel::Lambert => "Lambert shading where there are normals",
+            ShadingModel::Phong => "Phong shading where there are normals",
+        }
+    }
+
+    /// Pixels of the image.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
+    }
+
+    /// The light of each point, which later frames don't find again.
+    pub fn shadows(&mut self) {
+        let views = self.facts.light_views;
+        let refusal = shadows::refusal(self.frame);
+        let stored = "the light of each point is with the cloud";
+        let shadows = self.frame.shadows.unwrap_or_default();
+        let samples = if shadows.light_radius == 0.0 { 1 } else { shadows.samples };
+        let images = format!("{samples} light(s), {views} image(s) of {0} × {0} pixels", shadows.resolution);
+        let points = self.facts.points;
+        for (name, reason) in shadows::PASSES.into_iter().zip([
+            format!("{points} points, lit by all lights at first; later frames take what this one finds"),
+            format!("{images}: nothing is there yet"),
+            format!("{images}: the nearest depths"),
+            "holes in surfaces are closed, so that no light falls through".to_owned(),
+            format!("{points} points are compared with the nearest depths of each light"),
+            format!("number of lights to share of {samples}"),
+        ]) {
+            let reason = match &refusal {
+                Some(refusal) => refusal.clone(),
+                None if views == 0 => stored.to_owned(),
+                None if name == "shadows/share" && samples == 1 => "of one light there is all or nothing".to_owned(),
+                None => reason,
+            };
+            let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
+            self.add(name, on, reason);
+        }
+    }
+
+    /// Empty counters.
+    pub fn cleared(&mut self) {
+        self.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
+    }
+
+    /// Points that become splats, and what was found of these.
+    pub fn projected(&mut self) {
+        self.cleared();
+        let points = self.facts.points;
+        self.add("splat/project", points > 0, format!("{points} points; {}", self.shading()));
+        self.found();
+    }
+
+    /// Points that become pixels, without splats.
+    pub fn not_projected(&mut self) {
+        self.add("splat/project", false, "a point is one pixel or a square: no splats");
+    }
+
+    /// What the projection found.
+    pub fn found(&mut self) {
+        let met = format!("{} splats touch the image, {} of them large", self.facts.visible, self.facts.large);
+        self.add("splat/stats", true, met);
+    }
+
+    /// The lists of large splats by tile, of so many large ones; returns the longest prefix sum that they need.
+    pub fn tiles(&mut self, large: u64) -> u64 {
+        let facts = self.facts;
+        let on = large > 0 && facts.raster == "compute";
+        let reason = if facts.raster == "compute" {
+            format!("{large} splats are large enough for tiles")
+        } else {
+            "the rasteriser visits the pixels".to_owned()
+        };
+        for name in TILES {
+            self.add(name, on, reason.clone());
+        }
+        let rows = self.frame.size[1].div_ceil(facts.windows.max(1) as u32);
+        let [columns, rows] = tiles::grid([0, 0, self.frame.size[0], rows]);
+        if on { large.max(u64::from(columns) * u64::from(rows) + 1) } else { 0 }
+    }
+
+    /// Prefix sums of so many elements, none for no element.
+    pub fn scan(&mut self, elements: u64, counted: &str) {
+        let levels = if elements > SCAN_RUN { "more" } else { "no more" };
+        self.add(
+            "scan/reduce",
+            elements > SCAN_RUN,
+            format!("{counted}: {elements} elements, {levels} than the {SCAN_RUN} of a run"),
+        );
+        self.add("scan/spread", elements > 0, format!("{counted}: {elements} elements"));
+    }
+
+    /// The sort of splats and their tiles; returns how many counters are summed.
+    pub fn order(&mut self, order: Order, why: &str) -> u64 {
+        let (points, visible) = (self.facts.points, self.facts.visible);
+        let bits = bin::key_bits(order, self.frame.depth_range(), points);
+        let Digits { digits, bits: digit, counters } = Digits::new(self.device, points, bits);
+        let by = match order {
+            Order::Depth => "in order of depth",
+            Order::Index => "in canonical order",
+            Order::File => "in the files' order",
+            Order::Along(_) => "along an axis",
+        };
+        let by_digit = format!("keys have {bits} bits: {digits} digit(s) of {digit}");
+        let zero = || "counters start at zero".to_owned();
+        let reasons = [format!("{why}: {visible} splats {by}"), zero(), by_digit.clone(), by_digit];
+        for (name, reason) in ORDER.into_iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+        self.bins(by);
+        counters.max(self.facts.tile_cells)
+    }
+
+    /// Splats that are in order into their tiles.
+    pub fn bins(&mut self, by: &str) {
+        let reasons = [
+            format!("splats are read {by}"),
+            "counters start at zero".to_owned(),
+            format!("{} counters of tiles and runs of splats", self.facts.tile_cells),
+            "the longest list of a tile decides how often tiles are run".to_owned(),
+            "the total of the lists decides whether the window fits".to_owned(),
+            "each tile gets its splats in order".to_owned(),
+        ];
+        for (name, reason) in ORDER[4..].iter().zip(reasons) {
+            self.add(name, true, reason);
+        }
+    }
+
+    /// Windows without splats, of an engine that counts those with some as bands.
+    pub fn emptied(&mut self) {
+        let empty = self.facts.windows.saturating_sub(self.facts.bands);
+        self.add("image/clear", empty > 0, format!("{empty} window(s) show nothing"));
+    }
+
+    /// The passes that find the nearest of each pixel, with and without 64-bit atomics: `[wide, narrow, narrow]`.
+    pub fn nearest(&mut self, [both, depth, id]: [&'static str; 3], on: bool, reason: &str) {
+        let wide = self.wide_atomics;
+        let has = if self.device.info().int64_atomics { "the device has" } else { "the device has no" };
+        for (name, needed) in [(both, wide), (depth, !wide), (id, !wide)] {
+            let atomics = format!("{has} 64-bit atomics");
+            let reason = match (on, needed) {
+                (false, _) => reason.to_owned(),
+                (true, true) => format!("{reason}; {atomics}"),
+                (true, false) => atomics,
+            };
+            self.add(name, on && needed, reason);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What a frame met: the counts that explain its plan, its times and its memory.
+
+use super::Outcome;
+use super::spbr::Form;
+use crate::passes::bin::{Binned, Survey};
+use crate::passes::project::Stats;
+use crate::passes::raster::Walker;
+
+/// What a frame met.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Points of the scene.
+    pub points: u64,
+    /// Splats whose rectangle touches the image (summed over windows; those of solid and of soft points, if a method tells
+    /// them apart).
+    pub visible: u64,
+    /// Splats of more than 1024 pixels, which are visited tile by tile.
+    pub large: u64,
+    /// Windows whose lists were filled in order of depth, from sorted splats.
+    pub ordered: u64,
+    /// Pairs of a splat and a tile that it meets, if splats were sorted.
+    pub tile_entries: u64,
+    /// Counters of the tiles' splats by run in the window with most of them, if splats are sorted.
+    pub tile_cells: u64,
+    /// Fragments of all lists.
+    pub fragments: u64,
+    /// Longest list.
+    pub max_list: u32,
+    /// Longest list as it is sorted: a soft sphere has several fragments there, but counts once in the numbers above.
+    pub max_events: u32,
+    /// Layers that were peeled, the most of any window.
+    pub layers: u32,
+    /// Tiles of 16 × 16 pixels of all images that filters had, layer by layer and window by window.
+    pub image_tiles: u64,
+    /// Those that each filter ran over: background fill, occlusion fill, smoothing, antialiasing; all iterations.
+    pub filtered_tiles: [u64; 4],
+    /// Samples that a stochastic method took of each pixel.
+    pub samples: u32,
+    /// Ensembles that were drawn.
+    pub ensembles: u32,
+    /// Slots dealt to them: points of all clouds, each as often as it is in one.
+    pub slots: u64,
+    /// How the nearest points of ensembles are found.
+    pub form: Option<Form>,
+    /// Points of ensembles that are on the device at a time, if they are more than fit.
+    pub streamed: Option<u64>,
+    /// Bytes of them that went to the device during the frame.
+    pub uploaded_bytes: u64,
+    /// Whether a pixel's nearest point has to be cleared between ensembles.
+    pub renewed: bool,
+    /// Whether points of ensembles may cover more pixels than one invocation walks.
+    pub listed: bool,
+    /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
+    pub thin: Vec<ThinCloud>,
+    /// Points that are not soft, of methods that tell; the others are.
+    pub solid_points: u64,
+    /// Splats of soft points among the visible ones.
+    pub soft_visible: u64,
+    /// Splats of soft points among the large ones.
+    pub soft_large: u64,
+    /// Bytes of the fragment buffer.
+    pub fragment_bytes: u64,
+    /// Bands over all windows; windows with anything in them, if splats are sorted.
+    pub bands: u64,
+    /// Drawings of opaque splats in three passes: windows of `hqs` and `splats` with anything in them, windows of the soft
+    /// methods with solid points, layers of `one-layer` over all windows.
+    pub splatted: u64,
+    /// Windows of `one-layer` in which a layer of soft points lies over what is opaque.
+    pub layered: u64,
+    /// Images through the eyes of a light that were made for shadows: 0 without shadows, and where the cloud has them.
+    pub light_views: u64,
+    /// Windows of the image.
+    pub windows: u64,
+    /// Largest number of device bytes at any time of the frame, cloud and image included.
+    pub peak_device_bytes: u64,
+    /// Who visited the pixels: `compute` or `hardware`.
+    pub raster: &'static str,
+}
+
+/// A cloud that has fewer points on a pixel than its opacity asks for, whatever the number of ensembles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ThinCloud {
+    /// Its place among the clouds.
+    pub cloud: u32,
+    /// Opacity of its surface in the image, in thousandths.
+    pub reached: u32,
+}
+
+impl Facts {
+    /// Adds a finished window.
+    pub(super) fn note(&mut self, stats: &[Stats], walker: Walker) {
+        self.windows += 1;
+        self.raster = match walker {
+            Walker::Compute => "compute",
+            Walker::Hardware => "hardware",
+        };
+        self.meet(stats);
+    }
+
+    /// Adds what was projected.
+    pub(super) fn meet(&mut self, stats: &[Stats]) {
+        for s in stats {
+            self.visible += u64::from(s.visible);
+            self.large += u64::from(s.large);
+        }
+    }
+
+    /// Adds a window whose splats were binned.
+    pub(super) fn note_binned(&mut self, binned: Binned) {
+        self.tile_cells = self.tile_cells.max(binned.cells());
+        self.tile_entries += binned.entries();
+    }
+
+    /// Adds a window of which is known only how its splats would be binned.
+    pub(super) fn note_survey(&mut self, survey: Survey) -> Outcome {
+        match survey {
+            Survey::Nothing => {}
+            Survey::TooLarge => return Outcome::Overflow,
+            Survey::Cells(cells) => {
+                self.tile_cells = self.tile_cells.max(cells);
+                self.bands += 1;
+            }
+        }
+        Outcome::Done
+    }
+}

@@ -1,0 +1,105 @@
+//! A frame: camera, size, method and what else decides an image of an uploaded cloud.
+
+use super::engine::Fragments;
+use super::{Error, Stop, engine_of};
+use crate::camera::Camera;
+use crate::image::MAX_SIDE;
+use crate::scene::{ColorSpace, Method, Scene, Shading, Shadows};
+
+/// What to render of an uploaded cloud.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// The camera.
+    pub camera: Camera,
+    /// Width and height in pixels, each 1 to 16384.
+    pub size: [u32; 2],
+    /// Shading of points with normals.
+    pub shading: Shading,
+    /// Shadows of the light, of methods that take some ([`Method::takes_shadows`]) where shading has a light that casts them.
+    pub shadows: Option<Shadows>,
+    /// In which space colors are blended.
+    pub color: ColorSpace,
+    /// The method.
+    pub method: Method,
+    /// Device bytes beside cloud and image; `None`: what the device has, less a reserve. A cloud that was dealt and takes more
+    /// than that is not kept on the device: what there is of it at a time counts.
+    pub memory_budget: Option<u64>,
+    /// Whether the image carries the length of each pixel's list, and the layers that were peeled from it.
+    pub fragments: bool,
+    /// What may be left out where nothing of it would be seen.
+    pub stop: Stop,
+    /// Seed of stochastic methods.
+    pub seed: u64,
+    /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
+    /// fewer samples than their settings say.
+    pub max_error: Option<f32>,
+    /// Whether stochastic methods find their standard error even so.
+    pub spread: bool,
+    /// Draws only so many of L ensembles, at least 1, which stay those that L makes of the points; `None`: all.
+    pub ensembles: Option<u32>,
+    /// Factors on the uploaded radii and opacities.
+    pub factors: Factors,
+}
+
+/// Factors on what was uploaded, so that another radius or opacity costs no upload.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
+    pub radius: f32,
+    /// On all opacities, at least 0; the product is at most 1. The soft methods have `softness` instead.
+    pub opacity: f32,
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self { radius: 1.0, opacity: 1.0 }
+    }
+}
+
+impl Frame {
+    /// A frame of a scene by a camera and a seed, to the last bit, with all memory that there is. In place of `auto` it has
+    /// the A-buffer; [`crate::plan::choose`] says what is cheaper.
+    pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
+        Self {
+            camera,
+            size: scene.image.size,
+            shading: scene.shading,
+            shadows: scene.shadows,
+            color: scene.image.color,
+            method: scene.method.representative(),
+            memory_budget: None,
+            fragments: false,
+            stop: Stop::Exact,
+            seed,
+            max_error: None,
+            spread: false,
+            ensembles: None,
+            factors: Factors::default(),
+        }
+    }
+
+    /// Whether methods that draw random samples find their standard error.
+    pub(super) fn wants_spread(&self) -> bool {
+        self.fragments || self.spread || self.max_error.is_some()
+    }
+
+    /// Whether list lengths cost passes of their own, because the images of its method need none.
+    pub fn counts_on_demand(&self) -> bool {
+        engine_of(&self.method).channels().fragments == Fragments::Beside
+    }
+
+    /// Near and far, as the device compares depths with them.
+    pub fn depth_range(&self) -> [f32; 2] {
+        [self.camera.near as f32, self.camera.far as f32]
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let [width, height] = self.size;
+        let allowed = 1..=MAX_SIDE;
+        if allowed.contains(&width) && allowed.contains(&height) {
+            Ok(())
+        } else {
+            Err(Error::ImageSize { width, height })
+        }
+    }
+}

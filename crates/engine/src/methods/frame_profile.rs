@@ -1,0 +1,38 @@
+//! The times of a frame.
+
+use std::time::Duration;
+
+use crate::gpu::PassTime;
+
+/// One pass of a frame, all its dispatches together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassProfile {
+    /// Name as in `plan`.
+    pub name: &'static str,
+    /// Device time.
+    pub gpu: Duration,
+    /// Shader invocations; `None` where nothing counts them.
+    pub invocations: Option<u64>,
+    /// Bytes that the pass must read and write at least; `None` where that is not known.
+    pub bytes: Option<u64>,
+}
+
+/// Times of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameProfile {
+    /// The passes in order of their first run.
+    pub passes: Vec<PassProfile>,
+    /// Each dispatch in order with its start relative to the frame's, for the trace.
+    pub timeline: Vec<(PassTime, Duration)>,
+    /// From the first submission to the end of the last one's wait, without the host's work between them.
+    pub submitted: Duration,
+    /// From the first submission to the end of the last read-back.
+    pub wall: Duration,
+}
+
+impl FrameProfile {
+    /// Device time of all passes.
+    pub fn gpu(&self) -> Duration {
+        self.passes.iter().map(|p| p.gpu).sum()
+    }
+}

@@ -1,0 +1,181 @@
+//! The engine of `image-space`, and what that of `peel-layers` has in common with it.
+
+use super::{Filter, WindowJob, halo, least_bytes, windows};
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::points;
+use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::project::{DeviceCloud, Projecting};
+use crate::passes::raster::Walker;
+use crate::scene::ImageSpace;
+
+/// A filtered image of points.
+pub(crate) struct ImageSpaceEngine {
+    /// The filters.
+    pub filters: ImageSpace,
+}
+
+impl ImageSpaceEngine {
+    fn filtering(&self) -> Filtering {
+        Filtering { filters: self.filters, layers: None }
+    }
+}
+
+impl Engine for ImageSpaceEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        self.filtering().windows(frame, budget)
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
+
+    /// What filters have to do only the image tells: a survey renders it, too.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let how = work.frame.projecting_points(cloud);
+        let job = self.filtering().job(cloud, work, &how);
+        buffers.machines.filterer.render(work, &job)?;
+        finish(cloud, work);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
+        Ok(Counts::default())
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        least_bytes(pass.name, pass.facts, pass.cloud, self.filters.cull)
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        self.filtering().explain(plan);
+    }
+}
+
+/// Adds a finished window.
+pub(crate) fn finish(cloud: &DeviceCloud, work: &mut Work<'_>) {
+    work.finish();
+    work.facts.note(&cloud.stats(), Walker::Compute);
+}
+
+/// The filters of an image, or of some layers of images.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Filtering {
+    /// The filters.
+    pub filters: ImageSpace,
+    /// Layers at most, if images are layers of another one.
+    pub layers: Option<u32>,
+}
+
+impl Filtering {
+    /// Cuts a frame into windows whose images fit, with their halos.
+    ///
+    /// # Errors
+    /// The halo of a single pixel does not fit.
+    pub fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        super::frame_windows(frame.size, self, budget)
+    }
+
+    /// Pixels around a window that its filters reach.
+    pub fn halo(&self) -> u32 {
+        halo(&self.filters, self.layers.unwrap_or(1))
+    }
+
+    /// Sets the view to a window with all around it that its filters reach.
+    pub fn job<'a>(&self, cloud: &'a mut DeviceCloud, work: &Work<'_>, how: &'a Projecting) -> WindowJob<'a> {
+        let (frame, window, filters) = (work.frame, work.window, self.filters);
+        let outer = windows::grown(window, self.halo(), frame.size);
+        cloud.set_view(&frame.camera, frame.size, outer, how);
+        let distance = filters.min_layer_distance.unwrap_or((0.01 * cloud.diagonal()) as f32);
+        let [_, far] = frame.depth_range();
+        let (wide, transparent) = (work.switches.wide_atomics, self.layers.is_some());
+        WindowJob { cloud, window, outer, how, filters, distance, far, wide, transparent }
+    }
+
+    /// The plan of a frame.
+    pub fn explain(&self, plan: &mut Plan<'_>) {
+        plan.cleared();
+        plan.not_projected();
+        self.explain_points(plan);
+        plan.found();
+        self.explain_filters(plan);
+        let [width, height] = plan.frame.size;
+        if self.layers.is_some() {
+            plan.add("peel-layers/blend", true, "each layer lies behind those before");
+            plan.add("peel-layers/summary", true, "between batches of layers the host looks whether there are more");
+        } else {
+            plan.add("image/clear", true, "tiles of background alone are not delivered");
+            plan.add("image-space/deliver", true, format!("from tiles to {width} × {height} pixels"));
+        }
+        plan.rest(&PASSES, "layers are blended, not delivered by themselves");
+    }
+
+    /// Finding the nearest points.
+    fn explain_points(&self, plan: &mut Plan<'_>) {
+        plan.add("image-space/clear", true, "nearest points and work lists start empty");
+        if self.layers.is_some() {
+            plan.add("peel-layers/clear", true, "no layer is counted yet");
+            plan.add("image/clear", true, "pixels without layers stay empty");
+        }
+        let culled =
+            if self.filters.cull { "points that face away are left out" } else { "points that face away stay" };
+        let (any, why) = (plan.facts.points > 0, plan.why);
+        let reason = if any { format!("{why}; {culled}") } else { "there are no points".to_owned() };
+        plan.nearest(points::NEAREST, any, &reason);
+    }
+
+    /// Making an image of them and filtering it.
+    fn explain_filters(&self, plan: &mut Plan<'_>) {
+        let facts = plan.facts;
+        let tiles = facts.image_tiles;
+        plan.add("image-space/measure", true, format!("what each of {tiles} tiles holds"));
+        if let Some(most) = self.layers {
+            let reason = format!("{} layers of at most {most} have points; one without empties the rest", facts.layers);
+            plan.add("peel-layers/next", true, reason);
+        }
+        plan.add("image-space/list", true, "each pass gets the tiles it may change");
+        let shading = plan.shading();
+        plan.add("image-space/resolve", true, format!("index of the nearest point to color; {shading}"));
+        for (filter, listed) in Filter::ALL.into_iter().zip(facts.filtered_tiles) {
+            let (name, iterations, what) = asked(filter, &self.filters);
+            let reason = match iterations {
+                0 => "switched off".to_owned(),
+                _ => format!("{iterations} iteration(s) over tiles with {what}: {listed} of {tiles} tiles"),
+            };
+            // Its dispatches are recorded, if empty: the host does not know what an image holds.
+            plan.add(name, iterations > 0, reason);
+        }
+        plan.add("image-space/summary", true, "how many tiles each filter had");
+    }
+}
+
+/// The pass of a filter, how often it was asked for, and what for.
+fn asked(filter: Filter, filters: &ImageSpace) -> (&'static str, u32, &'static str) {
+    match filter {
+        Filter::Fill => ("image-space/fill", filters.fill, "background beside points"),
+        Filter::Occlusion => ("image-space/occlusion", filters.occlusion, "points that others lie d~ before"),
+        Filter::Smooth => ("image-space/smooth", filters.smooth, "points"),
+        Filter::Antialias => ("image-space/antialias", u32::from(filters.antialias), "edges of depth"),
+    }
+}
+
+/// The passes of filtered images.
+const PASSES: [&str; 10] = [
+    "image-space/clear",
+    "image-space/measure",
+    "image-space/resolve",
+    "image-space/list",
+    "image-space/fill",
+    "image-space/occlusion",
+    "image-space/smooth",
+    "image-space/antialias",
+    "image-space/summary",
+    "image-space/deliver",
+];
+
+/// The passes of filtered images.
+pub(crate) fn pass_group() -> PassGroup {
+    PassGroup::new(&PASSES, Absent::Method("no filters of the image"))
+}

@@ -1,0 +1,98 @@
+//! The engine of `peel`.
+
+use super::{WindowJob, pixel_bytes};
+use crate::methods::abuffer;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Fragments, Work, windows_of};
+use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
+use crate::methods::walker::walker;
+use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::project::DeviceCloud;
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{DiscShape, Peel};
+
+/// Layer after layer of discs.
+pub(crate) struct PeelEngine {
+    /// Discs and layers.
+    pub peel: Peel,
+}
+
+impl Engine for PeelEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, pixel_bytes(frame.fragments)))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels { fragments: Fragments::Within, layers: true }
+    }
+
+    fn render(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines }: &mut Buffers,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let (peel, window) = (self.peel, work.window);
+        let how = abuffer::projecting(work.frame, cloud, &peel.discs);
+        let stats = work.project(cloud, &how)?;
+        let walker = walker(work.device, peel.discs.raster, window)?;
+        if work.reserve_tiles(tiles, &stats, walker == Walker::Compute)?.is_none() {
+            return Ok(Outcome::Overflow);
+        }
+        let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
+        let (counted, switches) = (work.frame.fragments, work.switches);
+        let job = WindowJob { raster, peel, counted, wide: switches.wide_atomics, limit: switches.max_layers };
+        if work.survey {
+            machines.peeler.survey(work, &job)?;
+        } else {
+            machines.peeler.render(work, &job)?;
+        }
+        work.facts.note(&stats, walker);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        if !frame.fragments {
+            return Ok(Counts::default());
+        }
+        let [lengths, layers] = buffers.machines.peeler.read_counts(window)?;
+        Ok(Counts { fragments: Some(lengths), layers: Some(layers), stderr: None })
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let tilted = self.peel.discs.shape == DiscShape::Oriented;
+        match pass.name {
+            "peel/clear" => Some(pass.pixels() * pixel_bytes(pass.frame.fragments)),
+            "peel/count" => Some(pass.walks(tilted) + pass.facts.fragments * 8),
+            _ => pass.projected(tilted),
+        }
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        plan.projected();
+        let (seen, why, layers) = (plan.seen(), plan.why, self.peel.layers);
+        let tiled = plan.tiles(plan.facts.large);
+        plan.scan(tiled, "tiles of large splats");
+        let counted = "list lengths, for `profile` and --aov only";
+        plan.add("peel/clear", true, "nothing is peeled yet");
+        plan.add("peel/count", seen && plan.frame.fragments, if seen { counted } else { NOTHING });
+        plan.add("image/clear", true, "pixels without fragments stay empty");
+        let until = if layers == 0 { "until nothing is left".to_owned() } else { format!("{layers} layers") };
+        let reason = plan.if_seen(format!("{why}; {until}"));
+        plan.nearest(NEAREST, seen, &reason);
+        plan.add("peel/blend", true, "each layer lies behind those before");
+        plan.add("peel/next", true, "a layer without a fragment is the last");
+        plan.add("peel/summary", true, "between batches of layers the host looks whether there are more");
+    }
+}
+
+/// The passes that find the nearest fragments, by 64-bit atomics and without.
+const NEAREST: [&str; 3] = ["peel/nearest", "peel/nearest-depth", "peel/nearest-id"];
+
+/// The passes of depth peeling, without those that it shares.
+pub(crate) fn pass_group() -> PassGroup {
+    let names = ["peel/count", "peel/clear"].into_iter().chain(NEAREST);
+    let names = names.chain(["peel/blend", "peel/next", "peel/summary"]).collect();
+    PassGroup { names, absent: Absent::Discs("no peeling") }
+}

@@ -1,0 +1,67 @@
+//! The engine of `peel-layers`.
+
+use super::LayersJob;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::image_space::{self, Filtering};
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::project::DeviceCloud;
+use crate::scene::PeelLayers;
+
+/// Layers of filtered images of points, blended.
+pub(crate) struct PeelLayersEngine {
+    /// Filters and layers.
+    pub settings: PeelLayers,
+}
+
+impl PeelLayersEngine {
+    fn filtering(&self) -> Filtering {
+        Filtering { filters: self.settings.filters, layers: Some(self.settings.layers) }
+    }
+}
+
+impl Engine for PeelLayersEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        self.filtering().windows(frame, budget)
+    }
+
+    fn renders_to_survey(&self) -> bool {
+        true
+    }
+
+    fn channels(&self) -> Channels {
+        Channels { layers: true, ..Channels::NONE }
+    }
+
+    /// How many layers there are only peeling tells: a survey does it, too.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let how = work.frame.projecting_points(cloud);
+        let image = self.filtering().job(cloud, work, &how);
+        let (layers, counted, read_back) = (self.settings.layers, work.frame.fragments, !work.survey);
+        let Machines { filterer, layer_peeler, .. } = &mut buffers.machines;
+        layer_peeler.render(filterer, work, &LayersJob { image, layers, counted, read_back })?;
+        image_space::finish(cloud, work);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let layers = if frame.fragments { Some(buffers.machines.layer_peeler.read_layers(window)?) } else { None };
+        Ok(Counts { layers, ..Counts::default() })
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        image_space::least_bytes(pass.name, pass.facts, pass.cloud, self.settings.filters.cull)
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        self.filtering().explain(plan);
+    }
+}
+
+/// The passes that layers of filtered images have besides those of one.
+pub(crate) fn pass_group() -> PassGroup {
+    let names = ["peel-layers/clear", "peel-layers/next", "peel-layers/blend", "peel-layers/summary"];
+    PassGroup::new(&names, Absent::Method("no layers of point surfaces"))
+}

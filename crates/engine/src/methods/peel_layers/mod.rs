@@ -1,0 +1,227 @@
+//! `peel-layers`: layers of point surfaces, each filtered as an image of its own, blended front to back (Dobrev, Rosenthal,
+//! Linsen 2010, Sections 4 and 5).
+//!
+//! A layer visits every point; those nearer than what the layer before shows in their pixel after its filters, plus d̃, are
+//! left out. Layers are submitted by the batch, their dispatches indirect: after a layer without a point the device makes
+//! those that follow empty, and the host looks only between batches.
+
+mod engine;
+
+pub(crate) use engine::{PeelLayersEngine, pass_group};
+
+use super::engine::Work;
+use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
+use super::peel::{Next, PeelWork};
+use super::{Error, Target};
+use crate::gpu::shader::Shader;
+use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands::{self, Window};
+use crate::passes::compose::Cut;
+use crate::{gpu_struct, pass};
+
+/// Layers of a submission: what is recorded beyond the last layer costs something, too.
+const BATCH: u32 = 8;
+/// Words of a dispatch's arguments.
+const WORDS: u64 = 4;
+
+gpu_struct! {
+    /// Push constants of `peel-layers/blend`.
+    pub struct BlendPush {
+        columns: u32,
+        tiles: u32,
+        left: u32,
+        top: u32,
+        width: u32,
+        height: u32,
+        outer_width: u32,
+        outer_height: u32,
+        distance: f32,
+    }
+}
+
+pass! {
+    /// A filtered layer behind what is there.
+    pub Blend(BlendPush) = "peel-layers/blend" in "peel_layers/blend" {
+        entries: Read<[u32; 2]>,
+        depths: Read<f32>,
+        colors: Read<[f32; 4]>,
+        nearest: ReadWrite<[u32; 2]>,
+        limits: ReadWrite<u32>,
+        layers: ReadWrite<u32>,
+        image: ReadWrite<[f32; 4]>,
+        image_depths: ReadWrite<f32>,
+    }
+}
+
+/// The variant of `peel-layers/blend`; `counted`: with layers per pixel.
+fn blend_variant(counted: bool) -> Variant {
+    Variant::plain().with("COUNTED", u32::from(counted))
+}
+
+/// What a window is rendered from, and how.
+#[derive(Clone, Copy)]
+pub struct LayersJob<'a> {
+    /// What goes for each layer.
+    pub image: WindowJob<'a>,
+    /// Layers at most.
+    pub layers: u32,
+    /// Whether layers are counted per pixel.
+    pub counted: bool,
+    /// Whether the window is copied to the host.
+    pub read_back: bool,
+}
+
+/// Buffers of layers, kept from frame to frame, beside those of their images.
+pub struct LayerPeeler {
+    limits: Kept<u32>,
+    layers: Kept<u32>,
+    work_host: Buffer<PeelWork>,
+}
+
+/// The dispatches of a layer in one buffer: of each chunk's points, then over all tiles. What goes over lists has none where
+/// these have none.
+#[derive(Clone, Copy)]
+struct Dispatches<'a> {
+    all: Slice<'a, u32>,
+    chunks: u64,
+}
+
+impl<'a> Dispatches<'a> {
+    fn at(&self, place: u64) -> Slice<'a, u32> {
+        self.all.skip(WORDS * (self.chunks + place)).first(3)
+    }
+
+    fn emptied(&self) -> Emptied<'a> {
+        Emptied { nearest: self.all, measure: self.at(0), list: self.at(1) }
+    }
+}
+
+impl LayerPeeler {
+    /// No buffers but a small one yet.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        Ok(Self {
+            limits: Kept::new("layer limits", Memory::Device),
+            layers: Kept::new("layer counts", Memory::Device),
+            work_host: device.buffer("layer work, host", 1, Memory::Readback)?,
+        })
+    }
+
+    /// Layers of every pixel of the window, in its order; what the last counted window left.
+    pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
+        Ok(self.layers.get().read(0, bands::pixels(window))?)
+    }
+
+    /// Peels a window into the target.
+    pub(crate) fn render(
+        &mut self,
+        images: &mut Filterer,
+        work: &mut Work<'_>,
+        job: &LayersJob<'_>,
+    ) -> Result<(), Error> {
+        let (device, target) = (work.device, work.target);
+        let image = &job.image;
+        let pixels = bands::pixels(image.window);
+        images.reserve(device, image)?;
+        self.limits.reserve(device, bands::pixels(image.outer))?;
+        self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
+        let mut recorder = device.recorder()?;
+        let words = Self::arguments(&recorder, image)?;
+        let uploaded = device.upload("layer dispatches", words.as_flattened())?;
+        let dispatches = Dispatches { all: uploaded.all(), chunks: image.cloud.chunks().count() as u64 };
+        images.record_clear(&mut recorder, image)?;
+        recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
+        recorder.fill("image/clear", target.image().first(pixels), 0)?;
+        recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
+        work.timeline.add(recorder.submit("peel-layers/clear")?);
+
+        let layers = self.peel(images, work, job, dispatches)?;
+        work.facts.layers = work.facts.layers.max(layers);
+        images.note(image, layers, work.facts);
+        if job.read_back {
+            let mut recorder = device.recorder()?;
+            target.record_read_back(&mut recorder, pixels)?;
+            work.timeline.add(recorder.submit("image/read-back")?);
+        }
+        Ok(())
+    }
+
+    fn arguments(recorder: &Recorder<'_>, job: &WindowJob<'_>) -> Result<Vec<[u32; 4]>, Error> {
+        let of = |name, dispatch| recorder.arguments(name, dispatch);
+        let mut words = Vec::new();
+        for (_, count) in job.cloud.chunks() {
+            words.push(of("points/nearest", super::points::nearest_dispatch(count))?);
+        }
+        words.push(of("image-space/measure", job.measure_dispatch())?);
+        words.push(of("image-space/list", job.list_dispatch())?);
+        Ok(words)
+    }
+
+    /// Batch after batch until nothing is left or enough was peeled; the number of layers.
+    fn peel(
+        &self,
+        images: &Filterer,
+        work: &mut Work<'_>,
+        job: &LayersJob<'_>,
+        dispatches: Dispatches<'_>,
+    ) -> Result<u32, Error> {
+        let (device, target) = (work.device, work.target);
+        let cut = Cut::new(device, job.image.cloud.len())?;
+        let mut recorded = 0;
+        loop {
+            let batch = BATCH.min(job.layers - recorded);
+            let mut recorder = device.recorder()?;
+            for number in recorded..recorded + batch {
+                let limits = (number > 0).then(|| self.limits.get().all());
+                images.record_points(&mut recorder, &job.image, (limits, Some(dispatches.emptied())))?;
+                // A layer without a point empties its own filters too.
+                let next = Next { work: images.work.all(), arguments: dispatches.all };
+                recorder.run(&next, (), &Run::new(Dispatch::Groups(1)).label("peel-layers/next"))?;
+                images.record_image(&mut recorder, &job.image, cut, Some(dispatches.emptied()))?;
+                self.record_blend(&mut recorder, images, job, target)?;
+            }
+            if recorded == 0 {
+                job.image.cloud.record_stats(&mut recorder)?;
+            }
+            recorder.copy("peel-layers/summary", images.work.all(), self.work_host.all())?;
+            images.record_summary(&mut recorder)?;
+            work.timeline.add(recorder.submit("layers of points")?);
+            recorded += batch;
+            let layers = self.work_host.mapped_slice()[0].layers;
+            if layers < recorded || recorded == job.layers {
+                return Ok(layers);
+            }
+        }
+    }
+
+    fn record_blend<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        images: &'a Filterer,
+        job: &LayersJob<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let image = &job.image;
+        let blend = Blend {
+            entries: images.entries.get().all(),
+            depths: images.depths(image),
+            colors: images.colors(image),
+            nearest: images.nearest(image).cast(),
+            limits: self.limits.get().all(),
+            layers: self.layers.get().all(),
+            image: target.image(),
+            image_depths: target.depths(),
+        };
+        let DeliverPush { columns, tiles, left, top, width, height } = image.deliver_push();
+        let [outer_width, outer_height] = image.outer_size();
+        let distance = image.distance;
+        let push = BlendPush { columns, tiles, left, top, width, height, outer_width, outer_height, distance };
+        let run = Run::new(images.deliver_dispatch(image)).variant(blend_variant(job.counted));
+        recorder.run(&blend, push, &run)?;
+        Ok(())
+    }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::new::<Blend>([false, true].map(blend_variant))]
+}

@@ -1,0 +1,197 @@
+//! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel, and
+//! only those that win there are shaded.
+//!
+//! The equations are those of the other opaque methods ([`super::splat`]), the projection is `splat/project`'s own.
+
+mod engine;
+
+pub(crate) use engine::{PointsEngine, pass_group};
+
+use super::engine::Work;
+use super::splat::{NearestSplat, Opaque};
+use super::{Error, abuffer};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
+use crate::passes::compose::Cut;
+use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Shaded, Stats, View};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants: points of the chunk, its number, and the index of its first point among all.
+    pub struct PointsPush {
+        count: u32,
+        chunk: u32,
+        first: u32,
+    }
+}
+
+pass! {
+    /// Depth and index by one 64-bit minimum.
+    pub Nearest(PointsPush) = "points/nearest" with "nearest_wide" {
+        places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
+        nearest: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Depth by a 32-bit minimum.
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
+        places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index among those at the smallest depth.
+    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
+        places: Shared<PlacesGroup>,
+        normals: Read<[f32; 4]>,
+        limits: Read<u32>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index to shaded color.
+    pub Resolve(abuffer::CountPush) = "points/resolve" {
+        camera: Uniform<View>,
+        points_hi: Parts<[f32; 4]>,
+        points_lo: Parts<[f32; 4]>,
+        point_colors: Parts<[f32; 4]>,
+        normals: Parts<[f32; 4]>,
+        nearest: Read<[u32; 2]>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// The passes that find the nearest points, by 64-bit atomics and without.
+pub(crate) const NEAREST: [&str; 3] = ["points/nearest", "points/nearest-depth", "points/nearest-id"];
+
+/// Points of one invocation, at most 32. Those of doubtful pixel are done once more at the end: the more points, the fewer
+/// such ends.
+pub(super) const RUN: u64 = 16;
+
+/// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without those
+/// nearer than their pixel's limit.
+fn nearest_variant(cull: bool, limited: bool) -> Variant {
+    Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
+}
+
+/// Which points are looked at for the nearest ones, and how that is dispatched.
+#[derive(Clone, Copy, Default)]
+pub struct Choice<'a> {
+    /// Without those that face away from the viewer, of clouds with normals.
+    pub cull: bool,
+    /// Without those nearer than the depth key of their pixel.
+    pub limits: Option<Slice<'a, u32>>,
+    /// Four words for each chunk, of indirect dispatches.
+    pub dispatches: Option<Slice<'a, u32>>,
+}
+
+/// How much a pass over a chunk of so many points runs.
+pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
+    Dispatch::Invocations(count.div_ceil(RUN))
+}
+
+impl Opaque {
+    /// Renders the points of a cloud whose view is set into the target; what was found, chunk by chunk.
+    pub(crate) fn render_points(
+        &mut self,
+        work: &mut Work<'_>,
+        cloud: &DeviceCloud,
+        how: &Projecting,
+    ) -> Result<Vec<Stats>, Error> {
+        let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
+        let pixels = work.pixels();
+        self.nearest.reserve(device, pixels)?;
+        let mut recorder = device.recorder()?;
+        let nearest = self.nearest.get().slice(0, pixels);
+        recorder.fill("splat/clear", nearest, u32::MAX)?;
+        cloud.record_clear(&mut recorder)?;
+        record_nearest(&mut recorder, cloud, nearest, wide, &Choice::default())?;
+        cloud.record_stats(&mut recorder)?;
+        let cut = Cut::new(device, cloud.len())?;
+        let resolve = Resolve {
+            camera: cloud.view(),
+            points_hi: cut.of(&cloud.points_hi),
+            points_lo: cut.of(&cloud.points_lo),
+            point_colors: cut.of(&cloud.point_colors),
+            normals: cut.of(&cloud.normals),
+            nearest: nearest.cast(),
+            image: target.image(),
+            depths: target.depths(),
+        };
+        let push = abuffer::CountPush { count: pixels as u32 };
+        let run = Run::new(Dispatch::Invocations(pixels));
+        recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
+        target.record_read_back(&mut recorder, pixels)?;
+        work.timeline.add(recorder.submit("points/nearest")?);
+        Ok(cloud.stats())
+    }
+}
+
+/// Records what finds the nearest points, as indices and depth keys; all ones at the start.
+pub(super) fn record_nearest<'a>(
+    recorder: &mut Recorder<'a>,
+    cloud: &'a DeviceCloud,
+    nearest: Slice<'a, NearestSplat>,
+    wide: bool,
+    choice: &Choice<'a>,
+) -> Result<(), Error> {
+    let cull = choice.cull && cloud.has_normals();
+    let chunks = || cloud.chunks().enumerate();
+    let push = |chunk: usize, (first, count): (u64, u64)| PointsPush {
+        count: count as u32,
+        chunk: chunk as u32,
+        first: first as u32,
+    };
+    let run = |chunk: usize, (_, count): (u64, u64)| {
+        let indirect = choice.dispatches.map(|all| Dispatch::Indirect(all.skip(4 * chunk as u64).first(3)));
+        let dispatch = indirect.unwrap_or(nearest_dispatch(count));
+        Run::new(dispatch).variant(nearest_variant(cull, choice.limits.is_some()))
+    };
+    let bound = |(first, count): (u64, u64)| {
+        let normals = if cull { cloud.normals.slice(first, count) } else { cloud.normals.slice(0, 1) };
+        // A buffer of the cloud stands in for none.
+        let limits = choice.limits.unwrap_or_else(|| cloud.large.slice(0, 1));
+        let places: Places<'a> = cloud.places(first, count);
+        (places, normals, limits)
+    };
+    // All depths come before any index.
+    if wide {
+        for (chunk, range) in chunks() {
+            let (places, normals, limits) = bound(range);
+            recorder.run(
+                &Nearest { places, normals, limits, nearest: nearest.cast() },
+                push(chunk, range),
+                &run(chunk, range),
+            )?;
+        }
+    } else {
+        for (chunk, range) in chunks() {
+            let (places, normals, limits) = bound(range);
+            recorder.run(&NearestDepth { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
+        }
+        for (chunk, range) in chunks() {
+            let (places, normals, limits) = bound(range);
+            recorder.run(&NearestId { places, normals, limits, nearest }, push(chunk, range), &run(chunk, range))?;
+        }
+    }
+    Ok(())
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let variants = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
+    vec![
+        Shader::new::<Nearest>(variants()),
+        Shader::new::<NearestDepth>(variants()),
+        Shader::new::<NearestId>(variants()),
+        Shader::new::<Resolve>(Shaded::cut_variants()),
+    ]
+}

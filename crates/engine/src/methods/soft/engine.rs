@@ -1,0 +1,263 @@
+//! The engines of soft points: `soft-base` and `soft-concentric` as spheres, `soft-express` as discs.
+//!
+//! A window is drawn in two parts: solid points into a layer, as `splats` draws them, and soft points before it.
+
+use super::express::{self, COUNT_BYTES};
+use super::{Interior, Kind, Layer, SoftModel, Spheres, explain, pixel_bytes, record_compose};
+use crate::gpu::Device;
+use crate::methods::abuffer::{self, Storing, list_bytes, record_nothing};
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::explain::Plan;
+use crate::methods::projecting::UNCLAMPED;
+use crate::methods::splats::{self, Onto, solid_projecting};
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, sorted, tiled};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::{self, Bins, Order};
+use crate::passes::project::{DeviceCloud, Footprint, Part, Parts, Projecting, Stats};
+use crate::passes::raster::{Raster, Walker};
+use crate::prepare::axes::Axis;
+use crate::scene::{Discs, Soft};
+
+/// Soft points as spheres whose interior is integrated.
+pub(crate) struct SpheresEngine {
+    /// What is soft, and how dense.
+    pub soft: Soft,
+    /// What a sphere is made of.
+    pub interior: Interior,
+}
+
+/// Soft points as discs in an order along an axis.
+pub(crate) struct ExpressEngine {
+    /// What is soft, and how dense.
+    pub soft: Soft,
+}
+
+impl SpheresEngine {
+    fn projecting(&self, frame: &Frame, cloud: &DeviceCloud, kind: Kind) -> Projecting {
+        Projecting { relative_depth: true, ..projecting(frame, cloud, &self.soft, kind.footprint()) }
+    }
+
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines }: &mut Buffers,
+        work: &mut Work<'_>,
+        parts: Parts,
+    ) -> Result<Outcome, Error> {
+        let (frame, window, interior) = (work.frame, work.window, self.interior);
+        let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
+        let most_radius = cloud.most_radius() * frame.factors.radius;
+        let exact = model.is_stiff(interior, most_radius);
+        let kind = Kind { interior, exact, modulated: self.soft.modulation.is_some() };
+        let how = self.projecting(frame, cloud, kind);
+        let stats = work.project(cloud, &how)?;
+        let Some(mut budget) = work.reserve_tiles(tiles, &stats, true)? else { return Ok(Outcome::Overflow) };
+        let solid = parts.solid > 0;
+        if solid {
+            budget.tiles += machines.bins.bytes();
+        }
+        let (walker, footprint) = (Walker::Compute, how.footprint);
+        let raster = Raster { cloud, stats: &stats, tiles, walker, footprint, window };
+        let layer = solid.then_some(&machines.layer);
+        let spheres = Spheres { kind, model, most_radius, origin: cloud.depth_origin(), layer };
+        spheres.check(&frame.method, cloud.len())?;
+        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let storing = Storing::Spheres(spheres);
+        let job = abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget };
+        let outcome =
+            if work.survey { machines.lists.survey(work, &job)? } else { machines.lists.render(work, &job)? };
+        machines.soft_counted = true;
+        work.facts.soft_visible += visible(&stats);
+        work.facts.soft_large += stats.iter().map(|s| u64::from(s.large)).sum::<u64>();
+        work.facts.note(&stats, walker);
+        Ok(outcome)
+    }
+}
+
+impl Engine for SpheresEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + pixel_bytes(self.interior, true)))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_WITHIN
+    }
+
+    /// Solid points decide how much of a sphere there is to count: a survey draws them, too, if there are spheres.
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let parts = cloud.parts(self.soft.threshold);
+        let how = Projecting { relative_depth: true, ..solids(work.frame, cloud, &self.soft) };
+        let drawn = parts.soft > 0;
+        if draw_solids(cloud, buffers, work, (parts, &how, drawn))? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        match parts.soft {
+            0 => only_solids(cloud, &buffers.machines.layer, work),
+            _ => self.soft_points(cloud, buffers, work, parts),
+        }
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let Machines { lists, soft_counted, .. } = &buffers.machines;
+        let asked = frame.fragments && *soft_counted;
+        let fragments = if asked { Some(lists.read_spheres(window, self.interior)?) } else { None };
+        Ok(Counts { fragments, ..Counts::default() })
+    }
+
+    /// How many splats are solid is not known.
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        match pass.name {
+            "soft/count" => Some(pass.walks(false) + pass.facts.fragments * 8),
+            "soft/compose" => Some(pass.pixels() * 3 * 20),
+            _ => pass.projected(false).or_else(|| list_bytes(pass, false)),
+        }
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        explain::spheres(plan, self.soft.threshold, self.interior);
+    }
+}
+
+impl ExpressEngine {
+    /// The soft points of a window before its layer, and the window from both.
+    fn soft_points(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines }: &mut Buffers,
+        work: &mut Work<'_>,
+        parts: Parts,
+    ) -> Result<Outcome, Error> {
+        let (device, frame, window, soft) = (work.device, work.frame, work.window, &self.soft);
+        let how = projecting(frame, cloud, soft, Footprint::Disc);
+        let stats = work.project(cloud, &how)?;
+        let (walker, footprint) = (Walker::Compute, how.footprint);
+        let raster = Raster { cloud, stats: &stats, tiles, walker, footprint, window };
+        let order = Order::Along(Axis::nearest(frame.camera.forward));
+        let counts = if frame.fragments { bands::pixels(window) * COUNT_BYTES } else { 0 };
+        // Solid points are sorted, and what that took is still there.
+        let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
+        let bin = bin::Job { raster, order, depth_range: frame.depth_range(), budget: work.budget, counted_bytes };
+        let outcome = if work.survey {
+            work.facts.note_survey(Bins::survey(device, &bin)?)
+        } else {
+            let job = express::WindowJob {
+                bin,
+                model: SoftModel::new(&frame.method, soft, parts.median_radius * frame.factors.radius),
+                modulated: soft.modulation.is_some(),
+                layer: (parts.solid > 0).then_some(&machines.layer),
+                most_color: cloud.most_color(&how),
+            };
+            machines.soft_discs.render(&mut machines.bins, work, &job)?
+        };
+        if outcome == Outcome::Done {
+            machines.soft_counted = true;
+            work.facts.soft_visible += visible(&stats);
+            work.finish();
+            work.facts.note(&stats, walker);
+        }
+        Ok(outcome)
+    }
+}
+
+impl Engine for ExpressEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, abuffer::PIXEL_BYTES.max(bin::PIXEL_BYTES) + Layer::PIXEL_BYTES))
+    }
+
+    fn prepare(&self, device: &Device, cloud: &mut DeviceCloud, frame: &Frame) -> Result<(), Error> {
+        if cloud.parts(self.soft.threshold).soft > 0 {
+            cloud.sort_along(device, Axis::nearest(frame.camera.forward).index)?;
+        }
+        Ok(())
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_WITHIN
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let parts = cloud.parts(self.soft.threshold);
+        let how = solids(work.frame, cloud, &self.soft);
+        if draw_solids(cloud, buffers, work, (parts, &how, false))? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        match parts.soft {
+            0 => only_solids(cloud, &buffers.machines.layer, work),
+            _ => self.soft_points(cloud, buffers, work, parts),
+        }
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, _window: Window) -> Result<Counts, Error> {
+        let Machines { soft_discs, soft_counted, .. } = &buffers.machines;
+        let fragments = (frame.fragments && *soft_counted).then(|| soft_discs.counts().to_vec());
+        Ok(Counts { fragments, ..Counts::default() })
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        if pass.name == "soft/compose" {
+            return Some(pass.pixels() * 3 * 20);
+        }
+        // How many splats are solid is not known.
+        let known = pass.facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&pass.name);
+        pass.projected(false).or_else(|| tiled::binned_bytes(pass, false).filter(|_| known))
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        explain::discs(plan, self.soft.threshold);
+    }
+}
+
+fn visible(stats: &[Stats]) -> u64 {
+    stats.iter().map(|s| u64::from(s.visible)).sum()
+}
+
+/// How the soft points become splats.
+fn projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft, footprint: Footprint) -> Projecting {
+    let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
+    frame.projecting(cloud, footprint, UNCLAMPED, part)
+}
+
+/// How the solid points become splats.
+fn solids(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
+    solid_projecting(frame, cloud, Part::Solid(soft.threshold))
+}
+
+/// Draws a window's solid points into the layer, or nothing where none is to be seen, without any pass over splats. A survey
+/// decides only how they are binned, unless they are to be `drawn` even so. The window is not counted: soft points follow.
+fn draw_solids(
+    cloud: &mut DeviceCloud,
+    buffers: &mut Buffers,
+    work: &mut Work<'_>,
+    (parts, how, drawn): (Parts, &Projecting, bool),
+) -> Result<Outcome, Error> {
+    work.facts.solid_points = parts.solid;
+    buffers.machines.soft_counted = false;
+    if parts.solid == 0 {
+        return Ok(Outcome::Done);
+    }
+    let survey = work.survey;
+    work.survey = survey && !drawn;
+    if !work.survey {
+        buffers.machines.layer.reserve(work.device, work.pixels())?;
+    }
+    let stats = work.project(cloud, how)?;
+    let outcome = splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, Onto::Layer))?;
+    work.survey = survey;
+    work.facts.meet(&stats);
+    Ok(outcome)
+}
+
+/// A window without soft points from its layer.
+fn only_solids(cloud: &DeviceCloud, layer: &Layer, work: &mut Work<'_>) -> Result<Outcome, Error> {
+    if !work.survey {
+        let mut recorder = work.device.recorder()?;
+        record_nothing(&mut recorder, work.target, work.window)?;
+        record_compose(&mut recorder, layer, work.target, work.pixels(), cloud.depth_origin())?;
+        work.timeline.add(recorder.submit("solid points alone")?);
+    }
+    work.facts.note(&[], Walker::Compute);
+    work.read_back()?;
+    Ok(Outcome::Done)
+}

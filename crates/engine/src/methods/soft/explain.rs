@@ -1,0 +1,128 @@
+//! What plans say of soft points.
+
+use super::{Interior, classes};
+use crate::methods::abuffer::{self, BY_LENGTH, LOCAL_LENGTH, lower_bound};
+use crate::methods::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use crate::methods::splats::explain_solids;
+use crate::passes::bin;
+use crate::prepare::axes::Axis;
+
+/// Those passes of soft spheres that long lists need; the optical depths of segments only where density varies within a sphere.
+const LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
+
+/// The passes of soft spheres, without those that they share.
+pub(crate) fn sphere_group() -> PassGroup {
+    PassGroup { names: sphere_passes(), absent: Absent::Method("no soft spheres") }
+}
+
+/// The pass of soft discs.
+pub(crate) fn disc_group() -> PassGroup {
+    PassGroup::new(&["soft/express"], Absent::Method("no soft discs"))
+}
+
+fn sphere_passes() -> Vec<&'static str> {
+    let kernels = classes().map(|(_, (_, name))| name);
+    let first = ["soft/count", "soft/store"].into_iter().chain(kernels);
+    first.chain(LONG).chain(["soft/compose"]).collect()
+}
+
+/// Solid points as opaque splats, and soft ones as spheres before them.
+pub(super) fn spheres(plan: &mut Plan<'_>, threshold: f32, interior: Interior) {
+    let (facts, why) = (plan.facts, plan.why);
+    plan.projected();
+    let solid = facts.solid_points;
+    let soft = facts.points.saturating_sub(solid);
+    let solids = format!("{solid} solid points (field at most {threshold})");
+    let softs = format!("{soft} soft points above threshold {threshold}");
+    let counters = if solid > 0 { explain_solids(plan, &solids) } else { 0 };
+    plan.add("image/clear", true, "pixels without fragments stay empty");
+    if soft == 0 {
+        plan.scan(counters, "counters of digits and tiles");
+    } else {
+        events(plan, &softs, counters, interior);
+    }
+    plan.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+    plan.rest(&sphere_passes(), &softs);
+    plan.rest(&abuffer::COUNT, if soft > 0 { "soft spheres have a count of their own" } else { &softs });
+    plan.rest(&abuffer::list_passes(), &format!("events of soft spheres, not fragments: {why}"));
+}
+
+/// Events of spheres in lists.
+fn events(plan: &mut Plan<'_>, softs: &str, counters: u64, interior: Interior) {
+    let facts = plan.facts;
+    let seen = facts.soft_visible > 0;
+    let any = facts.fragments > 0;
+    let pick = |reason: &str| if seen { reason.to_owned() } else { NOTHING.to_owned() };
+    plan.add("abuffer/clear", true, "counters start at zero");
+    plan.add("soft/count", seen, pick(softs));
+    plan.add("abuffer/measure", true, format!("the longest list has {} events", facts.max_events));
+    let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
+    let tiled = plan.tiles(facts.soft_large);
+    plan.scan(counts.max(tiled).max(counters), "counters of events, tiles and digits");
+    plan.add("abuffer/cursors", true, "the next free slot of each list is its first");
+    plan.add("abuffer/summary", true, "the events' total decides the bands");
+    let stored =
+        format!("{} spheres on pixels, each with two events or more, in {} band(s)", facts.fragments, facts.bands);
+    plan.add("soft/store", any, pick(&stored));
+    for name in BY_LENGTH {
+        plan.add(name, any, pick("lists of each length get their own kernel"));
+    }
+    kernels(plan, facts.max_events, interior.is_integrated());
+}
+
+/// The kernels of the lengths that occur, for events of soft spheres.
+fn kernels(plan: &mut Plan<'_>, longest: u32, integrated: bool) {
+    let reason = |on: bool, least: u32, most: u32| match on {
+        true => format!("lists of {least} to {most} events (longest: {longest})"),
+        false => format!("no list has {least} events or more (longest: {longest})"),
+    };
+    for (class, (most, name)) in classes() {
+        let least = lower_bound(class) + 1;
+        plan.add(name, longest >= least, reason(longest >= least, least, most));
+    }
+    let long = longest > LOCAL_LENGTH;
+    let reason = reason(long, LOCAL_LENGTH + 1, longest.max(LOCAL_LENGTH));
+    for name in ["abuffer/split", "abuffer/run-groups", "abuffer/sort-runs", "abuffer/merge"] {
+        plan.add(name, long, reason.clone());
+    }
+    for name in LONG {
+        let on = long && (integrated || name != "soft/segments");
+        plan.add(name, on, if on || !long { reason.clone() } else { "densities are constant".to_owned() });
+    }
+    plan.add("abuffer/combine", long, reason);
+}
+
+/// Solid points as opaque splats, and soft ones as discs in a presorted order before them.
+pub(super) fn discs(plan: &mut Plan<'_>, threshold: f32) {
+    let (facts, why) = (plan.facts, plan.why);
+    plan.projected();
+    let solid = facts.solid_points;
+    let solids = format!("{solid} solid points (field at most {threshold})");
+    let softs = format!("{} soft points above threshold {threshold}", facts.points.saturating_sub(solid));
+    let mut counters = if solid > 0 { explain_solids(plan, &solids) } else { 0 };
+    let Axis { index, backward } = Axis::nearest(plan.frame.camera.forward);
+    let by = format!("along {}{}", if backward { '-' } else { '+' }, ['x', 'y', 'z'][index]);
+    let seen = facts.soft_visible > 0;
+    if seen {
+        plan.rest(&ORDER[..4], "points were sorted along the axes once");
+        plan.add("bin/pick", true, format!("{} soft points are drawn, in order {by}", facts.soft_visible));
+        plan.add("bin/place", true, "only what is drawn is fetched and binned");
+        if facts.splatted == 0 {
+            plan.bins(&by);
+        }
+        counters = counters.max(facts.tile_cells).max(bin::order_runs(plan.device, facts.points).runs.into());
+    }
+    plan.scan(counters, "counters of runs, tiles and digits");
+    let blended = format!("{softs}, {by}, in {} window(s)", facts.bands);
+    plan.add("soft/express", seen, if seen { &blended } else { NOTHING });
+    plan.add("soft/compose", solid > 0, format!("{softs}, before {solids}"));
+    let empty = facts.windows - facts.bands.min(facts.windows);
+    let bare = if solid > 0 { facts.windows.saturating_sub(facts.splatted) } else { 0 };
+    let windows = format!("{empty} window(s) show no soft point, {bare} with solid points none of these");
+    plan.add("image/clear", empty + bare > 0, windows);
+    plan.rest(&PRESORTED, NOTHING);
+    plan.rest(&ORDER, NOTHING);
+    plan.rest(&sphere_passes(), &format!("discs, not spheres: {why}"));
+    plan.rest(&abuffer::COUNT, "the method needs no lists");
+    plan.rest(&abuffer::list_passes(), "soft discs are blended tile by tile: no lists");
+}

@@ -1,0 +1,166 @@
+//! `sorted`: splats sorted once by the depth of their centres, binned to tiles in that order, blended front to back tile by
+//! tile, until nothing behind can be seen. Exact for flat discs; approximate where oriented ones cross.
+//!
+//! The order is that of the A-buffer, depth and then content.
+
+mod engine;
+
+pub(crate) use engine::SortedEngine;
+
+use super::abuffer::record_nothing;
+use super::engine::Work;
+use super::{Error, Frame, Outcome, Target};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
+use crate::gpu::{Dispatch, Recorder, Run, Variant};
+use crate::passes::bands;
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
+use crate::passes::compose;
+use crate::scene::{ColorSpace, Discs};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of `sorted/blend`; the shader says what the members are.
+    pub struct BlendPush {
+        walk: TileWalk,
+        most_opacity: f32,
+        most_color: f32,
+    }
+}
+
+pass! {
+    /// Tiles to pixels.
+    pub Blend(BlendPush) = "sorted/blend" {
+        tiles: Shared<FoldingGroup>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// What may be left out at the back of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stop {
+    /// What changes no bit of the image.
+    #[default]
+    Exact,
+    /// What changes no 8-bit value of the composed image by more than a quarter of a step.
+    EightBit {
+        /// Whether the image goes without background, so that color is divided by A.
+        transparent: bool,
+    },
+}
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// What is sorted and binned.
+    pub bin: bin::Job<'a>,
+    /// Shape and falloff.
+    pub discs: Discs,
+    /// Upper bound of the color components that are blended.
+    pub most_color: f32,
+}
+
+/// Sorts, bins and blends a window into the target.
+pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Outcome, Error> {
+    let (device, target) = (work.device, work.target);
+    let window = job.bin.raster.window;
+    let mut recorder;
+    match bins.bin(device, &job.bin, work.timeline)? {
+        Bin::TooLarge => return Ok(Outcome::Overflow),
+        Bin::Nothing => {
+            recorder = device.recorder()?;
+            record_nothing(&mut recorder, target, window)?;
+        }
+        Bin::Done(binned) => {
+            work.facts.note_binned(binned);
+            work.facts.bands += 1;
+            recorder = device.recorder()?;
+            record_blend(bins, &mut recorder, work.frame, job, binned, target)?;
+        }
+    }
+    target.record_read_back(&mut recorder, bands::pixels(window))?;
+    work.timeline.add(recorder.submit("sorted/blend")?);
+    Ok(Outcome::Done)
+}
+
+/// Records the blending of all tiles.
+fn record_blend<'a>(
+    bins: &'a Bins,
+    recorder: &mut Recorder<'a>,
+    frame: &Frame,
+    job: &WindowJob<'a>,
+    binned: Binned,
+    target: &'a Target,
+) -> Result<(), Error> {
+    let cloud = job.bin.raster.cloud;
+    let tiles = bins.tiles(binned).folding(cloud.view());
+    let blend = Blend { tiles, image: target.image(), depths: target.depths() };
+    let (stop, most_color) = stop(frame.stop, frame.color, job.most_color);
+    let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
+    for segment in 0..binned.segments() {
+        let push = BlendPush { walk: binned.walk(segment), most_opacity: cloud.most_opacity(), most_color };
+        let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
+        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.tiles().into())).variant(variant))?;
+    }
+    Ok(())
+}
+
+/// Values of `STOP` in WGSL.
+pub(crate) const STOP_NEVER: u32 = 0;
+pub(crate) const STOP_EXACT: u32 = 1;
+pub(crate) const STOP_SRGB: u32 = 2;
+pub(crate) const STOP_ENCODED: u32 = 3;
+/// Those that stop somewhere.
+pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 3] =
+    [("STOP_NEVER", STOP_NEVER), ("STOP_EXACT", STOP_EXACT), ("STOP_SRGB", STOP_SRGB)];
+
+/// The value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
+pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
+    match stop {
+        Stop::Exact => (STOP_EXACT, most),
+        Stop::EightBit { transparent } => {
+            // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9 here.
+            let most = most.max(1.0);
+            let most = if transparent { (most + 1.0) * 1.2 } else { most };
+            (if space == ColorSpace::Linear { STOP_SRGB } else { STOP_ENCODED }, most)
+        }
+    }
+}
+
+/// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
+fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
+    bin::fold_variant(shape, later, subgroup).with("STOP", stop)
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let mut variants = Vec::new();
+    for (shape, later) in
+        compose::shape_variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
+    {
+        for (stop, subgroup) in STOPS.iter().flat_map(|stop| SUBGROUPS.map(|size| (*stop, size))) {
+            variants.push(blend_variant(shape.clone(), stop, later, subgroup));
+        }
+    }
+    vec![Shader::new::<Blend>(variants)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stopping_knows_what_may_still_come() {
+        use ColorSpace::{Encoded, Linear};
+        assert_eq!(stop(Stop::Exact, Linear, 0.25), (1, 0.25));
+        assert_eq!(stop(Stop::Exact, Encoded, 1.0), (1, 1.0));
+        // The background may be white.
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Linear, 0.25), (2, 1.0));
+        assert_eq!(stop(Stop::EightBit { transparent: false }, Encoded, 3.0), (3, 3.0));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Linear, 0.25), (2, 2.4));
+        assert_eq!(stop(Stop::EightBit { transparent: true }, Encoded, 1.5), (3, 3.0));
+    }
+}

@@ -1,0 +1,173 @@
+//! The engine of `spbr` and `spbr-simplified`.
+
+use super::{Form, WindowJob, is_listed, least_bytes, shares, slots_of, stream, thin, window_pixels};
+use crate::camera::Projection;
+use crate::gpu::Device;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::explain::{Absent, PassGroup, Plan};
+use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::project::{DeviceCloud, Projecting};
+use crate::passes::raster::Walker;
+
+/// Points dealt to ensembles, each an opaque image.
+pub(crate) struct EnsembleEngine {
+    /// L.
+    pub ensembles: u32,
+}
+
+impl EnsembleEngine {
+    /// How the nearest points of an ensemble are found.
+    fn form(work: &Work<'_>, cloud: &DeviceCloud, how: &Projecting, streamed: bool) -> Form {
+        match Form::of(work.device, cloud, how, work.switches.wide_atomics) {
+            // The color of the point that is replaced may not be there.
+            Form::Single if !work.switches.single_pass || streamed => Form::Wide,
+            form => form,
+        }
+    }
+}
+
+impl Engine for EnsembleEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(bands::windows(frame.size, window_pixels(budget, frame.wants_spread())))
+    }
+
+    /// No splats, and no points either where they go through the device bit by bit.
+    fn place(&self, device: &Device, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
+        if survey {
+            return Ok(());
+        }
+        match self.streamed(device, cloud, frame) {
+            Some(_) => cloud.release(device)?,
+            None => cloud.make_resident(device)?,
+        }
+        Ok(())
+    }
+
+    fn streamed(&self, device: &Device, cloud: &DeviceCloud, frame: &Frame) -> Option<u64> {
+        stream::window_points(device, cloud, frame.memory_budget)
+    }
+
+    fn samples(&self, frame: &Frame) -> Option<u32> {
+        Some(frame.ensembles.map_or(self.ensembles, |few| few.max(1).min(self.ensembles)))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        let (device, frame, window, drawn) = (work.device, work.frame, work.window, work.samples);
+        let (shares, how) = (shares(cloud, frame)?, frame.projecting_points(cloud));
+        let streamed = self.streamed(device, cloud, frame);
+        let form = Self::form(work, cloud, &how, streamed.is_some());
+        let facts = &mut *work.facts;
+        (facts.ensembles, facts.form) = (drawn, Some(form));
+        facts.slots = shares.iter().map(|s| slots_of(s, self.ensembles, drawn)).sum();
+        facts.thin = thin(&shares);
+        facts.listed = is_listed(&shares);
+        facts.streamed = streamed;
+        if !work.survey {
+            cloud.set_view(&frame.camera, frame.size, window, &how);
+        }
+        let job = WindowJob {
+            cloud,
+            window,
+            how: &how,
+            shares: &shares,
+            method: frame.method,
+            drawn,
+            seed: frame.seed,
+            spread: frame.wants_spread(),
+            perspective: matches!(frame.camera.projection, Projection::Perspective { .. }),
+            form,
+            streamed,
+            most_epoch_bits: work.switches.epoch_bits,
+            concurrent: device.info().concurrent_runs,
+            budget: work.budget,
+        };
+        work.facts.renewed |= job.is_renewed();
+        if !work.survey {
+            let met = buffers.machines.ensembles.render(work, &job)?;
+            work.facts.visible += met.visible;
+            work.facts.uploaded_bytes += met.uploaded;
+            work.finish();
+        }
+        work.facts.note(&[], Walker::Compute);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let spread = frame.wants_spread();
+        let stderr = if spread { Some(buffers.machines.ensembles.read_stderr(window)?) } else { None };
+        Ok(Counts { stderr, ..Counts::default() })
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        least_bytes(pass.name, pass.facts, pass.frame.wants_spread(), pass.pixels())
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        let facts = plan.facts;
+        let any = facts.slots > 0;
+        plan.add("spbr/clear", true, "planes of ensembles and sums start empty");
+        let whole = || "all points fit the device and the budget".to_owned();
+        let part = |n| format!("{} points don't fit the budget or an allocation: at most {n} at a time", facts.points);
+        plan.add("spbr/upload", any && facts.streamed.is_some(), facts.streamed.map_or_else(whole, part));
+        explain_stages(plan, any);
+        let wide = "points of more than 64 pixels are possible: whole workgroups fill them";
+        let narrow = "no point can be wider than 7 pixels";
+        plan.add("spbr/large", any && facts.listed, if facts.listed { wide } else { narrow });
+        let epochs = "index and epoch of a point share 32 bits";
+        let renewed = if facts.renewed { "there are more ensembles than epochs" } else { "epochs last" };
+        plan.add("spbr/renew", any && facts.renewed, format!("{epochs}: {renewed}"));
+        plan.add("spbr/resolve", true, format!("sums of {} ensembles to color and A", facts.ensembles));
+        plan.add("spbr/summary", true, "how many points were drawn, to the host");
+        plan.rest(&PASSES, &format!("{} needs none", plan.frame.method.name()));
+        plan.not_projected();
+    }
+}
+
+/// The stages that draw ensembles, of which the form takes some.
+fn explain_stages(plan: &mut Plan<'_>, any: bool) {
+    let (facts, why) = (plan.facts, plan.why);
+    let dealt = format!("{} points dealt to {} ensembles", facts.slots, facts.ensembles);
+    let has = if plan.device.info().int64_atomics { "the device has" } else { "the device has no" };
+    let (single, wide, narrow) = (&[Form::Single][..], &[Form::Wide][..], &[Form::Narrow][..]);
+    for (name, forms, how) in [
+        ("spbr/draw", single, "64-bit atomics, colors need no shading and are within reach".to_owned()),
+        ("spbr/nearest", wide, format!("{has} 64-bit atomics; colors are shaded, or not all in reach")),
+        ("spbr/nearest-depth", narrow, format!("{has} 64-bit atomics")),
+        ("spbr/nearest-id", narrow, format!("{has} 64-bit atomics")),
+        (
+            "spbr/sum",
+            &[Form::Wide, Form::Narrow][..],
+            "colors of the points that are the nearest of an ensemble".to_owned(),
+        ),
+    ] {
+        let on = any && facts.form.is_some_and(|form| forms.contains(&form));
+        let reason = if on { format!("{why}; {dealt}; {how}") } else { "the ensembles are drawn otherwise".to_owned() };
+        plan.add(name, on, reason);
+    }
+}
+
+/// The passes of stochastic point-based rendering.
+const PASSES: [&str; 11] = [
+    "spbr/clear",
+    "spbr/upload",
+    "spbr/draw",
+    "spbr/nearest",
+    "spbr/nearest-depth",
+    "spbr/nearest-id",
+    "spbr/renew",
+    "spbr/large",
+    "spbr/sum",
+    "spbr/resolve",
+    "spbr/summary",
+];
+
+/// The passes of stochastic point-based rendering.
+pub(crate) fn pass_group() -> PassGroup {
+    PassGroup::new(&PASSES, Absent::Method("no ensembles"))
+}

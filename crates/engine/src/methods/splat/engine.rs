@@ -1,0 +1,102 @@
+//! The engine of opaque splats of which the nearest wins.
+
+use super::PIXEL_BYTES;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
+use crate::methods::explain::{Absent, COUNTERS, NOTHING, PassGroup, Plan, TILES};
+use crate::methods::projecting::outlined;
+use crate::methods::walker::walker;
+use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::passes::bands::{Budget, Window};
+use crate::passes::project::{DeviceCloud, Footprint, Part};
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{Interpolated, Relief, ScreenSplats};
+
+/// Opaque splats of which the nearest wins.
+pub(crate) struct NearestEngine {
+    /// Size, clamp and rasteriser.
+    pub splats: ScreenSplats,
+    /// Which pixels a splat covers.
+    pub footprint: Footprint,
+    /// How far its fragments move toward the viewer.
+    pub relief: Relief,
+}
+
+impl NearestEngine {
+    /// Of splats with an outline.
+    pub fn outlined(Interpolated { splats, shape }: Interpolated, relief: Relief) -> Self {
+        Self { splats, footprint: outlined(shape), relief }
+    }
+}
+
+impl Engine for NearestEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        Ok(windows_of(frame, budget, PIXEL_BYTES))
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
+
+    fn render(
+        &self,
+        cloud: &mut DeviceCloud,
+        Buffers { tiles, machines }: &mut Buffers,
+        work: &mut Work<'_>,
+    ) -> Result<Outcome, Error> {
+        let window = work.window;
+        let how = work.frame.projecting(cloud, self.footprint, self.splats, Part::All);
+        let stats = work.project(cloud, &how)?;
+        let walker = walker(work.device, self.splats.raster, window)?;
+        if work.reserve_tiles(tiles, &stats, walker == Walker::Compute)?.is_none() {
+            return Ok(Outcome::Overflow);
+        }
+        if !work.survey {
+            let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
+            machines.opaque.render(work, &raster, self.relief)?;
+            work.finish();
+        }
+        work.facts.note(&stats, walker);
+        Ok(Outcome::Done)
+    }
+
+    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
+        Ok(Counts::default())
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        match pass.name {
+            "splat/clear" => Some(pass.pixels() * 8),
+            "splat/resolve" => Some(pass.pixels() * (8 + 16 + 20)),
+            _ => pass.projected(false),
+        }
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        plan.projected();
+        let tiled = plan.tiles(plan.facts.large);
+        plan.scan(tiled, "tiles of large splats");
+        let (seen, why) = (plan.seen(), plan.why);
+        plan.nearest(NEAREST, seen, if seen { why } else { NOTHING });
+        plan.add("splat/resolve", true, "index of the nearest splat to color");
+    }
+}
+
+/// The passes that find the nearest splats, by 64-bit atomics and without.
+const NEAREST: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
+
+/// Counters that most methods clear, and what the projection finds.
+pub(crate) fn counter_group() -> PassGroup {
+    PassGroup::new(&COUNTERS, Absent::Always("ensembles have counters of their own"))
+}
+
+/// The passes that list the large splats of tiles.
+pub(crate) fn tile_group() -> PassGroup {
+    PassGroup::new(&TILES, Absent::Always("no stage visits pixels splat by splat"))
+}
+
+/// The passes of opaque splats of which the nearest wins.
+pub(crate) fn pass_group() -> PassGroup {
+    let names = NEAREST.into_iter().chain(["splat/resolve"]).collect();
+    PassGroup { names, absent: Absent::Method("no opaque splats") }
+}

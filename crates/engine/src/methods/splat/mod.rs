@@ -1,0 +1,143 @@
+//! Opaque splats (`squares`, `circles`, `paraboloid`, `cone`, `sphere`): the nearest wins, ties by content.
+//!
+//! Where the device has 64-bit atomics, one minimum over depth and index together; elsewhere two passes of 32 bits.
+
+mod engine;
+
+pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
+
+use super::engine::Work;
+use super::{Error, abuffer};
+use crate::gpu::shader::{Choices, Shader};
+use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
+use crate::passes::bands::{self, Band};
+use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
+use crate::passes::project::Footprint;
+use crate::passes::raster::{self, ChunkGroup, Raster, RasterPush};
+use crate::passes::tiles::SEGMENT;
+use crate::scene::{Falloff, Relief};
+use crate::{choices, gpu_struct, pass};
+
+gpu_struct! {
+    /// A pixel's nearest splat.
+    pub struct NearestSplat {
+        id: u32,
+        key: u32,
+    }
+}
+
+pass! {
+    /// Depth and index by one 64-bit minimum.
+    pub Nearest(RasterPush) = "splat/nearest" with "nearest_wide" {
+        chunk: Shared<ChunkGroup>,
+        nearest: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Depth by a 32-bit minimum.
+    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest" with "nearest_depth" {
+        chunk: Shared<ChunkGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index among those at the smallest depth.
+    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest" with "nearest_id" {
+        chunk: Shared<ChunkGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Index to color.
+    pub Resolve(abuffer::CountPush) = "splat/resolve" {
+        composing: Shared<ComposingGroup>,
+        nearest: Read<NearestSplat>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+/// The variant of the passes that find the nearest splats, for a walker's.
+fn relief_variant(walker: Variant, relief: Relief) -> Variant {
+    walker.with("RELIEF", relief as u32)
+}
+
+/// Device bytes per pixel of a window.
+pub const PIXEL_BYTES: u64 = 8;
+
+/// Buffers of opaque splats, kept from frame to frame.
+pub struct Opaque {
+    pub(super) nearest: Kept<NearestSplat>,
+}
+
+impl Default for Opaque {
+    fn default() -> Self {
+        Self { nearest: Kept::new("nearest splats", Memory::Device) }
+    }
+}
+
+impl Opaque {
+    /// Renders a window into the target; `relief` says how far fragments are moved.
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, raster: &Raster<'_>, relief: Relief) -> Result<(), Error> {
+        let (device, target, wide) = (work.device, work.target, work.switches.wide_atomics);
+        let pixels = bands::pixels(raster.window);
+        self.nearest.reserve(device, pixels)?;
+
+        let mut recorder = device.recorder()?;
+        let nearest = self.nearest.get().slice(0, pixels);
+        recorder.fill("splat/clear", nearest, u32::MAX)?;
+        raster.record_tiles(&mut recorder)?;
+        let all = &Band::whole(raster.window, 0);
+        let moved = |variant| relief_variant(variant, relief);
+        if wide {
+            let packed = nearest.cast();
+            raster.record_variant(&mut recorder, all, |chunk| Nearest { chunk, nearest: packed }, SEGMENT, moved)?;
+        } else {
+            raster.record_variant(&mut recorder, all, |chunk| NearestDepth { chunk, nearest }, SEGMENT, moved)?;
+            raster.record_variant(&mut recorder, all, |chunk| NearestId { chunk, nearest }, SEGMENT, moved)?;
+        }
+        let cut = Cut::new(device, raster.cloud.len())?;
+        let composing = Composing::new(raster.cloud, cut);
+        let (image, depths) = (target.image(), target.depths());
+        let resolve = Resolve { composing, nearest, image, depths };
+        let push = abuffer::CountPush { count: pixels as u32 };
+        let run = Run::new(Dispatch::Invocations(pixels));
+        recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
+        target.record_read_back(&mut recorder, pixels)?;
+        work.timeline.add(recorder.submit("splat/nearest")?);
+        Ok(())
+    }
+}
+
+choices!(
+    enum Relief {
+        Flat,
+        Paraboloid,
+        Cone,
+        Sphere,
+    }
+);
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 3] = [
+    ("RELIEF_FLAT", Relief::Flat as u32),
+    ("RELIEF_PARABOLOID", Relief::Paraboloid as u32),
+    ("RELIEF_CONE", Relief::Cone as u32),
+];
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let variants = || {
+        let flat = raster::flat_variants().into_iter();
+        flat.flat_map(|walker| Relief::all().into_iter().map(move |relief| relief_variant(walker.clone(), relief)))
+    };
+    vec![
+        Shader::new::<Nearest>(variants()),
+        Shader::new::<NearestDepth>(variants()),
+        Shader::new::<NearestId>(variants()),
+        Shader::new::<Resolve>(compose::variants()),
+    ]
+}

@@ -1,0 +1,259 @@
+//! Opaque splats in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004), which blend what lies close together:
+//! visibility, attributes, normalisation. Other methods take them for their solid points. Those of which the nearest one wins are
+//! [`super::splat`].
+//!
+//! Splats go through tiles in canonical order and their sums are compensated, so that neither windows nor runs over a tile's
+//! splats change a byte.
+//!
+//! Reference: [`crate::reference::splats`].
+
+mod engine;
+
+pub(crate) use engine::{
+    Onto, SOLID_BYTES, SplatsEngine, draw_solid, explain_solids, explain_windows, pass_group, solid_projecting,
+};
+
+use super::abuffer::CountPush;
+use super::engine::Work;
+use super::{Error, Facts, Outcome, Pixels};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
+use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::bands;
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
+use crate::passes::compose;
+use crate::passes::project::{DISCS, Footprint};
+use crate::scene::Falloff;
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of the first two passes; shaders/shared/splats.wgsl says what the members are.
+    pub struct SplatsPush {
+        walk: TileWalk,
+        blend_depth: f32,
+    }
+}
+
+pass! {
+    /// The nearest depth of each pixel, and what is hidden.
+    pub Visibility(SplatsPush) = "splats/visibility" {
+        tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
+        layer: Read<f32>,
+        limits: ReadWrite<f32>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+pass! {
+    /// Sums of what is not hidden.
+    pub Attributes(SplatsPush) = "splats/attributes" {
+        tiles: Shared<FoldingGroup>,
+        rectangles: Read<[u32; 2]>,
+        layer: Read<f32>,
+        limits: Read<f32>,
+        image: ReadWrite<[f32; 4]>,
+        excess: ReadWrite<[f32; 4]>,
+    }
+}
+
+pass! {
+    /// Sums to colors.
+    pub Normalise(CountPush) = "splats/normalise" {
+        image: ReadWrite<[f32; 4]>,
+    }
+}
+
+/// The passes, by name.
+pub const PASSES: [&str; 3] = ["splats/visibility", "splats/attributes", "splats/normalise"];
+
+/// Device bytes per pixel of a window, besides tiles and what is drawn into.
+pub const PIXEL_BYTES: u64 = 4 + 16;
+
+/// Everything that stays the same while a window is rendered.
+#[derive(Clone, Copy)]
+pub struct WindowJob<'a> {
+    /// What is binned, in the order of indices. Bytes that are in use must count [`PIXEL_BYTES`].
+    pub bin: bin::Job<'a>,
+    /// What lies up to so many radii behind the nearest is blended with it.
+    pub blend_depth: f32,
+    /// Depths of a layer, behind which alone splats count unless they are marked as solid
+    /// ([`crate::passes::project::Part::Marked`]).
+    pub layer: Option<Slice<'a, f32>>,
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Splatter {
+    limits: Kept<f32>,
+    excess: Kept<[f32; 4]>,
+}
+
+impl Default for Splatter {
+    fn default() -> Self {
+        Self {
+            limits: Kept::new("limits of depth", Memory::Device),
+            excess: Kept::new("excess of sums", Memory::Device),
+        }
+    }
+}
+
+impl Splatter {
+    /// Bins a window's projected splats and draws them; nothing is read back.
+    pub(crate) fn render(
+        &mut self,
+        bins: &mut Bins,
+        work: &mut Work<'_>,
+        job: &WindowJob<'_>,
+        into: Pixels<'_>,
+    ) -> Result<Outcome, Error> {
+        let device = work.device;
+        let window = job.bin.raster.window;
+        let mut recorder;
+        // Where there is nothing to bin, a device need not be able to.
+        let bin = if is_seen(&job.bin) { bins.bin(device, &job.bin, work.timeline)? } else { Bin::Nothing };
+        match bin {
+            Bin::TooLarge => return Ok(Outcome::Overflow),
+            Bin::Nothing => {
+                recorder = device.recorder()?;
+                into.record_nothing(&mut recorder, window)?;
+            }
+            Bin::Done(binned) => {
+                let pixels = bands::pixels(window);
+                self.limits.reserve(device, pixels)?;
+                self.excess.reserve(device, if binned.segments() > 1 { pixels } else { 1 })?;
+                work.facts.note_binned(binned);
+                work.facts.splatted += 1;
+                recorder = device.recorder()?;
+                self.record(bins, &mut recorder, job, binned, into)?;
+            }
+        }
+        work.timeline.add(recorder.submit("splats/visibility and attributes")?);
+        Ok(Outcome::Done)
+    }
+
+    /// Records the three passes over all tiles.
+    fn record<'a>(
+        &'a self,
+        bins: &'a Bins,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        binned: Binned,
+        into: Pixels<'a>,
+    ) -> Result<(), Error> {
+        let (ordered, raster) = (bins.tiles(binned), job.bin.raster);
+        let (tiles, rectangles) = (ordered.folding(raster.cloud.view()), ordered.rectangles);
+        let limits = self.limits.get().all();
+        // Without a layer nothing is read from there.
+        let layer = job.layer.unwrap_or(into.depths);
+        let visibility = Visibility { tiles, rectangles, layer, limits, depths: into.depths };
+        let (image, excess) = (into.image, self.excess.get().all());
+        let attributes = Attributes { tiles, rectangles, layer, limits, image, excess };
+        let run = |number: u32| OneRun {
+            later: number > 0,
+            kept: binned.segments() > 1,
+            behind: job.layer.is_some(),
+            subgroup: binned.subgroup(),
+        };
+        let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
+        for number in 0..binned.segments() {
+            let (push, run) = over(number);
+            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
+        }
+        for number in 0..binned.segments() {
+            let (push, run) = over(number);
+            let groups = Run::new(Dispatch::Groups(binned.blocks()));
+            recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;
+        }
+        let pixels = bands::pixels(raster.window);
+        let push = CountPush { count: pixels as u32 };
+        recorder.run(&Normalise { image }, push, &Run::new(Dispatch::Invocations(pixels)))?;
+        Ok(())
+    }
+}
+
+/// Whether any splat touches the window.
+fn is_seen(job: &bin::Job<'_>) -> bool {
+    job.raster.stats.iter().any(|s| s.visible > 0)
+}
+
+/// Decides how a window is binned; draws nothing.
+pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<Outcome, Error> {
+    if !is_seen(job) {
+        return Ok(Outcome::Done);
+    }
+    let mut found = Facts { bands: 0, ..facts.clone() };
+    let outcome = found.note_survey(Bins::survey(device, job)?);
+    *facts = Facts { splatted: facts.splatted + found.bands, bands: facts.bands, ..found };
+    Ok(outcome)
+}
+
+/// One of the runs that it takes to get through the tiles' splats.
+#[derive(Debug, Clone, Copy)]
+pub struct OneRun {
+    /// Whether it goes on from what others left.
+    pub later: bool,
+    /// Whether there are several, each of which leaves what it knows.
+    pub kept: bool,
+    /// Whether only what lies behind a layer counts.
+    pub behind: bool,
+    /// The subgroup size.
+    pub subgroup: u32,
+}
+
+impl OneRun {
+    /// The variant of `splats/visibility`.
+    fn visibility(self, footprint: Footprint) -> Variant {
+        let shape = compose::shape_variant(footprint, Falloff::Flat);
+        bin::region_variant(shape, self.later, self.subgroup).with("BEHIND", u32::from(self.behind))
+    }
+
+    /// The variant of `splats/attributes`.
+    fn attributes(self, footprint: Footprint) -> Variant {
+        self.visibility(footprint).with("KEPT", u32::from(self.kept))
+    }
+}
+
+/// Bytes that a pass must at least read and write: of splats each pair with a tile in each of two passes, `tilted` whether they are
+/// oriented; and the pixels of so many `windows`.
+pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Option<u64> {
+    // Rank, then record, footprint and tilt.
+    let splat = 4 + 8 + 16 + if tilted { 16 } else { 0 };
+    match name {
+        "splats/visibility" => Some(facts.tile_entries * splat + pixels * 8),
+        "splats/attributes" => Some(facts.tile_entries * (splat + 16) + pixels * 20),
+        "splats/normalise" => Some(pixels * 32),
+        _ => None,
+    }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let runs = || {
+        let choices = <(bool, (bool, bool))>::all().into_iter();
+        let sized = choices
+            .flat_map(|(later, (kept, behind))| SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, subgroup }));
+        sized.flat_map(|run| DISCS.map(|disc| (run, disc)))
+    };
+    vec![
+        Shader::new::<Visibility>(runs().map(|(run, disc)| run.visibility(disc))),
+        Shader::new::<Attributes>(runs().map(|(run, disc)| run.attributes(disc))),
+        Shader::plain::<Normalise>(),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { tile_entries: 20, ..Facts::default() };
+        // Rank, record and footprint; limit and depth of each pixel.
+        assert_eq!(least_bytes("splats/visibility", &facts, false, 10), Some(20 * 28 + 10 * 8));
+        assert_eq!(least_bytes("splats/visibility", &facts, true, 10), Some(20 * 44 + 10 * 8));
+        // Colors too; the limit is read, a sum written.
+        assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 60 + 10 * 20));
+        assert_eq!(least_bytes("splats/normalise", &facts, true, 10), Some(10 * 32));
+        assert_eq!(least_bytes("splat/nearest", &facts, true, 10), None);
+    }
+}

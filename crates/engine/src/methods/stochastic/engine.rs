@@ -1,0 +1,178 @@
+//! The engine of `stochastic`, by compute shaders and by the rasteriser.
+
+use super::hardware::{self, HeldDepths};
+use super::{Kind, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
+use crate::gpu::Device;
+use crate::methods::abuffer::counted_beside;
+use crate::methods::bytes::PassRuns;
+use crate::methods::engine::{Channels, Counts, Engine, Work};
+use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, ORDER, PassGroup, Plan};
+use crate::methods::tiled::{self, Stage};
+use crate::methods::walker::sampling_walker;
+use crate::methods::{Buffers, Error, Frame, Machines, Outcome, abuffer};
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::bin::{self, Bins, Order};
+use crate::passes::project::DeviceCloud;
+use crate::passes::raster::Walker;
+use crate::random::STRATUM;
+use crate::scene::{DiscShape, Discs, Stochastic};
+
+/// Random samples of each pixel.
+pub(crate) struct StochasticEngine {
+    /// Discs, samples, correction.
+    pub settings: Stochastic,
+}
+
+impl Stage for StochasticEngine {
+    fn discs(&self) -> Discs {
+        self.settings.discs
+    }
+
+    fn order(&self) -> Order {
+        Order::Index
+    }
+
+    fn walker(&self, device: &Device, window: Window) -> Result<Walker, Error> {
+        sampling_walker(device, self.settings.discs.raster, window)
+    }
+
+    fn used_bytes(&self, frame: &Frame) -> u64 {
+        pixel_bytes(frame.wants_spread())
+    }
+
+    fn survey(&self, work: &mut Work<'_>, bin: &bin::Job<'_>) -> Result<Outcome, Error> {
+        work.facts.samples = work.samples;
+        if bin.raster.walker == Walker::Hardware {
+            work.facts.bands += u64::from(hardware::is_seen(&bin.raster));
+            return Ok(Outcome::Done);
+        }
+        Ok(work.facts.note_survey(Bins::survey(work.device, bin)?))
+    }
+
+    fn draw(
+        &self,
+        Machines { bins, sampler, .. }: &mut Machines,
+        work: &mut Work<'_>,
+        bin: bin::Job<'_>,
+        _most_color: f32,
+    ) -> Result<Outcome, Error> {
+        work.facts.samples = work.samples;
+        let settings = Stochastic { samples: work.samples, ..self.settings };
+        let job = WindowJob { bin, settings, seed: work.frame.seed, spread: work.frame.wants_spread() };
+        if bin.raster.walker == Walker::Hardware {
+            sampler.draw(work, &job, HeldDepths::new(&work.frame.camera, bin.raster.footprint))?;
+            return Ok(Outcome::Done);
+        }
+        sampler.render(bins, work, &job)
+    }
+}
+
+impl Engine for StochasticEngine {
+    fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
+        let (listed, spread) = (if frame.fragments { abuffer::PIXEL_BYTES } else { 0 }, frame.wants_spread());
+        let bytes = listed + bin::PIXEL_BYTES + pixel_bytes(spread);
+        Ok(bands::windows(frame.size, window_pixels(budget, bytes, spread)))
+    }
+
+    fn samples(&self, _frame: &Frame) -> Option<u32> {
+        Some(self.settings.samples)
+    }
+
+    fn channels(&self) -> Channels {
+        Channels::LISTS_BESIDE
+    }
+
+    fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
+        tiled::render(self, cloud, buffers, work)
+    }
+
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        let spread = frame.wants_spread();
+        let stderr = if spread { Some(buffers.machines.sampler.read_stderr(window)?) } else { None };
+        Ok(Counts { stderr, ..tiled::counts(buffers, frame, window)? })
+    }
+
+    fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
+        let Stochastic { samples, alpha_correction: exact, discs } = self.settings;
+        if !pass.name.starts_with("stochastic/") {
+            return tiled::disc_bytes(pass, &discs);
+        }
+        let (facts, pixels) = (pass.facts, pass.pixels());
+        let splat = pass.splat(discs.shape == DiscShape::Oriented);
+        let kind = Kind { exact, spread: pass.frame.wants_spread() };
+        let quads = facts.points * 8 + facts.visible / facts.windows.max(1) * (splat + 16);
+        let strata = u64::from(samples.div_ceil(STRATUM));
+        least_bytes(pass.name, samples, kind, facts, pixels, splat)
+            .or_else(|| hardware::least_bytes(pass.name, pass.runs, strata, quads, pixels))
+    }
+
+    fn explain(&self, plan: &mut Plan<'_>) {
+        plan.projected();
+        if plan.facts.raster == "hardware" {
+            explain_draws(plan, &self.settings);
+        } else {
+            explain_tiles(plan, &self.settings);
+        }
+        plan.emptied();
+        let why = plan.why;
+        if plan.facts.raster == "hardware" {
+            plan.rest(&SAMPLES, "the rasteriser takes the samples");
+        }
+        plan.rest(&ORDER, &format!("splats are blended in no order: {why}"));
+        plan.rest(&tiled::stage_group().names, &format!("samples are taken: {why}"));
+        tiled::without_lists(plan, &format!("samples, not lists: {why}"));
+    }
+}
+
+/// The passes of stochastic transparency, without those that it shares.
+const SAMPLES: [&str; 4] =
+    ["stochastic/visibility", "stochastic/accumulate", "stochastic/gather", "stochastic/resolve"];
+/// The passes by which the rasteriser takes the samples.
+const DRAWS: [&str; 4] = ["stochastic/draw-alpha", "stochastic/draw-held", "stochastic/draw-sums", "stochastic/fold"];
+
+/// The passes of stochastic transparency, without those that it shares.
+pub(crate) fn pass_groups() -> [PassGroup; 2] {
+    [PassGroup::new(&SAMPLES, Absent::Discs("no samples")), PassGroup::new(&DRAWS, Absent::Discs("no samples"))]
+}
+
+fn correction(settings: &Stochastic) -> &'static str {
+    if settings.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" }
+}
+
+/// Splats in tiles, and what goes through them for each few strata of samples.
+fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
+    let (why, alpha) = (plan.why, correction(settings));
+    let counters = if plan.seen() { plan.order(Order::Index, EACH_PIXEL) } else { 0 };
+    counted_beside(plan, counters);
+    let (samples, runs) = (settings.samples, batches(settings.samples).count());
+    let reasons = [
+        format!("{why}; {samples} samples in {runs} run(s) over the splats"),
+        format!("what is visible in {samples} samples; {alpha}"),
+        "the sums of each run to those before".to_owned(),
+        format!("sums to color and A; {alpha}"),
+    ];
+    for (name, reason) in SAMPLES.into_iter().zip(reasons) {
+        plan.add(name, plan.seen(), plan.if_seen(reason));
+    }
+}
+
+/// The rasteriser's samples, stratum by stratum.
+fn explain_draws(plan: &mut Plan<'_>, settings: &Stochastic) {
+    let (why, alpha) = (plan.why, correction(settings));
+    if plan.frame.fragments {
+        counted_beside(plan, 0);
+    }
+    let (samples, strata) = (settings.samples, settings.samples.div_ceil(STRATUM));
+    let corrected = settings.alpha_correction;
+    for (name, on, reason) in [
+        (DRAWS[0], corrected, alpha.to_owned()),
+        (DRAWS[1], true, format!("{why}; {samples} samples in {strata} draws")),
+        (DRAWS[2], true, format!("what is visible in the samples, in {strata} draws")),
+        (DRAWS[3], true, "from attachments to sums".to_owned()),
+        (SAMPLES[2], true, "the sums of each run to those before".to_owned()),
+        (SAMPLES[3], true, format!("sums to color and A; {alpha}")),
+    ] {
+        let reason = if plan.seen() { reason } else { NOTHING.to_owned() };
+        plan.add(name, plan.seen() && on, reason);
+    }
+}

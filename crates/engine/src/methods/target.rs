@@ -1,0 +1,94 @@
+//! Where engines put the pixels of a window.
+
+use rayon::prelude::*;
+
+use super::Error;
+use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
+use crate::image::Image;
+use crate::passes::bands::{self, Window};
+
+/// Where a window's pixels come out.
+pub struct Target {
+    image: Kept<[f32; 4]>,
+    depths: Kept<f32>,
+    image_host: Kept<[f32; 4]>,
+    depths_host: Kept<f32>,
+}
+
+impl Target {
+    pub(super) fn new() -> Self {
+        Self {
+            image: Kept::new("image", Memory::Device),
+            depths: Kept::new("depths", Memory::Device),
+            image_host: Kept::new("image, host", Memory::Readback),
+            depths_host: Kept::new("depths, host", Memory::Readback),
+        }
+    }
+
+    /// Room for a window.
+    pub(super) fn reserve(&mut self, device: &Device, pixels: u64) -> Result<(), Error> {
+        self.image.reserve(device, pixels)?;
+        self.depths.reserve(device, pixels)?;
+        self.image_host.reserve(device, pixels)?;
+        self.depths_host.reserve(device, pixels)?;
+        Ok(())
+    }
+
+    /// Premultiplied color and A of the window's pixels.
+    pub fn image(&self) -> Slice<'_, [f32; 4]> {
+        self.image.get().all()
+    }
+
+    /// Their depths.
+    pub fn depths(&self) -> Slice<'_, f32> {
+        self.depths.get().all()
+    }
+
+    /// Both.
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { image: self.image(), depths: self.depths() }
+    }
+
+    /// Records the copy to the host.
+    pub fn record_read_back<'a>(&'a self, recorder: &mut Recorder<'a>, pixels: u64) -> Result<(), Error> {
+        recorder.copy("image/read-back", self.image.get().slice(0, pixels), self.image_host.get().slice(0, pixels))?;
+        recorder.copy(
+            "image/read-back",
+            self.depths.get().slice(0, pixels),
+            self.depths_host.get().slice(0, pixels),
+        )?;
+        Ok(())
+    }
+
+    /// Copies the window's rows into the image.
+    pub(super) fn deliver(&self, window: Window, image: &mut Image) {
+        let [x0, y0, x1, y1] = window.map(|v| v as usize);
+        let (width, pitch) = (x1 - x0, image.width as usize);
+        // On all cores: the image is memory that nobody has touched yet, and the kernel clears every page of it first.
+        let rgba = image.rgba[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
+        let from = self.image_host.get().mapped_slice().par_chunks(width);
+        rgba.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+        let depth = image.depth[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
+        let from = self.depths_host.get().mapped_slice().par_chunks(width);
+        depth.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
+    }
+}
+
+/// What is drawn into; at least as many elements as the window has pixels.
+#[derive(Clone, Copy)]
+pub struct Pixels<'a> {
+    /// Premultiplied color; A = 1 where anything is, else all 0.
+    pub image: Slice<'a, [f32; 4]>,
+    /// Depths along the viewing axis, +inf where nothing is.
+    pub depths: Slice<'a, f32>,
+}
+
+impl<'a> Pixels<'a> {
+    /// Records that nothing is there.
+    pub fn record_nothing(self, recorder: &mut Recorder<'a>, window: Window) -> Result<(), Error> {
+        let pixels = bands::pixels(window);
+        recorder.fill("image/clear", self.image.first(pixels), 0)?;
+        recorder.fill("image/clear", self.depths.first(pixels), f32::INFINITY.to_bits())?;
+        Ok(())
+    }
+}

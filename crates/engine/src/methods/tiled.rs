@@ -1,0 +1,191 @@
+//! What the methods share that go through tiles of ordered splats: `sorted`, `stochastic` and the approximations.
+
+use super::abuffer::{self, Storing};
+use super::bytes::PassRuns;
+use super::engine::{Counts, Work};
+use super::explain::{Absent, NOTHING, ORDER, PRESORTED, PassGroup, Plan};
+use super::walker::walker;
+use super::{Buffers, Error, Facts, Frame, Machines, Outcome, sorted};
+use crate::gpu::Device;
+use crate::passes::bands::{self, Window};
+use crate::passes::bin::{self, Bins, Order, RECORD_BYTES};
+use crate::passes::project::DeviceCloud;
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{self, DiscShape, Discs};
+
+/// A stage that goes through tiles of splats.
+pub(crate) trait Stage {
+    /// The discs that become splats.
+    fn discs(&self) -> Discs;
+
+    /// The order in which it wants them.
+    fn order(&self) -> Order;
+
+    /// Who goes through them.
+    ///
+    /// # Errors
+    /// The rasteriser was asked for and can't.
+    fn walker(&self, device: &Device, window: Window) -> Result<Walker, Error> {
+        walker(device, scene::Raster::Auto, window)
+    }
+
+    /// Bytes per pixel that are in use while splats are binned, beside list lengths.
+    fn used_bytes(&self, _frame: &Frame) -> u64 {
+        0
+    }
+
+    /// Decides how a window is binned; draws nothing.
+    ///
+    /// # Errors
+    /// As of [`Bins::survey`].
+    fn survey(&self, work: &mut Work<'_>, bin: &bin::Job<'_>) -> Result<Outcome, Error> {
+        Ok(work.facts.note_survey(Bins::survey(work.device, bin)?))
+    }
+
+    /// Bins a window and draws it; `most_color` bounds the color components.
+    ///
+    /// # Errors
+    /// As of [`Bins::bin`], and whatever drawing lacks.
+    fn draw(
+        &self,
+        machines: &mut Machines,
+        work: &mut Work<'_>,
+        bin: bin::Job<'_>,
+        most_color: f32,
+    ) -> Result<Outcome, Error>;
+}
+
+/// Bytes per pixel of a window that are in use before its splats are binned.
+pub(super) fn counted_bytes(frame: &Frame) -> u64 {
+    if frame.fragments { abuffer::PIXEL_BYTES } else { bin::PIXEL_BYTES }
+}
+
+/// A window by tiles of splats; the lengths of lists are counted only where they are asked for.
+pub(super) fn render(
+    stage: &impl Stage,
+    cloud: &mut DeviceCloud,
+    Buffers { tiles, machines }: &mut Buffers,
+    work: &mut Work<'_>,
+) -> Result<Outcome, Error> {
+    let (device, frame, window, discs) = (work.device, work.frame, work.window, stage.discs());
+    let how = abuffer::projecting(frame, cloud, &discs);
+    let stats = work.project(cloud, &how)?;
+    let walker = stage.walker(device, window)?;
+    // Splats are visited one by one only to be counted.
+    let visited = frame.fragments && walker == Walker::Compute;
+    let Some(budget) = work.reserve_tiles(tiles, &stats, visited)? else { return Ok(Outcome::Overflow) };
+    let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
+    let (pixels, most_color) = (bands::pixels(window), cloud.most_color(&how));
+    let mut counted_bytes = pixels * stage.used_bytes(frame);
+    if frame.fragments {
+        let stop = sorted::stop(frame.stop, frame.color, most_color);
+        let lists = abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, budget };
+        if machines.lists.tally(work, &lists)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        counted_bytes += pixels * abuffer::PIXEL_BYTES;
+    }
+    let bin = bin::Job { raster, order: stage.order(), depth_range: frame.depth_range(), budget, counted_bytes };
+    let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, most_color)? };
+    if outcome == Outcome::Done {
+        work.finish();
+        work.facts.note(&stats, walker);
+    }
+    Ok(outcome)
+}
+
+/// List lengths of the window that was counted last, if the frame asks for them.
+pub(super) fn counts(buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+    buffers.machines.lists.counts(frame, window)
+}
+
+/// The stages that go through tiles of ordered splats.
+const STAGES: [&str; 5] =
+    ["sorted/blend", "hybrid/accumulate", "weighted/accumulate", "average/accumulate", "unsorted/accumulate"];
+
+/// The passes that sort splats and put them into tiles.
+pub(super) fn order_group() -> PassGroup {
+    PassGroup::new(&ORDER, Absent::Discs("splats are not sorted"))
+}
+
+/// The passes that go through an order of points that was made beforehand.
+pub(super) fn presorted_group() -> PassGroup {
+    PassGroup::new(&PRESORTED, Absent::Always("no order of the points was made beforehand"))
+}
+
+/// The stages that go through tiles of ordered splats.
+pub(super) fn stage_group() -> PassGroup {
+    PassGroup::new(&STAGES, Absent::Discs("tiles of splats are gone through otherwise, or not at all"))
+}
+
+/// The plan of a frame of one of these stages: the sort of splats, the stage, and what counts lists beside it.
+pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
+    let (facts, why) = (plan.facts, plan.why);
+    plan.projected();
+    let counters = if plan.seen() { plan.order(order, why) } else { 0 };
+    abuffer::counted_beside(plan, counters);
+    let windows = plan.if_seen(format!("{} window(s) with splats", facts.bands));
+    plan.add(name, plan.seen(), windows);
+    plan.emptied();
+    plan.rest(&ORDER, NOTHING);
+    without_lists(plan, &format!("splats are sorted, not fragments: {why}"));
+}
+
+/// The passes of lists in the plan of a frame that has none.
+pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
+    plan.rest(&abuffer::COUNT, "lengths of lists are not asked for, and the method needs none");
+    plan.rest(&abuffer::list_passes(), reason);
+}
+
+/// Bytes that a pass of a frame of discs must at least move, except those of a stage: projection, counted lists and tiles.
+pub(super) fn disc_bytes(pass: &PassRuns<'_>, discs: &Discs) -> Option<u64> {
+    let tilted = discs.shape == DiscShape::Oriented;
+    let counted = || abuffer::list_bytes(pass, tilted);
+    pass.projected(tilted).or_else(counted).or_else(|| binned_bytes(pass, tilted))
+}
+
+/// Bytes that a pass over tiles of splats must at least move; `tilted` if splats lie in their tangent planes.
+pub(super) fn binned_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
+    least_bytes(pass.name, pass.runs, pass.facts, pass.splat(tilted))
+}
+
+/// Bytes that a pass must at least read and write; `runs` of it over the frame, `splat` bytes of a splat that is blended.
+/// How much of the tiles `sorted/blend` reads depends on where it stops.
+fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> {
+    let sorted = facts.points * RECORD_BYTES;
+    match name {
+        // Columns and depth of each, and the record.
+        "bin/keys" => Some((facts.points * (4 + 4) + sorted) * facts.bands),
+        "radix/count" => Some(sorted * runs),
+        "radix/scatter" => Some(2 * sorted * runs),
+        // An index and a rectangle of each, and the record.
+        "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
+        "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
+        // A record, then splat, color and rectangle: read, and written but for the depth.
+        "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
+        "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
+        "bin/tile-store" => Some(facts.visible * 8 + facts.tile_entries * (8 + 4)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_bytes_by_hand() {
+        let facts = Facts { points: 10, visible: 5, tile_entries: 20, bands: 2, ..Facts::default() };
+        assert_eq!(least_bytes("bin/keys", 4, &facts, 20), Some(2 * 10 * 16));
+        assert_eq!(least_bytes("radix/count", 4, &facts, 20), Some(4 * 80));
+        assert_eq!(least_bytes("radix/scatter", 4, &facts, 20), Some(4 * 160));
+        // A record of 8, splat, color and rectangle, and the 16 + 16 + 8 that are written.
+        assert_eq!(least_bytes("bin/gather", 2, &facts, 20), Some(5 * (8 + 44 + 40)));
+        assert_eq!(least_bytes("bin/pick", 2, &facts, 20), Some(2 * 10 * 12));
+        let soft = Facts { soft_visible: 3, ..facts.clone() };
+        assert_eq!(least_bytes("bin/place", 2, &soft, 20), Some(2 * 10 * 12 + 3 * 8));
+        assert_eq!(least_bytes("bin/tile-count", 2, &facts, 20), Some(5 * 8 + 20 * 8));
+        assert_eq!(least_bytes("bin/tile-store", 2, &facts, 20), Some(5 * 8 + 20 * 12));
+        assert_eq!(least_bytes("sorted/blend", 2, &facts, 20), None);
+    }
+}

@@ -1,0 +1,39 @@
+//! Why passes can't work on a cloud.
+
+use crate::gpu;
+
+/// Why passes can't work on a cloud; `methods::Error` says it to people.
+#[derive(Debug)]
+pub enum Error {
+    /// The device failed.
+    Gpu(gpu::Error),
+    /// The device has no shuffles.
+    NoSubgroups {
+        /// The device.
+        device: String,
+    },
+    /// The cloud is longer than the device can address.
+    TooManyPoints {
+        /// Points of the cloud.
+        points: u64,
+        /// Points that fit.
+        limit: u64,
+    },
+    /// The sort of splats alone takes more than the budget.
+    SortOverBudget {
+        /// Points of the cloud.
+        points: u64,
+        /// Bytes that the sort needs.
+        needed: u64,
+        /// Bytes that are there.
+        available: u64,
+        /// The budget that would do.
+        budget: u64,
+    },
+}
+
+impl From<gpu::Error> for Error {
+    fn from(error: gpu::Error) -> Self {
+        Self::Gpu(error)
+    }
+}

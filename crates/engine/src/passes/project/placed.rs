@@ -1,0 +1,41 @@
+//! The clouds of a dealt list.
+
+use glam::DVec3;
+
+use crate::points::Points;
+use crate::prepare::ensembles::Surface;
+
+/// A cloud of a dealt list, with the corners of its box.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// What is known of it.
+    pub surface: Surface,
+    /// Of its points' box, in world coordinates.
+    pub corners: [DVec3; 8],
+    /// Whether all of its points have the same opacity.
+    pub uniform: bool,
+}
+
+impl Placed {
+    /// The clouds of a list.
+    pub fn all(points: &Points, surfaces: &[Surface]) -> Vec<Self> {
+        let placed = |surface: &Surface| {
+            let range = surface.points.start as usize..surface.points.end as usize;
+            let own = points.positions[range].iter().copied();
+            let corners = crate::cloud::Bounds::enclosing(own).map_or([surface.center; 8], |bounds| bounds.corners());
+            Self { surface: surface.clone(), corners, uniform: is_uniform(points, surface) }
+        };
+        surfaces.iter().map(placed).collect()
+    }
+
+    /// Takes over opacities that are others: of its points, and of the surface that they are of.
+    pub fn renew_opacities(&mut self, points: &Points, surface: &Surface) {
+        self.surface.opacity = surface.opacity;
+        self.uniform = is_uniform(points, surface);
+    }
+}
+
+fn is_uniform(points: &Points, surface: &Surface) -> bool {
+    let range = surface.points.start as usize..surface.points.end as usize;
+    points.opacities[range].iter().all(|opacity| *opacity == surface.opacity)
+}

@@ -1,0 +1,97 @@
+//! What a scene asks for: a method, or `auto`.
+
+use super::error::Error;
+use super::methods::{AUTO, Method};
+use super::schema::{Key, Settings};
+use super::settings::Discs;
+use super::table::Table;
+
+/// `[method]`: what a scene asks for. [`crate::plan::choose`] makes a [`Method`] of it once points and device are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MethodChoice {
+    /// The cheapest method that is exact for the points, for these discs.
+    Auto(Discs),
+    /// This method.
+    Fixed(Method),
+}
+
+impl Default for MethodChoice {
+    fn default() -> Self {
+        Self::Auto(Discs::default())
+    }
+}
+
+impl From<Method> for MethodChoice {
+    fn from(method: Method) -> Self {
+        Self::Fixed(method)
+    }
+}
+
+impl MethodChoice {
+    /// What a scene file calls by this name, with its defaults; `None` if this version has no such method.
+    pub fn named(name: &str) -> Option<Self> {
+        let method = Method::all().into_iter().find(|method| method.name() == name);
+        if name == AUTO { Some(Self::default()) } else { method.map(Self::Fixed) }
+    }
+
+    /// Its keys with the values in force; `name` is not among them.
+    pub fn keys(&self) -> Vec<Key> {
+        match self {
+            // Of no method, and so without what some methods alone have.
+            Self::Auto(discs) => discs.keys().into_iter().filter(|key| key.only.is_empty()).collect(),
+            Self::Fixed(method) => method.keys(),
+        }
+    }
+
+    /// Takes what the table gives.
+    pub(super) fn read(&mut self, table: &Table<'_>) -> Result<(), Error> {
+        match self {
+            Self::Auto(discs) => discs.read(table),
+            Self::Fixed(method) => method.settings_mut().map_or(Ok(()), |settings| settings.read(table)),
+        }
+    }
+
+    /// The name a scene file gives it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Auto(_) => AUTO,
+            Self::Fixed(method) => method.name(),
+        }
+    }
+
+    /// The method that was asked for; `None` for `auto`.
+    pub fn fixed(&self) -> Option<&Method> {
+        match self {
+            Self::Auto(_) => None,
+            Self::Fixed(method) => Some(method),
+        }
+    }
+
+    /// A method that shows the image asked for, whatever the points and the device: of `auto` the A-buffer.
+    pub fn representative(&self) -> Method {
+        match *self {
+            Self::Auto(discs) => Method::ABuffer(discs),
+            Self::Fixed(method) => method,
+        }
+    }
+
+    /// As [`Method::needs_radii`].
+    pub fn needs_radii(&self) -> bool {
+        self.representative().needs_radii()
+    }
+
+    /// As [`Method::needs_field`].
+    pub fn needs_field(&self) -> bool {
+        self.representative().needs_field()
+    }
+
+    /// As [`Method::is_dealt`].
+    pub fn is_dealt(&self) -> bool {
+        self.representative().is_dealt()
+    }
+
+    /// Whether `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
+    pub fn may_take_shadows(&self) -> bool {
+        self.fixed().is_none_or(Method::takes_shadows)
+    }
+}

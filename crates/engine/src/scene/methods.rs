@@ -1,0 +1,214 @@
+//! The table of methods: how a scene file names each, what it draws, and which settings it takes.
+//!
+//! Reader, help, reference and window list methods in the order of this table.
+
+use super::schema::{Key, Settings};
+use super::settings::{
+    BlendedSplats, Discs, Hybrid, ImageSpace, Interpolated, OneLayer, Peel, PeelLayers, ScreenSplats, Soft, SoftLayout,
+    Spbr, SpbrSimplified, Stochastic,
+};
+
+/// The name that leaves the method to the scene.
+pub(super) const AUTO: &str = "auto";
+
+/// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family;` behind the sentence
+/// that says what the method draws; `also` lists settings, beside the defaults, by which comparisons draw the same thing.
+macro_rules! methods {
+    (
+        $(
+            $(#[doc = $about:literal])+
+            $name:literal => $Variant:ident $(($Settings:ty))?, $family:ident $(, also $also:expr)?;
+        )+
+    ) => {
+        /// A method with its settings.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Method {
+            $($(#[doc = $about])+ $Variant $(($Settings))?,)+
+        }
+
+        /// What a scene file may ask for, by name: `auto`, and every method.
+        pub const METHODS: &[&str] = &[AUTO, $($name),+];
+
+        impl Method {
+            /// Every method with its defaults.
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$Variant $((<$Settings>::default()))?),+]
+            }
+
+            /// The name a scene file gives it.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => $name,)+
+                }
+            }
+
+            /// What it draws, in a sentence or two.
+            pub fn about(&self) -> &'static str {
+                match self {
+                    $(Self::$Variant { .. } => concat!($($about),+).trim_ascii_start(),)+
+                }
+            }
+
+            /// Other settings by which comparisons draw the same thing, as in `raster=hardware`.
+            pub fn also(&self) -> &'static [&'static str] {
+                $($(if matches!(self, Self::$Variant { .. }) {
+                    return $also;
+                })?)+
+                &[]
+            }
+
+            /// Which methods draw the same things.
+            pub fn family(&self) -> Family {
+                match self {
+                    $(Self::$Variant { .. } => Family::$family,)+
+                }
+            }
+
+            pub(super) fn settings(&self) -> Option<&dyn Settings> {
+                $($(if let Self::$Variant(settings) = self {
+                    let settings: &$Settings = settings;
+                    return Some(settings);
+                })?)+
+                None
+            }
+
+            pub(super) fn settings_mut(&mut self) -> Option<&mut dyn Settings> {
+                $($(if let Self::$Variant(settings) = self {
+                    let settings: &mut $Settings = settings;
+                    return Some(settings);
+                })?)+
+                None
+            }
+        }
+    };
+}
+
+methods! {
+    /// The nearest point of each pixel, opaque, one pixel large.
+    "points" => Points, Opaque;
+    /// The nearest square of each pixel, opaque and facing the screen.
+    "squares" => Squares(ScreenSplats), Opaque;
+    /// The nearest disc of each pixel, opaque and facing the screen.
+    "circles" => Circles(ScreenSplats), Opaque;
+    /// As `circles`, moved toward the viewer by a paraboloid so that splats meet half-way (Schütz and Wimmer 2015).
+    "paraboloid" => Paraboloid(Interpolated), Opaque;
+    /// As `paraboloid`, by a cone.
+    "cone" => Cone(Interpolated), Opaque;
+    /// As `paraboloid`, by a sphere.
+    "sphere" => Sphere(ScreenSplats), Opaque;
+    /// Transparent discs, exact for any number of layers, crossing or not (Maule et al. 2012).
+    "abuffer" => ABuffer(Discs), Discs, also &["raster=hardware", "long_lists=in-place"];
+    /// The image of `abuffer`, to the byte, through a linked list for each pixel (Yang et al. 2010).
+    "linked-list" => LinkedList(Discs), Discs;
+    /// Discs sorted once by depth and blended tile by tile: exact for flat ones, approximate where oriented ones cross.
+    "sorted" => Sorted(Discs), Discs;
+    /// Exact depth peeling of the same discs, without memory for fragments; one pass for each layer.
+    "peel" => Peel(Peel), Discs;
+    /// The nearest surfaces of points, each as by `image-space`, blended front to back (Dobrev et al. 2010).
+    "peel-layers" => PeelLayers(PeelLayers), Surfaces;
+    /// Random samples of the same discs in each pixel, without sorting, with a standard error (Enderton et al. 2011).
+    "stochastic" => Stochastic(Stochastic), Discs, also &["alpha_correction=false", "raster=hardware"];
+    /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013).
+    "hybrid" => Hybrid(Hybrid), Discs;
+    /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.
+    "weighted" => Weighted(Discs), Discs;
+    /// The mean color of all discs, opaque: a wrong picture to compare with.
+    "average" => Average(Discs), Discs;
+    /// Discs blended in the order of the files: a wrong picture to compare with.
+    "unsorted" => Unsorted(Discs), Discs;
+    /// Opaque discs or squares that face the screen; those close behind the nearest are blended with it.
+    "hqs" => Hqs(BlendedSplats), Opaque;
+    /// Opaque discs in their tangent planes; those close behind the nearest are blended with it (Botsch et al. 2004).
+    "splats" => Splats(BlendedSplats), Opaque;
+    /// Points whose holes are closed by filters of the image (Dobrev et al. 2010); needs no radii.
+    "image-space" => ImageSpace(ImageSpace), Surfaces;
+    /// Soft points as spheres, integrated exactly along each ray, before solid ones (Seemann et al. 2018).
+    "soft-base" => SoftBase(Soft), Soft, also &["layout=paper"];
+    /// As `soft-base`, each sphere as concentric ones of constant density.
+    "soft-concentric" => SoftConcentric(Soft), Soft;
+    /// As `soft-base`, but discs in a presorted order: fast and approximate.
+    "soft-express" => SoftExpress(Soft), Soft;
+    /// The nearest soft points as one transparent layer, all else opaque.
+    "one-layer" => OneLayer(OneLayer), OneLayer;
+    /// The mean of opaque images of random parts of the points: surfaces with a given opacity (Tanaka et al. 2016).
+    "spbr" => Spbr(Spbr), Ensembles;
+    /// As `spbr`, with each point in one part: opacity follows from the points (Uchida et al. 2020).
+    "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles;
+}
+
+/// Methods that draw the same things, each in its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Family {
+    /// Opaque points and splats.
+    Opaque,
+    /// Surfaces of points that are closed in the image.
+    Surfaces,
+    /// Transparent discs.
+    Discs,
+    /// Soft spheres before solid points.
+    Soft,
+    /// One transparent layer before opaque points.
+    OneLayer,
+    /// Points of surfaces that are dealt to ensembles.
+    Ensembles,
+}
+
+impl Family {
+    /// Every family, in the order in which lists have them.
+    pub const ALL: [Self; 6] = [Self::Opaque, Self::Surfaces, Self::Discs, Self::Soft, Self::OneLayer, Self::Ensembles];
+
+    /// What its methods draw, in a few words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Opaque => "opaque points and splats",
+            Self::Surfaces => "surfaces closed in the image",
+            Self::Discs => "transparent discs",
+            Self::Soft => "soft spheres",
+            Self::OneLayer => "one transparent layer",
+            Self::Ensembles => "ensembles of points",
+        }
+    }
+
+    /// Its methods with their defaults.
+    pub fn methods(self) -> impl Iterator<Item = Method> {
+        Method::all().into_iter().filter(move |method| method.family() == self)
+    }
+}
+
+impl Method {
+    /// Its keys with the values in force; `name` is not among them.
+    pub fn keys(&self) -> Vec<Key> {
+        let mut keys = self.settings().map(Settings::keys).unwrap_or_default();
+        keys.retain(|key| key.only.is_empty() || key.only.contains(&self.name()));
+        keys
+    }
+
+    /// Whether its image is exact but for rounding. `crossing`: whether discs have a depth for each pixel, and so may cross.
+    pub fn is_exact(&self, crossing: bool) -> bool {
+        match self {
+            Self::ABuffer(_) | Self::LinkedList(_) => true,
+            Self::Sorted(_) => !crossing,
+            Self::Peel(peel) => peel.layers == 0,
+            Self::SoftBase(soft) => soft.layout == SoftLayout::Precise,
+            _ => false,
+        }
+    }
+
+    /// Whether its image depends on the seed.
+    pub fn is_sampled(&self) -> bool {
+        matches!(self, Self::Stochastic(_) | Self::Spbr(_) | Self::SpbrSimplified(_))
+    }
+
+    /// Settings of this type, if those of the method are of it or hold some.
+    pub(super) fn part<T: 'static>(&self) -> Option<&T> {
+        let mut parts = Vec::new();
+        self.settings()?.parts(&mut parts);
+        parts.into_iter().find_map(|part| part.downcast_ref())
+    }
+
+    /// One of its keys with the value in force.
+    pub fn key(&self, name: &str) -> Option<Key> {
+        self.keys().into_iter().find(|key| key.name == name)
+    }
+}

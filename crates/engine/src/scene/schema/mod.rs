@@ -1,0 +1,37 @@
+//! How keys of the scene file are declared: once, beside the field that they set.
+//!
+//! [`settings!`] declares a struct whose fields are keys, [`words!`] an enum that a file spells as words. The struct, its
+//! defaults, its reader and the list of its keys ([`Key`]) all follow from that one declaration; the reference of the scene
+//! file, the controls of the window and the ladders of comparisons follow from the list.
+
+mod key;
+mod macros;
+mod range;
+mod value;
+
+pub use key::{Key, Kind, Ladder, Slider, Word};
+pub(crate) use macros::{allowed, settings, words};
+pub(crate) use range::MAX_COORDINATE;
+pub use range::Range;
+pub use value::rounded;
+pub(crate) use value::{Part, Value, Vectors};
+
+use std::any::Any;
+
+use super::error::Error;
+use super::table::Table;
+
+/// Settings whose fields are keys of one table.
+pub(crate) trait Settings {
+    /// The keys with the values in force, in the order of their declaration.
+    fn keys(&self) -> Vec<Key>;
+
+    /// Adds these settings, and those inside.
+    fn parts<'a>(&'a self, all: &mut Vec<&'a dyn Any>);
+
+    /// Takes the values that the table gives. What it doesn't give stays.
+    ///
+    /// # Errors
+    /// A value of another type or outside its range, keys that contradict each other.
+    fn read(&mut self, table: &Table<'_>) -> Result<(), Error>;
+}

@@ -1,0 +1,150 @@
+//! `[[cloud]]`.
+
+use std::path::PathBuf;
+
+use glam::{DVec3, Vec3};
+
+use crate::cloud::field::Field;
+use crate::io::photo::Photo;
+use crate::io::{ColumnNames, Hints};
+use crate::scene::Setting;
+use crate::scene::error::Error;
+use crate::scene::photo;
+use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
+use crate::scene::table::Table;
+
+settings! {
+    /// `[[cloud]]`.
+    pub struct CloudSettings {
+        /// The file of the points, relative to the folder of the scene file; the name of a built-in cloud.
+        path: PathBuf = PathBuf::new();
+        /// One color instead of the file's.
+        color: Option<Vec3> = None, without "the file's, else white";
+        /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
+        opacity: f32 = 1.0, in Range::UNIT;
+        /// One radius for all points, not scaled.
+        radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
+            without "the file's, else estimated from neighbors", start 0.003, slider Slider::Lengths(1e-5, 0.1);
+        /// Factor on the radii, wherever they come from.
+        radius_factor: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
+        /// K: neighbors that radii and uncertainty are estimated from.
+        neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,
+            slider Slider::Count(1, 256);
+        /// What is added to positions, after `scale`.
+        translate: DVec3 = DVec3::ZERO, in Vectors::Any, unit "world units";
+        /// Factor on positions and on the file's own radii.
+        scale: f64 = 1.0, in Range::POSITIVE;
+        /// Where a picture stands, before `scale` and `translate`.
+        photo: Option<Photo> = None;
+        /// What the columns of a text file are, as in `"x,y,z,-,r,g,b"`.
+        columns: Option<ColumnNames> = None, without "by its header or its values";
+        /// F: what tells soft points from solid ones, in the scene's coordinates.
+        field: Option<Field> = None;
+    }
+}
+
+impl CloudSettings {
+    /// What the settings say of the file.
+    pub fn hints(&self) -> Hints<'_> {
+        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref() }
+    }
+}
+
+impl Value for ColumnNames {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Text
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let (Some(text), Some(node)) = (table.string(key)?, table.get(key)) else { return Ok(None) };
+        Self::parse(text).map(Some).map_err(|problem| table.error(key, node, format!("names columns: {problem}")))
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        None
+    }
+}
+
+/// The keys of a cloud that only methods with solid and soft points read.
+pub(in crate::scene) const FIELD_KEYS: [&str; 3] = ["field", "soft_classes", "axis"];
+
+impl Part for Option<Field> {
+    type Allowed = ();
+
+    fn keys(&self, key: Key, (): ()) -> Vec<Key> {
+        let value = self.as_ref().map(|field| Setting::Word(field.name().to_owned()));
+        let kind = Kind::Other(
+            "`\"uncertainty\"`, `\"classification\"`, `\"intensity\"`, `\"distance-to-axis\"`, or the name of a scalar of the file",
+        );
+        let axis = |name, about, kind, without| Key { kind, without, ..Key::new(name, about) };
+        vec![
+            Key { kind, value, without: "that of a prepared file, else uncertainty", ..key },
+            Key {
+                kind: Kind::Integers(255),
+                without: "none; classification needs some",
+                ..Key::new("soft_classes", "Points of these classes are soft (classification).")
+            },
+            Key {
+                unit: "world units",
+                ..axis("axis.point", "A point of the axis (distance-to-axis).", Kind::Vector, "the middle of the cloud")
+            },
+            axis("axis.direction", "The direction of the axis (distance-to-axis).", Kind::Direction, "the vertical"),
+        ]
+    }
+
+    fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
+        if let Some(field) = field(table, key)? {
+            *self = Some(field);
+        }
+        Ok(())
+    }
+}
+
+fn field(table: &Table<'_>, key: &str) -> Result<Option<Field>, Error> {
+    let classes = table.integers("soft_classes", 255)?;
+    let axis = table.table("axis")?;
+    axis.refuse_unknown(&["point", "direction"])?;
+    let point = axis.vector("point")?.map(|p| p.to_array());
+    let direction = axis.direction("direction")?.map(|d| d.to_array());
+    let name = table.string(key)?;
+    for (key, kind) in [("soft_classes", "classification"), ("axis", "distance-to-axis")] {
+        if let (Some(node), true) = (table.get(key), name != Some(kind)) {
+            table.warn(format!("{}: `{key}` has no effect without field = {kind:?}", node.place));
+        }
+    }
+    Ok(Some(match name {
+        None => return Ok(None),
+        Some("uncertainty") => Field::Uncertainty,
+        Some("classification") => {
+            let Some(mut classes) = classes else {
+                let place = table.get(key).map_or(&table.place, |node| &node.place).clone();
+                let problem = "field = \"classification\" needs soft_classes, as in soft_classes = [3, 4, 5]".into();
+                return Err(Error::Conflict { place, problem });
+            };
+            classes.sort_unstable();
+            classes.dedup();
+            // The range was checked.
+            Field::Classification { classes: classes.into_iter().map(|class| class as u8).collect() }
+        }
+        Some("intensity") => Field::Intensity,
+        Some("distance-to-axis") => Field::DistanceToAxis { point, direction },
+        Some(name) => Field::Property { name: name.to_owned() },
+    }))
+}
+
+impl Part for Option<Photo> {
+    type Allowed = ();
+
+    fn keys(&self, _: Key, (): ()) -> Vec<Key> {
+        photo::keys()
+    }
+
+    fn update(&mut self, table: &Table<'_>, key: &str, (): ()) -> Result<(), Error> {
+        if let Some(photo) = photo::read(table, key)? {
+            *self = Some(photo);
+        }
+        Ok(())
+    }
+}

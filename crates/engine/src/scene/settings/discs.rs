@@ -1,0 +1,128 @@
+//! Transparent discs, and the methods that blend them.
+
+use crate::scene::schema::{Ladder, Slider, settings, words};
+
+settings! {
+    /// Settings of the disc family (`abuffer` and its relatives).
+    #[derive(Copy, Eq)]
+    pub struct Discs {
+        /// How discs lie: flat ones face the screen, oriented ones lie in the tangent plane.
+        shape: DiscShape = DiscShape::Flat;
+        /// How opacity falls toward a disc's rim.
+        falloff: Falloff = Falloff::Flat;
+        /// Who visits the pixels of a splat: compute shaders or the rasteriser; the picture is the same.
+        raster: Raster = Raster::Auto;
+        /// How long lists of fragments are sorted; the picture is the same.
+        long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
+    }
+}
+
+words! {
+    /// Depth and tilt of a transparent disc.
+    pub enum DiscShape {
+        /// Screen-aligned; one depth, that of the centre.
+        Flat = "flat",
+        /// A disc in the tangent plane, with a depth for each pixel; flat where a point has no normal.
+        Oriented = "oriented",
+    }
+}
+
+words! {
+    /// How opacity falls toward a disc's rim.
+    pub enum Falloff {
+        /// Constant.
+        Flat = "flat",
+        /// opacity·exp(−2ρ²), ρ = distance / radius, at most 1.
+        Gaussian = "gaussian",
+    }
+}
+
+words! {
+    /// Who walks a splat's pixels.
+    pub enum Raster {
+        /// Whichever is expected to be faster on this device for these splats.
+        Auto = "auto",
+        /// Compute shaders.
+        Compute = "compute",
+        /// The rasteriser, with atomics in the fragment shader.
+        Hardware = "hardware",
+    }
+}
+
+words! {
+    /// How lists that are too long for one invocation's registers are sorted.
+    pub enum LongLists {
+        /// In runs, by many invocations, merged between two buffers.
+        Merge = "merge",
+        /// By one invocation for each list, in the fragment buffer itself.
+        InPlace = "in-place",
+    }
+}
+
+/// Layers that depth peeling goes through at most, since each of them visits every splat.
+pub const MAX_LAYERS: u32 = 65_536;
+
+settings! {
+    /// Settings of depth peeling.
+    #[derive(Copy, Eq)]
+    pub struct Peel {
+        /// Which discs are peeled.
+        discs: Discs = Discs::default();
+        /// Layers that are peeled and blended, the nearest ones; 0 is all of them.
+        layers: u32 = 0, in 0..=MAX_LAYERS, slider Slider::Count(0, 256), tried LAYERS;
+    }
+}
+
+const LAYERS: Ladder = Ladder {
+    full: &[1, 2, 4, 8, 16, 32, 64],
+    quick: &[1, 8],
+    fine: &[1, 2, 4, 8, 16, 32, 64],
+    ends_at_longest_list: true,
+    at_once: 1,
+};
+
+/// Samples of a pixel that stochastic transparency takes at most.
+pub const MAX_SAMPLES: u32 = 4096;
+
+settings! {
+    /// Settings of multi-sample stochastic transparency.
+    #[derive(Copy, Eq)]
+    pub struct Stochastic {
+        /// Which discs are sampled.
+        discs: Discs = Discs::default();
+        /// Samples of each pixel: more have less noise and take longer.
+        samples: u32 = 64, in 1..=MAX_SAMPLES, slider Slider::Count(1, 1024), refines true, tried SAMPLES;
+        /// Takes exact opacity, and scales color to it: less noise.
+        alpha_correction: bool = true;
+    }
+}
+
+const SAMPLES: Ladder = Ladder {
+    full: &[1, 4, 16, 64, 256, 1024],
+    quick: &[1, 8, 64],
+    fine: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
+    ends_at_longest_list: false,
+    at_once: 4,
+};
+
+/// Fragments that `hybrid` composes exactly at most.
+pub const MAX_K: u32 = 64;
+
+settings! {
+    /// Settings of hybrid transparency.
+    #[derive(Copy, Eq)]
+    pub struct Hybrid {
+        /// Which discs are blended.
+        discs: Discs = Discs::default();
+        /// So many of the nearest fragments are exact, those behind are averaged.
+        k: u32 = 8, in 1..=MAX_K, tried NEAREST;
+    }
+}
+
+const NEAREST: Ladder = Ladder {
+    full: &[1, 2, 4, 8, 16, 32],
+    quick: &[1, 8],
+    fine: &[1, 2, 4, 8, 16, 32],
+    ends_at_longest_list: true,
+    at_once: 1,
+};

@@ -1,0 +1,29 @@
+//! `[image]`.
+
+use glam::Vec3;
+
+use crate::image::MAX_SIDE;
+use crate::scene::schema::{settings, words};
+
+settings! {
+    /// `[image]`.
+    #[derive(Copy)]
+    pub struct ImageSettings {
+        /// Width and height of the image.
+        size: [u32; 2] = [1024, 1024], in 1..=MAX_SIDE, unit "pixels";
+        /// What is behind all points, in linear light whatever `color` says.
+        background: Vec3 = Vec3::ZERO;
+        /// In which space colors are blended: linear light, or encoded as they are stored.
+        color: ColorSpace = ColorSpace::Linear;
+    }
+}
+
+words! {
+    /// In which space blending runs.
+    pub enum ColorSpace {
+        /// Linear light.
+        Linear = "linear",
+        /// The stored sRGB values as they are.
+        Encoded = "encoded",
+    }
+}

@@ -1,0 +1,122 @@
+//! `[shading]` and its light, and `[shadows]`.
+
+use glam::DVec3;
+
+use crate::image::MAX_SIDE;
+use crate::scene::Setting;
+use crate::scene::error::Error;
+use crate::scene::schema::{Kind, Range, Slider, Value, settings, words};
+use crate::scene::table::Table;
+use crate::scene::tree;
+
+settings! {
+    /// `[shading]`.
+    #[derive(Copy)]
+    pub struct Shading {
+        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are.
+        model: ShadingModel = ShadingModel::None;
+        /// Light that is everywhere, as a factor on the color.
+        ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// Light by the angle to the normal, as a factor on the color.
+        diffuse: f32 = 0.8, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// Strength of highlights (phong).
+        specular: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
+        /// How small highlights are (phong): their exponent.
+        shininess: f32 = 32.0, in Range::NOT_NEGATIVE, slider Slider::Powers(1.0, 1000.0);
+        /// The light: at the eye, from afar along a direction, or at a place.
+        light: Light = Light::Headlight;
+    }
+}
+
+words! {
+    /// `[shading] model`.
+    pub enum ShadingModel {
+        /// Colors as they are.
+        None = "none",
+        /// c·(ambient + diffuse·max(0, n·l)).
+        Lambert = "lambert",
+        /// Lambert plus specular·max(0, r·v)^shininess.
+        Phong = "phong",
+    }
+}
+
+/// `[shading] light`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Light {
+    /// At the eye (perspective) or against the viewing direction (orthographic).
+    #[default]
+    Headlight,
+    /// The direction in which the light travels, world space, not zero.
+    Direction(DVec3),
+    /// A position in the world.
+    Position(DVec3),
+}
+
+impl Value for Light {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Other(
+            "`\"headlight\"`, the direction `[x, y, z]` in which the light travels, or `{ position = [x, y, z] }` in world units",
+        )
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let Some(node) = table.get(key) else { return Ok(None) };
+        match &node.value {
+            tree::Value::String(word) if word == "headlight" => Ok(Some(Self::Headlight)),
+            tree::Value::Array(_) => Ok(table.direction(key)?.map(Self::Direction)),
+            tree::Value::Table(_) => {
+                let light = table.table(key)?;
+                light.refuse_unknown(&["position"])?;
+                match light.vector("position")? {
+                    Some(position) => Ok(Some(Self::Position(position))),
+                    None => Err(table.error(key, node, "must have a `position` if it is a table".into())),
+                }
+            }
+            other => {
+                let problem = format!(
+                    "must be \"headlight\", a direction [x, y, z] or {{ position = [x, y, z] }}, found {}",
+                    other.describe()
+                );
+                Err(table.error(key, node, problem))
+            }
+        }
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        match self {
+            Self::Headlight => Some(Setting::Word("headlight".to_owned())),
+            Self::Direction(direction) => Some(Setting::Numbers(direction.to_array().to_vec())),
+            // A table, which no setting is.
+            Self::Position(_) => None,
+        }
+    }
+}
+
+/// Most samples of an area light.
+pub const MAX_SHADOW_SAMPLES: u32 = 65_536;
+
+settings! {
+    /// `[shadows]`: one share of light per point (Dobrev et al. 2010, Section 6).
+    #[derive(Copy)]
+    pub struct Shadows {
+        /// Lights that stand for one with an extent: more make smoother rims.
+        samples: u32 = 1, in 1..=MAX_SHADOW_SAMPLES, slider Slider::Count(1, 256);
+        /// Extent of the light: degrees around a direction, below 90, or world units around a place; 0 makes hard shadows.
+        light_radius: f32 = 0.0, in Range::NOT_NEGATIVE, slider Slider::Lengths(0.0, 0.25);
+        /// Columns and rows of the light's image.
+        resolution: u32 = 1024, in 1..=MAX_SIDE, unit "pixels", slider Slider::Count(16, 8192);
+        /// Points so near to the first lit surface are lit with it.
+        min_layer_distance: Option<f32> = None, in Range::POSITIVE, unit "world units",
+            without "1% of the scene's diagonal", start 0.01, slider Slider::Lengths(1e-5, 1.0);
+    }
+}
+
+words! {
+    /// `[shadows] method`.
+    pub enum ShadowMethod {
+        /// One share of light for each point, found once for all views.
+        Texture = "texture",
+    }
+}

@@ -1,0 +1,288 @@
+//! Every shader and variant parses, validates and agrees with its Rust declaration. No device is needed.
+
+use std::collections::{BTreeSet, HashSet};
+
+use pellucid_engine::gpu::shader::{self, Shader, ShaderStage, WORKGROUP};
+use pellucid_engine::gpu::{Pass, Variant};
+use pellucid_engine::passes::scan;
+use pellucid_engine::{SHADERS, gpu, gpu_struct, pass};
+
+/// The vertex shader of every pass that draws, which no pass names.
+const QUAD: &str = "splat/quad.vert";
+
+/// Every pass of the engine and of the device layer.
+fn shaders() -> Vec<Shader> {
+    let mut all = pellucid_engine::shaders();
+    all.extend(gpu::shaders());
+    all
+}
+
+/// A variant for each text that a shader has: what overrides say changes none.
+fn texts(shader: &Shader) -> impl Iterator<Item = &Variant> {
+    let mut known = HashSet::new();
+    shader.variants.iter().filter(move |v| known.insert(Variant { overrides: Vec::new(), ..(*v).clone() }.key()))
+}
+
+#[test]
+fn every_shader_matches_its_pass_in_every_variant() {
+    let mut checked = 0;
+    for shader in shaders() {
+        assert!(!shader.variants.is_empty(), "{}", shader.name);
+        for variant in &shader.variants {
+            shader.check(variant).unwrap_or_else(|e| panic!("{} {variant:?}: {e}", shader.name));
+            checked += 1;
+        }
+    }
+    println!("{checked} variants");
+}
+
+#[test]
+fn every_shader_file_belongs_to_a_pass() {
+    let passes = shaders();
+    let stems = SHADERS.stems().into_iter().chain(gpu::SHADERS.stems());
+    let forgotten: Vec<String> =
+        stems.filter(|stem| stem != QUAD && passes.iter().all(|shader| shader.stem != stem)).collect();
+    assert_eq!(forgotten, Vec::<String>::new());
+}
+
+#[test]
+fn every_compute_shader_has_the_common_workgroup_or_a_subgroup() {
+    const SINGLE: [&str; 3] = ["abuffer/groups", "abuffer/run_groups", "peel/next"];
+    for shader in shaders() {
+        for variant in texts(&shader) {
+            let reflection = shader.reflection(variant).expect("a valid shader");
+            if shader.stem.starts_with("stochastic/draw_") {
+                assert_eq!(reflection.stage, ShaderStage::Fragment, "{}", shader.stem);
+            } else if reflection.stage == ShaderStage::Fragment {
+                assert_eq!(variant.walker, Some("walk_fragment"), "{}", shader.stem);
+            } else {
+                let single = SINGLE.contains(&shader.stem);
+                let wanted = if single { 1 } else { variant.subgroup.unwrap_or(WORKGROUP) };
+                assert_eq!(reflection.workgroup, [wanted, 1, 1], "{}", shader.stem);
+            }
+        }
+    }
+}
+
+/// Numbers that a stage sets once and for all, or that a frame decides: not choices.
+const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
+
+/// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
+/// out of order, spheres and opaque splats without a falloff.
+const FIXED: [(&str, &str); 13] = [
+    ("abuffer/count_tiles", "SHAPE"),
+    ("abuffer/resolve_ordered", "SHAPE"),
+    ("abuffer/store_tiles", "SHAPE"),
+    ("approximate/hybrid", "SHAPE"),
+    ("approximate/hybrid_oriented", "SHAPE"),
+    ("soft/blend_runs", "FALLOFF"),
+    ("soft/express", "SHAPE"),
+    ("soft/resolve_merge", "FALLOFF"),
+    ("soft/resolve_network", "FALLOFF"),
+    ("soft/segments", "FALLOFF"),
+    ("soft/sum_runs", "FALLOFF"),
+    ("splats/attributes", "FALLOFF"),
+    ("splats/visibility", "FALLOFF"),
+];
+
+/// A choice that no variant makes, or that all variants of a shader make alike, is one that their list forgot.
+#[test]
+fn variants_make_every_choice_in_more_than_one_way() {
+    let (mut declared, mut made, mut alike) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+    for shader in shaders() {
+        for variant in texts(&shader) {
+            let of_walker = || shader.variants.iter().filter(|v| v.walker == variant.walker);
+            for name in shader.reflection(variant).expect("a valid shader").overrides {
+                let value =
+                    |v: &Variant| v.overrides.iter().find(|(n, _)| *n == name).map(|(_, value)| value.to_bits());
+                let values: HashSet<Option<u64>> = of_walker().map(value).collect();
+                if values.iter().any(Option::is_some) {
+                    made.insert(name.clone());
+                    if values.len() == 1 && !NUMBERS.contains(&name.as_str()) {
+                        alike.insert((shader.stem, name.clone()));
+                    }
+                }
+                declared.insert(name);
+            }
+        }
+    }
+    assert_eq!(declared.difference(&made).collect::<Vec<_>>(), Vec::<&String>::new());
+    assert_eq!(alike, BTreeSet::from(FIXED.map(|(stem, name)| (stem, name.to_owned()))));
+}
+
+/// Every WGSL file of the engine and of the device layer, with its path.
+fn files() -> Vec<(std::path::PathBuf, String)> {
+    let mut folders =
+        ["crates/engine/shaders", "crates/gpu/shaders"].map(|name| pellucid_testing::root().join(name)).to_vec();
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder of shaders") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = std::fs::read_to_string(&path).expect("a shader");
+                found.push((path, text));
+            }
+        }
+    }
+    assert!(found.len() > 100, "{}", found.len());
+    found
+}
+
+#[test]
+fn every_constant_of_rust_is_mentioned_by_a_shader() {
+    let files = files();
+    let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let code = files.iter().flat_map(|(_, text)| text.lines()).map(|line| line.split("//").next().unwrap_or_default());
+    let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !part(c))).collect();
+    for (name, _) in SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten() {
+        assert!(words.contains(name), "{name}");
+    }
+}
+
+gpu_struct! {
+    /// A member renamed.
+    pub struct Renamed {
+        amount: u32,
+    }
+}
+
+gpu_struct! {
+    /// A member too many.
+    pub struct Longer {
+        count: u32,
+        more: u32,
+    }
+}
+
+pass! {
+    /// As declared in earnest.
+    Right(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another name.
+    WrongName(scan::ScanPush) = "scan/reduce" { value: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another access.
+    WrongAccess(scan::ScanPush) = "scan/reduce" { values: ReadWrite<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Another element.
+    WrongElement(scan::ScanPush) = "scan/reduce" { values: Read<f32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// A binding too few.
+    TooFew(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32> }
+}
+pass! {
+    /// A binding too many.
+    TooMany(scan::ScanPush) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32>, rest: Read<u32> }
+}
+pass! {
+    /// Push constants with another name.
+    WrongPush(Renamed) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// Push constants of another size.
+    LongPush(Longer) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+gpu_struct! {
+    /// A member of another type.
+    pub struct Floating {
+        count: f32,
+    }
+}
+
+pass! {
+    /// Push constants of another type, with the same name and size.
+    WrongPushType(Floating) = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+pass! {
+    /// No push constants.
+    NoPush = "scan/reduce" { values: Read<u32>, sums: ReadWrite<u32>, overflow: ReadWrite<u32> }
+}
+
+#[test]
+fn a_declaration_that_differs_from_its_shader_is_refused() {
+    fn result<P: Pass>() -> Result<(), String> {
+        shader::check::<P>(&Variant::plain()).map_err(|e| e.to_string())
+    }
+    result::<Right>().expect("the declaration in earnest");
+    let refusals = [
+        (result::<WrongName>(), "\"values\" in WGSL and \"value\""),
+        (result::<WrongAccess>(), "Read in WGSL, ReadWrite"),
+        (result::<WrongElement>(), "u32 in WGSL, f32 in Rust"),
+        (result::<TooFew>(), "no binding 2"),
+        (result::<TooMany>(), "\"rest\" is missing"),
+        (result::<WrongPush>(), "amount"),
+        (result::<LongPush>(), "of 8 bytes"),
+        (result::<WrongPushType>(), "{ count: u32 at 0 } of 4 bytes in WGSL, { count: f32 at 0 } of 4 bytes in Rust"),
+        (result::<NoPush>(), "no push constants"),
+    ];
+    for (result, part) in refusals {
+        let message = result.expect_err(part);
+        assert!(message.contains(part), "{message:?} should say {part:?}");
+    }
+}
+
+/// What every driver computes in its own way, or in an order of its own, is written out in shared/elementary.wgsl. A sum of two
+/// products has no order, so that `dot` of two components may stay.
+#[test]
+fn no_shader_leaves_to_the_driver_what_drivers_do_differently() {
+    const OWN: &[&str] = &[
+        "exp",
+        "exp2",
+        "log",
+        "log2",
+        "pow",
+        "sin",
+        "cos",
+        "tan",
+        "asin",
+        "acos",
+        "atan",
+        "atan2",
+        "sinh",
+        "cosh",
+        "tanh",
+        "inverseSqrt",
+        "length",
+        "distance",
+        "normalize",
+        "reflect",
+        "refract",
+        "mix",
+        "smoothstep",
+        "fma",
+        "pack4x8unorm",
+        "pack4x8snorm",
+        "pack2x16unorm",
+        "pack2x16float",
+        "round",
+    ];
+    /// Calls of any of these in a line, without its comment.
+    fn calls(line: &str) -> Vec<&str> {
+        let code = line.split("//").next().unwrap_or_default();
+        let words = code.split('(').filter_map(|part| {
+            part.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().filter(|word| OWN.contains(word))
+        });
+        // Behind the last parenthesis comes no call.
+        words.take(code.matches('(').count()).collect()
+    }
+    assert_eq!(calls("let a = exp(-x) + my_log(y) / length3(v); // pow(x)"), ["exp"]);
+    assert_eq!(calls("fn f(length: f32) { return length; }"), Vec::<&str>::new());
+
+    for (path, text) in files() {
+        for (line, number) in text.lines().zip(1..) {
+            assert_eq!(calls(line), Vec::<&str>::new(), "{}, line {number}: {line}", path.display());
+        }
+    }
+}
+
+#[test]
+fn an_unknown_override_is_refused() {
+    let error = shader::check::<Right>(&Variant::plain().with("NO_SUCH", 1)).expect_err("no such override");
+    assert!(error.to_string().contains("NO_SUCH"));
+}

@@ -1,0 +1,145 @@
+//! LAS and LAZ as another library writes them.
+
+use std::io::Cursor;
+
+use glam::{DVec3, Vec3};
+use las::point::Format;
+use las::{Builder, Color, Point, Transform, Vector, Writer};
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::color::decode_srgb;
+
+use super::load_bytes;
+
+const OFFSET: DVec3 = DVec3::new(289_814.15, 4_320_978.61, 170.76);
+
+fn builder(minor: u8, format: u8, compressed: bool) -> Builder {
+    let mut builder = Builder::from((1, minor));
+    builder.point_format = Format::new(format).unwrap();
+    builder.point_format.is_compressed = compressed;
+    let transform = |offset| Transform { scale: 0.001, offset };
+    builder.transforms = Vector { x: transform(OFFSET.x), y: transform(OFFSET.y), z: transform(OFFSET.z) };
+    builder
+}
+
+pub fn write(builder: Builder, points: impl IntoIterator<Item = Point>) -> Vec<u8> {
+    let mut writer = Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
+    for point in points {
+        writer.write_point(point).unwrap();
+    }
+    writer.into_inner().unwrap().into_inner()
+}
+
+/// A point on the file's grid.
+fn point(format: &Format, index: u16) -> Point {
+    let step = f64::from(index) * 0.001;
+    Point {
+        x: OFFSET.x + step,
+        y: OFFSET.y - 2.0 * step,
+        z: OFFSET.z + f64::from(index % 7),
+        intensity: index,
+        return_number: 1,
+        number_of_returns: 2,
+        classification: las::point::Classification::new((index % 7) as u8 + 1).unwrap(),
+        gps_time: format.has_gps_time.then_some(f64::from(index)),
+        color: format.has_color.then_some(Color::new(index, 65535 - index, 13107)),
+        nir: format.has_nir.then_some(0),
+        waveform: format.has_waveform.then(Default::default),
+        extra_bytes: vec![0; format.extra_bytes.into()],
+        ..Point::default()
+    }
+}
+
+/// A small file of each kind, for tests that damage it.
+pub fn sample(minor: u8, format: u8, compressed: bool, count: u16) -> Vec<u8> {
+    let builder = builder(minor, format, compressed);
+    let format = builder.point_format;
+    write(builder, (0..count).map(|index| point(&format, index)))
+}
+
+#[test]
+fn versions_and_point_formats() {
+    let kinds = [(0, 0), (1, 1), (2, 0), (2, 1), (2, 2), (2, 3), (3, 3), (4, 3), (4, 6), (4, 7), (4, 8)];
+    for (minor, format, compressed) in kinds.into_iter().flat_map(|(m, f)| [(m, f, false), (m, f, true)]) {
+        let name = format!("1.{minor}, format {format}, compressed: {compressed}");
+        // More than a chunk of 50 000 points and a block of 65 536.
+        let count = if format == 2 || format == 7 { 65_535 } else { 300 };
+        let cloud =
+            load_bytes("any", sample(minor, format, compressed, count)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!((cloud.len(), cloud.up), (count.into(), UpAxis::Z), "{name}");
+        for index in [0, 1, 299, count - 1] {
+            let wanted = point(&Format::new(format).unwrap(), index);
+            let at = usize::from(index);
+            // Scale and offset are applied in float64: a rounding at 4.3e6 is 5e-10.
+            let off = cloud.positions[at].distance(DVec3::new(wanted.x, wanted.y, wanted.z));
+            assert!(off < 2e-9, "{name}, point {index}: {off}");
+            assert_eq!(cloud.intensity.as_ref().unwrap()[at], f32::from(index), "{name}");
+            assert_eq!(cloud.classification.as_ref().unwrap()[at], (index % 7) as u8 + 1, "{name}");
+            if let Some(color) = wanted.color {
+                let encoded = [color.red, color.green, color.blue].map(|v| f32::from(v) / 65535.0);
+                assert_eq!(cloud.colors.as_ref().unwrap()[at], Vec3::from(encoded.map(decode_srgb)), "{name}");
+            }
+        }
+        assert_eq!(cloud.colors.is_some(), [2, 3, 7, 8].contains(&format), "{name}");
+        assert_eq!(cloud.scalars[0], ("return_number".to_owned(), vec![1.0; count.into()]));
+        assert_eq!(cloud.scalars[1], ("number_of_returns".to_owned(), vec![2.0; count.into()]));
+    }
+}
+
+#[test]
+fn eight_bit_colors_in_sixteen_bits_and_no_colors() {
+    let colors = |values: [u16; 2]| {
+        let builder = builder(2, 2, true);
+        let points = values.map(|v| Point { color: Some(Color::new(v, 0, 0)), ..point(&Format::new(2).unwrap(), 0) });
+        load_bytes("a.laz", write(builder, points)).unwrap().colors
+    };
+    assert_eq!(colors([51, 255]), Some(vec![Vec3::new(decode_srgb(0.2), 0.0, 0.0), Vec3::X]));
+    assert_eq!(colors([0, 65535]), Some(vec![Vec3::ZERO, Vec3::X]));
+    assert_eq!(colors([0, 0]), None);
+}
+
+/// A descriptor of one extra dimension (LAS 1.4, table 24).
+fn descriptor(kind: u8, name: &str, scale: Option<f64>) -> Vec<u8> {
+    let mut bytes = vec![0; 192];
+    bytes[2] = kind;
+    bytes[3] = if scale.is_some() { 0b1_1000 } else { 0 };
+    bytes[4..4 + name.len()].copy_from_slice(name.as_bytes());
+    bytes[112..120].copy_from_slice(&scale.unwrap_or_default().to_le_bytes());
+    bytes[136..144].copy_from_slice(&5f64.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn extra_dimensions_are_scalars() {
+    for compressed in [false, true] {
+        let mut builder = builder(4, 6, compressed);
+        // u16 scaled, an array of three u8 (skipped), f32, and a byte that nobody describes.
+        builder.point_format.extra_bytes = 2 + 3 + 4 + 1;
+        builder.vlrs.push(las::Vlr {
+            user_id: "LASF_Spec".to_owned(),
+            record_id: 4,
+            description: String::new(),
+            data: [
+                descriptor(3, "Pulse width", Some(0.5)),
+                descriptor(21, "rgb", None),
+                descriptor(9, "Deviation", None),
+            ]
+            .concat(),
+        });
+        let point = |width: u16, deviation: f32| Point {
+            number_of_returns: 1,
+            extra_bytes: [&width.to_le_bytes()[..], &[1, 2, 3], &deviation.to_le_bytes(), &[9]].concat(),
+            ..point(&Format::new(6).unwrap(), 0)
+        };
+        let cloud = load_bytes("a.las", write(builder, [point(7, 0.25), point(65535, -1.5)])).unwrap();
+        let wanted = [("Pulse width".to_owned(), vec![8.5, 32772.5]), ("Deviation".to_owned(), vec![0.25, -1.5])];
+        assert_eq!(cloud.scalars, wanted, "compressed: {compressed}");
+    }
+}
+
+/// A file of one point with so many extra bytes that nobody describes.
+pub fn with_extra_bytes(minor: u8, format: u8, compressed: bool, extra_bytes: u16) -> Vec<u8> {
+    let mut builder = builder(minor, format, compressed);
+    builder.point_format.extra_bytes = extra_bytes;
+    let point = Point { extra_bytes: vec![7; extra_bytes.into()], ..point(&Format::new(format).unwrap(), 0) };
+    write(builder, [point])
+}

@@ -1,0 +1,13 @@
+//! What needs no device: files, scenes, points, camera paths, images and the float64 references.
+
+mod camera_paths;
+mod ensembles;
+mod io;
+mod metrics;
+mod output;
+mod photo;
+mod prepare;
+mod procedural;
+mod reference;
+mod scene;
+mod tracked;

@@ -1,0 +1,56 @@
+//! Formulas as they are written first, in float32 on the host. The cases must tell them from what the device does.
+
+mod filters;
+mod points;
+mod soft;
+
+use glam::Vec3;
+
+use super::stage::Dot;
+
+pub use filters::Filtered;
+pub use points::{blended, covers, gaussian, half, is_between, pixel, stored_depth, weighted};
+pub use soft::{Soft, disc};
+
+/// Over with the product of 1 − α.
+pub fn over(dots: &[Dot]) -> [f32; 4] {
+    over_until(dots, 0.0)
+}
+
+/// As [`over`], until less than a share of the light passes.
+pub fn over_until(dots: &[Dot], least: f32) -> [f32; 4] {
+    let (mut color, mut rest) = (Vec3::ZERO, 1f32);
+    for dot in dots {
+        if rest < least {
+            break;
+        }
+        color += dot.color * (dot.opacity * rest);
+        rest *= 1.0 - dot.opacity;
+    }
+    [color.x, color.y, color.z, 1.0 - rest]
+}
+
+/// Depth of the nearest dot, however transparent it is.
+pub fn nearest(dots: &[Dot]) -> f32 {
+    dots.iter().map(|dot| -dot.position.z as f32).fold(f32::INFINITY, f32::min)
+}
+
+/// Layers of surfaces from near to far (`peel-layers`), each at `distance` behind the last one less a tolerance that is
+/// relative to its depth: the pixel, and how many layers there are.
+pub fn peel(dots: &[Dot], distance: f32, tolerance: f32, most: u32) -> ([f32; 4], u32) {
+    let depth = |dot: &Dot| -dot.position.z as f32;
+    let (mut layers, mut from) = (Vec::new(), f32::NEG_INFINITY);
+    for _ in 0..most {
+        let behind = dots.iter().filter(|dot| depth(dot) >= from);
+        let Some(next) = behind.min_by(|a, b| depth(a).total_cmp(&depth(b))) else { break };
+        layers.push(*next);
+        from = depth(next) + distance - tolerance * depth(next);
+    }
+    (over(&layers), layers.len() as u32)
+}
+
+/// Bytes in which two lists of pixels differ.
+pub fn bytes_apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+    let (a, b) = (bytemuck::cast_slice::<_, u8>(a), bytemuck::cast_slice::<_, u8>(b));
+    (a.iter().zip(b).filter(|(a, b)| a != b).count() + a.len().abs_diff(b.len())) as f64
+}

@@ -1,0 +1,173 @@
+//! Which settings apply to a scene, and why the others don't.
+
+use super::Skipped;
+use super::settings::{Formation, Ladders, Occasion, Setting};
+use super::surfaces::ladder;
+use pellucid_engine::methods::abuffer::LOCAL_LENGTH;
+use pellucid_engine::scene::{self, Density, Family, Key, Kind, Ladder, Method, ScreenSplats, Soft, SoftLayout};
+
+/// Settings that apply, and those that don't, with the reason.
+#[derive(Default)]
+struct Found {
+    settings: Vec<Setting>,
+    skipped: Vec<Skipped>,
+}
+
+/// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every method is
+/// among the ones or the others.
+pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
+    let mut found = Found::default();
+    match occasion.formation {
+        Formation::Discs(discs) => {
+            for method in Family::Discs.methods() {
+                found.try_all(occasion, ladders, method.with_keys(&discs.keys()), "");
+            }
+            found.circles(occasion);
+        }
+        Formation::Ensembles(spbr) => {
+            found.try_all(occasion, ladders, Method::Spbr(spbr), "");
+            let reason = "its opacity depends on the number of ensembles: there is no one image to compare them with";
+            found.skip(Method::SpbrSimplified(Default::default()), reason);
+        }
+        Formation::Soft { soft, from_lambda } => {
+            let rest = match soft.density {
+                Density::Softness(peak) if from_lambda => format!("method.softness={peak}"),
+                _ => String::new(),
+            };
+            for method in Family::Soft.methods() {
+                found.try_all(occasion, ladders, method.with_keys(&soft.keys()), &rest);
+            }
+        }
+        Formation::Surfaces(surfaces) => (found.settings, found.skipped) = ladder::settings(&surfaces, ladders),
+    }
+    found.skip_the_others(&occasion.formation);
+    (found.settings, found.skipped)
+}
+
+impl Found {
+    fn skip(&mut self, method: Method, reason: &str) {
+        self.skipped.push(Setting::single(method, "").skipped(reason));
+    }
+
+    /// A method as it is, and by every other setting that is compared, each with the ladder of its key.
+    fn try_all(&mut self, occasion: &Occasion, ladders: &Ladders, method: Method, rest: &str) {
+        self.climb(occasion, ladders, method, rest);
+        for also in method.also() {
+            let Some((key, value)) = also.split_once('=') else { continue };
+            let text = format!("method.{also} {rest}").trim_end().to_owned();
+            let other = method.with(key, word(value)).unwrap_or(method);
+            match pointless(occasion, &other, also) {
+                Some(reason) => self.skipped.push(Setting::single(other, &text).skipped(reason)),
+                None => self.climb(occasion, ladders, other, &text),
+            }
+        }
+    }
+
+    /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of them.
+    fn climb(&mut self, occasion: &Occasion, ladders: &Ladders, method: Method, rest: &str) {
+        let compared = method.keys().into_iter().find_map(|key| key.tried.map(|ladder| (key, ladder)));
+        let Some((key, ladder)) = compared else {
+            self.settings.push(Setting::single(method, rest));
+            return;
+        };
+        let longest = occasion.max_list;
+        let mut reached = false;
+        for value in ladders.steps(&ladder) {
+            let Ok(stepped) = method.with(key.name, scene::Setting::Integer(*value)) else { continue };
+            let setting = Setting {
+                effort: Some(value.div_ceil(ladder.at_once).into()),
+                ..Setting::step(stepped, (key.name, *value), rest)
+            };
+            if reached {
+                let reason = format!("the longest list has {longest} fragments: the step before has all");
+                self.skipped.push(setting.skipped(reason));
+            } else {
+                reached = ladder.ends_at_longest_list && *value >= longest;
+                self.settings.push(setting);
+            }
+        }
+        self.settings.extend(on_top(occasion, method, &key, &ladder, rest));
+    }
+
+    /// Opaque discs that face the screen: without the clamp of opaque splats their image is that of the A-buffer.
+    fn circles(&mut self, occasion: &Occasion) {
+        let unclamped = ScreenSplats { max_pixel_radius: f32::MAX, ..ScreenSplats::default() };
+        let circles = Setting::single(Method::Circles(unclamped), &format!("method.max_pixel_radius={:e}", f32::MAX));
+        if !occasion.opaque {
+            self.skipped.push(circles.skipped("draws opaque discs, and not all of this scene are"));
+        } else if occasion.oriented {
+            self.skipped.push(circles.skipped("draws discs that face the screen, and those of this scene don't"));
+        } else {
+            // Before the ladders, with the other exact ones.
+            let at = self.settings.iter().position(|setting| setting.step.is_some()).unwrap_or(self.settings.len());
+            self.settings.insert(at, circles);
+        }
+    }
+
+    /// The methods that draw something else.
+    fn skip_the_others(&mut self, formation: &Formation) {
+        for method in Method::all() {
+            let name = method.name();
+            let is_tried = self.settings.iter().any(|setting| setting.method.name() == name);
+            if !is_tried && self.skipped.iter().all(|skipped| skipped.method != name) {
+                self.skip(method, why_not(formation, method.family()));
+            }
+        }
+    }
+}
+
+/// The default of a key whose values are compared, where it is none of them: all layers, adaptive shells.
+fn on_top(occasion: &Occasion, method: Method, key: &Key, ladder: &Ladder, rest: &str) -> Option<Setting> {
+    match (&key.value, key.kind) {
+        (Some(scene::Setting::Integer(0)), _) => {
+            let effort = ladder.ends_at_longest_list.then(|| occasion.max_list.into());
+            Some(Setting { effort, ..Setting::single(method, rest) })
+        }
+        (None, Kind::WordOr(word, _)) => {
+            let text = format!("method.{}={word} {rest}", key.name);
+            Some(Setting::single(method, text.trim_end()))
+        }
+        _ => None,
+    }
+}
+
+fn word(value: &str) -> scene::Setting {
+    match value.parse() {
+        Ok(flag) => scene::Setting::Flag(flag),
+        Err(_) => scene::Setting::Word(value.to_owned()),
+    }
+}
+
+/// Why a setting would draw nothing else, or can't draw this.
+fn pointless(occasion: &Occasion, method: &Method, also: &str) -> Option<String> {
+    let longest = occasion.max_list;
+    match (also, method.soft()) {
+        ("long_lists=in-place", _) if longest <= LOCAL_LENGTH => {
+            Some(format!("the longest list has {longest} fragments: none is long"))
+        }
+        (_, Some(Soft { layout: SoftLayout::Paper, modulation: Some(_), .. })) => {
+            Some("has no room for what method.modulation needs".to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// Why a family of methods is not compared with an image formation.
+fn why_not(formation: &Formation, family: Family) -> &'static str {
+    match (formation, family) {
+        (Formation::Ensembles(_), Family::Discs) => {
+            "draws discs that cover each other, each with the opacity that spbr gives to their surface"
+        }
+        (Formation::Surfaces(_), Family::Opaque) => "is not among those whose surfaces are compared",
+        (_, Family::Opaque) => "draws opaque points of another shape: its image is not meant to be the same",
+        (Formation::Surfaces(_), Family::Surfaces | Family::OneLayer) => {
+            "draws layers that are seen through, another image formation"
+        }
+        (_, Family::Surfaces) => "draws surfaces of points, another image formation",
+        (_, Family::Discs) => "draws transparent discs, another image formation",
+        (_, Family::Soft) => "draws soft spheres, another image formation",
+        (_, Family::OneLayer) => "draws one transparent layer, another image formation",
+        (_, Family::Ensembles) => "draws surfaces that are seen through, another image formation",
+        (_, _) => "draws something else",
+    }
+}

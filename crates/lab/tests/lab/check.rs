@@ -1,0 +1,130 @@
+//! The list of hard cases: each passes on the device and notices the naive formula. On llvmpipe, where its results are known,
+//! none may be missing, none get much worse than in the last release, and docs/numerics.md must hold what comes out.
+
+use pellucid_lab::check::{self, Case, Counts, Verdict};
+use pellucid_testing::{is_llvmpipe, root, with_device};
+
+/// Cases on llvmpipe, all of which apply there.
+const CASES: usize = 356;
+
+fn run(device: &pellucid_engine::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
+    let mut stage = check::stage(device).expect("a stage");
+    cases.iter().map(|case| case.run(&mut stage)).collect()
+}
+
+/// What is wrong on any device.
+fn wrong(results: &[(&Case, Verdict)]) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (case, verdict) in results {
+        if verdict.is_wrong() {
+            wrong.push(format!("{}: {verdict:?}", case.name));
+        }
+        if let Verdict::Found(finding) = verdict
+            && finding.naive.is_noticed(finding.bound) == Some(false)
+        {
+            wrong.push(format!("{} would not notice the naive formula: {finding:?}", case.name));
+        }
+    }
+    wrong
+}
+
+/// What is wrong on the device of the release.
+fn worse(results: &[(&Case, Verdict)]) -> Vec<String> {
+    let mut worse = Vec::new();
+    for (case, verdict) in results {
+        match verdict {
+            Verdict::NotApplicable(lack, why) => worse.push(format!("{} lacks {}: {why}", case.name, lack.name())),
+            Verdict::Found(finding) => worse.extend(check::regression(&case.name, finding).map(|r| r.to_string())),
+            Verdict::Failed(_) => {}
+        }
+    }
+    let counts = Counts::new(results.iter().map(|(_, verdict)| verdict));
+    if (counts.passed, results.len()) != (CASES, CASES) {
+        worse.push(format!("{counts} of {} cases, but llvmpipe passes {CASES}", results.len()));
+    }
+    worse
+}
+
+fn rows(page: &str) -> Vec<&str> {
+    page.lines().filter(|line| line.starts_with("| `")).collect()
+}
+
+/// Writes what this release measures into the table of errors and the page about numerics.
+fn update(results: &[(&Case, Verdict)]) {
+    let path = root().join("docs/numerics.md");
+    let page = std::fs::read_to_string(&path).expect("docs/numerics.md");
+    let table = check::markdown(results);
+    let start = page.find("| case |").expect("the table's head");
+    let rest = page[start..].find("\n\n").map_or("", |end| &page[start + end + 1..]);
+    std::fs::write(path, format!("{}{table}{rest}", &page[..start])).expect("written");
+    std::fs::write(root().join("crates/lab/src/check/released.txt"), check::released_table(results)).expect("written");
+}
+
+#[test]
+fn every_case_passes_would_notice_the_naive_formula_and_is_no_worse_than_released() {
+    with_device(|device| {
+        let cases = check::cases();
+        let results: Vec<(&Case, Verdict)> = cases.iter().zip(run(device, &cases)).collect();
+        for (case, verdict) in &results {
+            println!("{:<40} {verdict:?}", case.name);
+        }
+        let mut wrong = wrong(&results);
+        if is_llvmpipe(device) {
+            if std::env::var_os("PELLUCID_UPDATE").is_some_and(|value| value == "1") {
+                update(&results);
+                println!("docs/numerics.md and released.txt were written; the next run compares with them");
+            } else {
+                wrong.extend(worse(&results));
+                let page = std::fs::read_to_string(root().join("docs/numerics.md")).expect("docs/numerics.md");
+                let table = check::markdown(&results);
+                let differ =
+                    rows(&page).into_iter().zip(rows(&table)).filter(|(known, found)| numbers(known) != numbers(found));
+                wrong.extend(differ.map(|(known, found)| {
+                    format!("docs/numerics.md is stale (PELLUCID_UPDATE=1 writes it): {known}, not {found}")
+                }));
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    });
+}
+
+/// The columns of a row that do not depend on how the device of this run rounds: all but the error, the fourth.
+fn numbers(row: &str) -> Vec<&str> {
+    row.split('|').enumerate().filter(|(i, _)| *i != 4).map(|(_, cell)| cell.trim()).collect()
+}
+
+#[test]
+fn names_differ() {
+    let mut names: Vec<String> = check::cases().into_iter().map(|case| case.name).collect();
+    assert_eq!(names.len(), CASES);
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), CASES);
+}
+
+#[test]
+fn every_method_has_hard_cases() {
+    let cases = check::cases();
+    for method in pellucid_engine::scene::METHODS {
+        let of = cases.iter().filter(|case| case.name.split('/').next() == Some(*method));
+        assert!(*method == "auto" || of.count() > 0, "{method} has none");
+    }
+}
+
+#[test]
+fn the_page_about_numerics_holds_them_all_with_the_errors_of_the_release() {
+    let page = std::fs::read_to_string(root().join("docs/numerics.md")).expect("docs/numerics.md");
+    let (rows, cases) = (rows(&page), check::cases());
+    let groups = check::groups(&cases);
+    for (row, group) in rows.iter().zip(&groups) {
+        let columns = group.columns();
+        assert!(
+            row.starts_with(&columns),
+            "tests/lab/check.rs with PELLUCID_UPDATE=1 writes the table: {columns}, not {row}"
+        );
+        // The table was written by the run that is the release's.
+        let cells: Vec<&str> = row[columns.len()..].split('|').map(str::trim).collect();
+        assert_eq!(cells[0], cells[1], "{row}");
+    }
+    assert_eq!(rows.len(), groups.len());
+}

@@ -1,0 +1,7 @@
+//! Checks of all methods alike, and the pages that reports write.
+
+mod check;
+mod determinism;
+mod profiler;
+mod stopped;
+mod tradeoff_page;

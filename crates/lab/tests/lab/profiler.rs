@@ -1,0 +1,135 @@
+//! Measurements: JSON, trace and table of a profile made by hand, and what must hold of measured ones.
+
+use std::time::Duration;
+
+use pellucid_engine::gpu::PassTime;
+use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
+use pellucid_engine::profile::{Profile, copy_rate, histogram};
+use pellucid_engine::scene::{Discs, Method};
+use pellucid_testing::{frame, perspective, scene, soup, with_device};
+use serde_json::json;
+
+/// Two frames of two passes; the second one ran twice in the first frame.
+fn by_hand() -> Profile {
+    let ms = Duration::from_millis;
+    let pass = |name, gpu, invocations, bytes| PassProfile { name, gpu: ms(gpu), invocations, bytes };
+    let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), invocations: Some(64) }, ms(start));
+    Profile {
+        device: "a device".into(),
+        driver: "a driver".into(),
+        timestamp_period_ns: 0.5,
+        pixels: 12,
+        facts: Facts {
+            points: 5,
+            fragments: 30,
+            max_list: 4,
+            bands: 2,
+            fragment_bytes: 240,
+            peak_device_bytes: 1 << 20,
+            ..Facts::default()
+        },
+        list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
+        frames: vec![
+            FrameProfile {
+                passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],
+                timeline: vec![run("x/a", 1, 0), run("x/b", 2, 1), run("x/b", 3, 4)],
+                submitted: ms(8),
+                wall: ms(10),
+            },
+            FrameProfile {
+                passes: vec![pass("x/a", 3, None, None), pass("x/b", 7, Some(128), Some(1 << 20))],
+                timeline: vec![run("x/a", 3, 0), run("x/b", 7, 3)],
+                submitted: ms(12),
+                wall: ms(20),
+            },
+        ],
+    }
+}
+
+#[test]
+fn the_json_is_the_documented_one() {
+    let pass = |name: &str, gpu: f64, invocations: Option<u64>, bytes: Option<u64>| json!({ "name": name, "gpu_ms": gpu, "invocations": invocations, "bytes": bytes });
+    let expected = json!({
+        "version": 1,
+        "device": { "name": "a device", "driver": "a driver", "timestamp_period_ns": 0.5 },
+        "scene": { "points": 5, "pixels": 12, "fragments": 30, "max_list": 4, "list_histogram": [[0, 4], [3, 2], [4, 6]] },
+        "memory": { "peak_device_bytes": 1_048_576, "fragment_bytes": 240, "bands": 2 },
+        "frames": [
+            { "gpu_ms": 6.0, "wall_ms": 10.0,
+              "passes": [pass("x/a", 1.0, None, None), pass("x/b", 5.0, Some(128), Some(1_048_576))] },
+            { "gpu_ms": 10.0, "wall_ms": 20.0,
+              "passes": [pass("x/a", 3.0, None, None), pass("x/b", 7.0, Some(128), Some(1_048_576))] },
+        ],
+    });
+    assert_eq!(by_hand().to_json(), expected);
+}
+
+#[test]
+fn the_trace_has_an_event_for_every_dispatch_and_frame() {
+    let trace = by_hand().to_trace();
+    let events = trace["traceEvents"].as_array().unwrap();
+    let row = |event: &serde_json::Value| {
+        (event["name"].as_str().unwrap().to_owned(), event["ts"].as_f64().unwrap(), event["dur"].as_f64().unwrap())
+    };
+    let found: Vec<_> = events.iter().filter(|event| event["ph"] == "X").map(row).collect();
+    let expected = [
+        ("frame 0", 0.0, 10_000.0),
+        ("x/a", 0.0, 1000.0),
+        ("x/b", 1000.0, 2000.0),
+        ("x/b", 4000.0, 3000.0),
+        // The second frame begins where the first one ended.
+        ("frame 1", 10_000.0, 20_000.0),
+        ("x/a", 10_000.0, 3000.0),
+        ("x/b", 13_000.0, 7000.0),
+    ];
+    assert_eq!(found, expected.map(|(name, ts, dur)| (name.to_owned(), ts, dur)));
+}
+
+#[test]
+fn the_table_has_least_median_and_greatest_times_and_rates() {
+    // 2^20 bytes in a median of 6 ms are 174.76 MB/s: 35% of 0.5 GB/s.
+    let table = pellucid_lab::profile_table(&by_hand(), Some(0.5e9));
+    let columns = |name: &str| -> Vec<String> {
+        let row = table.lines().find(|line| line.split_whitespace().next() == Some(name)).expect(name);
+        row.split_whitespace().map(str::to_owned).collect()
+    };
+    assert_eq!(columns("x/a"), ["x/a", "1.000", "2.000", "3.000", "25.0%"]);
+    assert_eq!(columns("x/b"), ["x/b", "5.000", "6.000", "7.000", "75.0%", "128", "1.0", "0.17", "35%"]);
+    // Medians of 6 and 10, of 8 and 12, of 10 and 20.
+    for part in ["passes 8.00 ms of 10.00 ms submitted (80.0%)", "read-back 15.00 ms", "2 frame(s)", "12 pixels"] {
+        assert!(table.contains(part), "{part:?} in {table}");
+    }
+    assert!(!pellucid_lab::profile_table(&by_hand(), None).contains("copy rate of this device"));
+}
+
+#[test]
+fn passes_add_up_to_the_submissions() {
+    with_device(|device| {
+        let points = scene(&soup(21, 60_000, 0.05..0.2, 0.1..0.9, false));
+        let frame = frame(perspective(), [640, 480], Method::ABuffer(Discs::default()));
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let mut cloud = renderer.upload(&points).expect("fits");
+        let mut shares = Vec::new();
+        for _ in 0..5 {
+            let profile = renderer.render(&mut cloud, &frame).expect("rendered").profile;
+            assert!(profile.gpu() <= profile.submitted && profile.submitted <= profile.wall, "{profile:?}");
+            let timeline: Duration = profile.timeline.iter().map(|(pass, _)| pass.gpu).sum();
+            assert_eq!(timeline, profile.gpu(), "the passes are their dispatches");
+            shares.push(profile.gpu().as_secs_f64() / profile.submitted.as_secs_f64());
+        }
+        // A submission takes time of its own, some tenths of a millisecond. Other work on the machine may push in
+        // between, hence the best of some frames; on a CPU driver these frames take a good part of a second.
+        let best = shares.iter().copied().fold(0.0, f64::max);
+        let cpu = device.info().kind == "CPU";
+        assert!(best > if cpu { 0.95 } else { 0.5 }, "{shares:?}");
+    });
+}
+
+#[test]
+fn the_copy_rate_is_one_that_memory_can_have() {
+    with_device(|device| {
+        let rate = copy_rate(device).expect("measured");
+        // From a slow single board to a few times the fastest memory of today.
+        assert!((1e8..1e14).contains(&rate), "{rate} bytes/s");
+    });
+}

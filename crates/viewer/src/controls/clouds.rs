@@ -1,0 +1,33 @@
+//! Controls of clouds.
+
+use super::{Entry, Extent, Presence, entry, find};
+use pellucid_engine::prepare::DEFAULT_NEIGHBORS;
+use pellucid_engine::scene::{CloudSettings, Setting};
+
+/// The control of a key of a `[[cloud]]`, of those that the panel has. `own_radii`: whether the file has radii, and K that it was
+/// prepared with.
+pub fn cloud(
+    cloud: &CloudSettings,
+    key: &str,
+    own_radii: bool,
+    prepared: Option<usize>,
+    extent: Extent,
+) -> Option<Entry> {
+    let key = find(cloud.keys(), key)?;
+    let mut entry = entry(&key, extent)?;
+    if let Presence::Optional { on, without } = &mut entry.presence {
+        match key.name {
+            "color" => "the file's".clone_into(without),
+            "radius" => (if own_radii { "the file's" } else { "estimated" }).clone_into(without),
+            "neighbors" => {
+                let default = prepared.unwrap_or(DEFAULT_NEIGHBORS);
+                *without = default.to_string();
+                if !*on {
+                    entry.value = Setting::Integer(u32::try_from(default).unwrap_or(u32::MAX));
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(entry)
+}
