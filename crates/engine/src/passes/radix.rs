@@ -184,7 +184,7 @@ fn counters(device: &Device, records: u64) -> u64 {
 }
 
 /// The variant of `radix/scatter`.
-fn scatter_variant(subgroup: u32) -> Variant {
+pub fn scatter_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup).network(subgroup)
 }
 
