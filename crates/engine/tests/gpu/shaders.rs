@@ -91,11 +91,10 @@ fn variants_make_every_choice_in_more_than_one_way() {
     let (mut declared, mut made, mut alike) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     for shader in shaders() {
         for variant in texts(&shader) {
-            let of_walker = || shader.variants.iter().filter(|v| v.walker == variant.walker);
             for name in shader.reflection(variant).expect("a valid shader").overrides {
                 let value =
                     |v: &Variant| v.overrides.iter().find(|(n, _)| *n == name).map(|(_, value)| value.to_bits());
-                let values: HashSet<Option<u64>> = of_walker().map(value).collect();
+                let values: HashSet<Option<u64>> = shader.variants.iter().map(value).collect();
                 if values.iter().any(Option::is_some) {
                     made.insert(name.clone());
                     if values.len() == 1 && !NUMBERS.contains(&name.as_str()) {
