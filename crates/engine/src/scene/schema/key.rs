@@ -144,4 +144,6 @@ pub struct Ladder {
     pub ends_at_longest_list: bool,
     /// How many are done at once, and so take the time of one.
     pub at_once: u32,
+    /// The methods that differ by the key, of those that have it; empty: all of them.
+    pub only: &'static [&'static str],
 }

@@ -79,6 +79,7 @@ const LAYERS: Ladder = Ladder {
     fine: &[1, 2, 4, 8, 16, 32, 64],
     ends_at_longest_list: true,
     at_once: 1,
+    only: &[],
 };
 
 /// Samples of a pixel that stochastic transparency takes at most.
@@ -103,6 +104,7 @@ const SAMPLES: Ladder = Ladder {
     fine: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096],
     ends_at_longest_list: false,
     at_once: 4,
+    only: &[],
 };
 
 /// Fragments that `hybrid` composes exactly at most.
@@ -125,4 +127,5 @@ const NEAREST: Ladder = Ladder {
     fine: &[1, 2, 4, 8, 16, 32],
     ends_at_longest_list: true,
     at_once: 1,
+    only: &[],
 };

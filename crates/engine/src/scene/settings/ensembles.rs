@@ -39,6 +39,7 @@ const ENSEMBLES: Ladder = Ladder {
     fine: &[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024],
     ends_at_longest_list: false,
     at_once: 1,
+    only: &[],
 };
 
 /// The factor p on the colors of an image (Uchida et al. 2020, Section 3.4).

@@ -124,8 +124,14 @@ impl Value for Shells {
     }
 }
 
-const SHELLS: Ladder =
-    Ladder { full: &[1, 2, 4, 8], quick: &[1, 4], fine: &[1, 2, 4, 8], ends_at_longest_list: false, at_once: 1 };
+const SHELLS: Ladder = Ladder {
+    full: &[1, 2, 4, 8],
+    quick: &[1, 4],
+    fine: &[1, 2, 4, 8],
+    ends_at_longest_list: false,
+    at_once: 1,
+    only: &["soft-concentric"],
+};
 
 words! {
     /// `layout`: what is stored of an event of a sphere and a ray.

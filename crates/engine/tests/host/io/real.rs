@@ -127,7 +127,7 @@ fn all_files_load_or_are_refused() {
         let cut = if clouds.is_subset() { CUT } else { &[] };
         let found = POINTS.iter().chain(cut).filter_map(|(file, points)| Some((file, clouds.file(file)?, points)));
         let count = found.map(|(file, path, points)| assert_loads(file, &path, *points)).count();
-        assert!(count >= 48, "{count} files");
+        assert!(count >= if clouds.is_subset() { 47 } else { 48 }, "{count} files");
         let found = REFUSED.iter().filter_map(|(file, says)| Some((file, clouds.file(file)?, says)));
         for (file, path, says) in found {
             let message = load(&path).expect_err(file).to_string();
@@ -325,7 +325,7 @@ fn attributes_of_cut_files() {
             assert!(brightest(&load(file)) > 0.5, "{file}");
         }
         assert_eq!(names(load("indoor/redwood_fragment_1k.pcd")), ["curvature"]);
-        assert!(codes(load("lidar/sample_c_2k.las")).starts_with(&[2, 3, 4, 5, 6]));
+        assert_eq!(codes(load("lidar/sample_c_2k.las")), [2, 3, 4, 6, 11, 14, 31]);
     }
 }
 

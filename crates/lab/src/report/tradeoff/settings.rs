@@ -311,7 +311,8 @@ mod tests {
         assert!(settings.iter().all(|setting| setting.is_stochastic() && !setting.is_exact(&occasion)));
         assert!(settings.iter().all(|s| matches!(s.method, Method::Spbr(Spbr { cos_theta: false, .. }))));
         let names: Vec<&str> = skipped.iter().map(|skipped| skipped.method.as_str()).collect();
-        assert_eq!(names[..3], ["spbr-simplified", "abuffer", "soft-base"]);
+        assert_eq!(names[0], "spbr-simplified");
+        assert!(["abuffer", "soft-base"].iter().all(|other| names.contains(other)), "{names:?}");
         assert!(super::formation(&Method::SpbrSimplified(Default::default()), &Points::default()).is_err());
     }
 
