@@ -82,6 +82,8 @@ pub mod methods;
 pub mod metrics;
 pub mod output;
 pub mod passes;
+#[cfg(test)]
+mod passes_page;
 pub mod plan;
 pub mod points;
 pub mod prepare;

@@ -38,7 +38,7 @@ gpu_struct! {
 
 pass! {
     @from crate::SHADERS;
-    /// Compares stored with counted.
+    /// Compares where each cursor ended with where the next range begins; debug builds alone, untimed.
     pub Agree(AgreePush) = "debug/agree" {
         found: ReadWrite<u32>,
         stored: Read<u32>,

@@ -32,7 +32,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Fragments into nodes.
+    /// Takes a node from the counter for each covered pixel of each splat, and puts it before the pixel's list by an
+    /// atomic exchange.
     pub Store(RasterPush) = "linked-list/store" in "linked_list/store" {
         chunk: Shared<ChunkGroup>,
         heads: ReadWrite<u32>,
@@ -43,7 +44,7 @@ pass! {
 }
 
 pass! {
-    /// Lists into their pixels' ranges.
+    /// Copies up to 32 768 nodes of each pixel's list into the pixel's range; repeats from where it stopped.
     pub Gather(GatherPush) = "linked-list/gather" in "linked_list/gather" {
         offsets: Read<u32>,
         heads: ReadWrite<u32>,

@@ -55,7 +55,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Key and index of each splat of a chunk.
+    /// Writes the sort key and index of each point's splat; splats that are not drawn come last. The key is the depth
+    /// above the nearest possible one; for `unsorted` the place in the files; nothing where any order does.
     pub Keys(KeysPush) = "bin/keys" {
         splats: Read<Splat>,
         bounds: Read<Bounds>,
@@ -73,7 +74,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Splats in order, with their depths.
+    /// Copies depth, footprint, color, tilt and rectangle of each drawn splat to its place in the order.
     pub Gather(GatherPush) = "bin/gather" {
         composing: Shared<ComposingGroup>,
         bounds: Read<Bounds>,
@@ -95,7 +96,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Drawn points of each run of a presorted order.
+    /// Counts the drawn points of each run of a presorted order, by one subgroup.
     pub Pick(PresortedPush) = "bin/pick" {
         order: Read<u32>,
         bounds: Read<Bounds>,
@@ -104,7 +105,8 @@ pass! {
 }
 
 pass! {
-    /// The drawn points of a presorted order.
+    /// Writes the record of each drawn point of a presorted order to its place among them, over the same runs as
+    /// `bin/pick`.
     pub Place(PresortedPush) = "bin/place" {
         order: Read<u32>,
         bounds: Read<Bounds>,
@@ -114,7 +116,7 @@ pass! {
 }
 
 pass! {
-    /// Splats per tile and run.
+    /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle meets.
     pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
         view: Uniform<View>,
         rectangles: Read<[u32; 2]>,
@@ -123,7 +125,7 @@ pass! {
 }
 
 pass! {
-    /// Splats into their tiles.
+    /// Stores each splat in the lists of its tiles: one subgroup for each run of splats and block of tiles, in order.
     pub TileStore(TilePush) = "bin/tile-store" in "bin/tile_store" {
         view: Uniform<View>,
         rectangles: Read<[u32; 2]>,
@@ -141,7 +143,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// The longest list of a tile.
+    /// Finds the longest list of a tile.
     pub Measure(MeasurePush) = "bin/measure" {
         starts: Read<u32>,
         longest: ReadWrite<u32>,

@@ -107,7 +107,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Projects, shades and bounds the points of one chunk.
+    /// Projects each point to a splat: camera-relative position in two-float arithmetic, culling by near, far and
+    /// window, shading, rectangle of pixels. It lists large splats for their tiles.
     pub Project(ProjectPush) = "splat/project" {
         camera: Uniform<View>,
         points_hi: Read<[f32; 4]>,

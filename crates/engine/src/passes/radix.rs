@@ -19,7 +19,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Digits per run.
+    /// Counts the records of each run by their digit; runs once for each digit.
     pub Count(RadixPush) = "radix/count" {
         records: Read<[u32; 2]>,
         counts: ReadWrite<u32>,
@@ -27,7 +27,8 @@ pass! {
 }
 
 pass! {
-    /// Records to their places.
+    /// Moves each record to its place among those of its digit: one subgroup per run, in order; runs once for each
+    /// digit.
     pub Scatter(RadixPush) = "radix/scatter" {
         records: Read<[u32; 2]>,
         cursors: ReadWrite<u32>,

@@ -15,7 +15,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Sums of runs.
+    /// Sums runs of 64 counters, level by level. A carry out of 32 bits sets the overflow flag.
     pub Reduce(ScanPush) = "scan/reduce" {
         values: Read<u32>,
         sums: ReadWrite<u32>,
@@ -24,7 +24,8 @@ pass! {
 }
 
 pass! {
-    /// Prefix sums within runs.
+    /// Writes the prefix sums of each run from the level above. It serves pixels, tiles of large splats, digits and
+    /// tiles of ordered splats, and so does `scan/reduce`.
     pub Spread(ScanPush) = "scan/spread" {
         values: Read<u32>,
         starts: Read<u32>,

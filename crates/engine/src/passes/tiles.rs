@@ -20,7 +20,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Large splats per tile.
+    /// Counts the large splats of each tile, from all pairs of a large splat and a tile that its rectangle meets.
     pub TileCount(TilePush) = "splat/tile-count" in "splat/tile_count" {
         view: Uniform<View>,
         bounds: Read<Bounds>,
@@ -31,7 +31,7 @@ pass! {
 }
 
 pass! {
-    /// Large splats into their tiles.
+    /// Stores the large splats of each tile in its list, from the same pairs as `splat/tile-count`.
     pub TileStore(TilePush) = "splat/tile-store" in "splat/tile_store" {
         view: Uniform<View>,
         bounds: Read<Bounds>,

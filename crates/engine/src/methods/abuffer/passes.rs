@@ -103,7 +103,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Fragments per pixel.
+    /// Counts the fragments of each pixel by one atomic increment for each covered pixel of each splat.
     pub Count(RasterPush) = "abuffer/count" {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
@@ -111,7 +111,8 @@ pass! {
 }
 
 pass! {
-    /// Fragments per pixel, from ordered tiles.
+    /// Counts the fragments of each pixel from ordered lists: one subgroup per tile, with its splats counted in
+    /// registers.
     pub CountTiles(TilesPush) = "abuffer/count" in "abuffer/count_tiles" {
         tiles: Shared<GatheringGroup>,
         counts: ReadWrite<u32>,
@@ -119,7 +120,8 @@ pass! {
 }
 
 pass! {
-    /// Fragments into their pixels' slots in the order of blending, from ordered tiles.
+    /// Stores the ranks of a tile's splats in the ranges of its pixels, in the order of blending, by one subgroup per
+    /// tile.
     pub StoreTiles(TilesPush) = "abuffer/store" in "abuffer/store_tiles" {
         tiles: Shared<GatheringGroup>,
         cursors: ReadWrite<u32>,
@@ -141,7 +143,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Lists that were stored in order.
+    /// Blends each pixel's ordered list run by run of 256 until nothing behind can be seen. A dispatch takes 32 768
+    /// ranks.
     pub ResolveOrdered(OrderedPush) = "abuffer/resolve-ordered" in "abuffer/resolve_ordered" {
         view: Uniform<View>,
         offsets: Read<u32>,
@@ -155,7 +158,7 @@ pass! {
 }
 
 pass! {
-    /// The longest list.
+    /// Finds the longest list, and the number of fragments in lists over 256, from 64 pixels per invocation.
     pub Measure(CountPush) = "abuffer/measure" {
         counts: Read<u32>,
         lengths: ReadWrite<Lengths>,
@@ -163,7 +166,7 @@ pass! {
 }
 
 pass! {
-    /// Fragments into their pixels' slots.
+    /// Stores the depth key and splat index of each fragment in a slot of its pixel's range.
     pub Store(RasterPush) = "abuffer/store" {
         chunk: Shared<ChunkGroup>,
         cursors: ReadWrite<u32>,
@@ -172,7 +175,7 @@ pass! {
 }
 
 pass! {
-    /// Pixels per class.
+    /// Counts the pixels of each class of list length.
     pub Classify(BandPush) = "abuffer/classify" {
         offsets: Read<u32>,
         classes: ReadWrite<u32>,
@@ -180,14 +183,14 @@ pass! {
 }
 
 pass! {
-    /// Classes to workgroups and places.
+    /// Turns the sizes of the classes into workgroups, and into places in the work list.
     pub Groups = "abuffer/groups" {
         classes: ReadWrite<u32>,
     }
 }
 
 pass! {
-    /// Pixels in order of their classes.
+    /// Puts the pixels of each class into the work list.
     pub Order(BandPush) = "abuffer/order" {
         offsets: Read<u32>,
         classes: ReadWrite<u32>,
@@ -209,21 +212,23 @@ group! {
 }
 
 pass! {
-    /// Sorts and blends the lists of a class in registers.
+    /// Sorts each list of a class of up to 64 fragments in registers by Batcher's network, and blends it. Its label ends
+    /// with the longest length of the class.
     pub ResolveNetwork(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_network" {
         lists: Shared<ResolvingGroup>,
     }
 }
 
 pass! {
-    /// Sorts and blends the lists of a class in a local array.
+    /// Sorts each list of a class of up to 256 fragments by merge sort in a local array, with blocks of 32 sorted by a
+    /// network, and blends it.
     pub ResolveMerge(ResolvePush) = "abuffer/resolve" in "abuffer/resolve_merge" {
         lists: Shared<ResolvingGroup>,
     }
 }
 
 pass! {
-    /// Lists the runs of long lists.
+    /// Puts the runs of 256 of each longer list into a work list.
     pub Split(ClassPush) = "abuffer/split" {
         offsets: Read<u32>,
         classes: Read<u32>,
@@ -235,14 +240,14 @@ pass! {
 }
 
 pass! {
-    /// Counts to indirect arguments.
+    /// Turns the numbers of runs and lists into the arguments of indirect dispatches.
     pub RunGroups = "abuffer/run-groups" in "abuffer/run_groups" {
         work: ReadWrite<LongWork>,
     }
 }
 
 pass! {
-    /// Sorts each run.
+    /// Sorts each run in a local array.
     pub SortRuns = "abuffer/sort-runs" in "abuffer/sort_runs" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
@@ -251,7 +256,8 @@ pass! {
 }
 
 pass! {
-    /// Merges pairs of runs.
+    /// Merges pairs of sorted runs: 256 fragments of the result per invocation, which finds its part of both runs by
+    /// bisection (merge path). It repeats with doubled width.
     pub Merge(MergePush) = "abuffer/merge" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
@@ -261,7 +267,8 @@ pass! {
 }
 
 pass! {
-    /// Merges pairs of runs in place.
+    /// Merges the sorted runs of each long list in place by Batcher's odd-even merge: as many steps as the iterations of
+    /// an invocation allow, repeated.
     pub MergeInPlace(InPlacePush) = "abuffer/merge-in-place" in "abuffer/merge_in_place" {
         work: ReadWrite<LongWork>,
         runs: Read<ListRun>,
@@ -271,7 +278,7 @@ pass! {
 }
 
 pass! {
-    /// Blends each run.
+    /// Composes each run by itself.
     pub BlendRuns = "abuffer/blend-runs" in "abuffer/blend_runs" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -282,7 +289,7 @@ pass! {
 }
 
 pass! {
-    /// Composes the runs of each long list.
+    /// Composes the runs of each long list front to back.
     pub Combine = "abuffer/combine" {
         work: ReadWrite<LongWork>,
         lists: Read<LongList>,

@@ -53,7 +53,8 @@ group! {
 }
 
 pass! {
-    /// Weighted blending.
+    /// Sums the splats of a tile with weights that fall with depth: one subgroup per tile keeps the sums of its pixels
+    /// in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the sums.
     pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,
@@ -61,7 +62,7 @@ pass! {
 }
 
 pass! {
-    /// The mean color.
+    /// Averages the colors of the splats over each pixel, as `weighted/accumulate` goes through a tile.
     pub Average(SumPush) = "average/accumulate" in "approximate/average" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,
@@ -69,7 +70,7 @@ pass! {
 }
 
 pass! {
-    /// Over one another in the order of the files.
+    /// Blends the splats of each pixel in the order of the files, as `weighted/accumulate` goes through a tile.
     pub Unsorted(SumPush) = "unsorted/accumulate" in "approximate/unsorted" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,
@@ -77,7 +78,7 @@ pass! {
 }
 
 pass! {
-    /// The first fragments exactly, and a mean behind them; flat discs.
+    /// Composes the first `k` fragments of each pixel front to back and sums the others, over flat discs.
     pub HybridFlat(HybridPush) = "hybrid/accumulate" in "approximate/hybrid" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,
@@ -85,7 +86,8 @@ pass! {
 }
 
 pass! {
-    /// The same of oriented discs.
+    /// Keeps the 8 nearest fragments of each pixel in slots by insertion, over oriented discs: one subgroup per block of
+    /// a tile. It runs once for every 8 of `k`; fragments that fall out in the last round are summed.
     pub HybridOriented(SumPush) = "hybrid/accumulate" in "approximate/hybrid_oriented" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,

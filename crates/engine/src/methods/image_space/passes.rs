@@ -54,7 +54,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// What each tile holds.
+    /// Finds whether each tile of 16 × 16 pixels has background, and the smallest and largest depth of its nearest
+    /// points.
     pub Measure(ResolvePush) = "image-space/measure" in "image_space/measure" {
         nearest: Read<[u32; 2]>,
         tiles: ReadWrite<[u32; 4]>,
@@ -63,7 +64,8 @@ pass! {
 }
 
 pass! {
-    /// Index of the nearest point to shaded color and depth.
+    /// Turns the index of the nearest point of each pixel, in tiles with points, into color, shaded only here, and
+    /// depth; with `peel-layers` by its opacity.
     pub Resolve(ResolvePush) = "image-space/resolve" in "image_space/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,
@@ -78,7 +80,8 @@ pass! {
 }
 
 pass! {
-    /// The tiles that a filter may change, or that another pass goes through.
+    /// Lists the tiles that the next pass may change, by their contents and those of the 8 tiles around, and sets that
+    /// pass's indirect dispatch. It runs once before each pass over listed tiles.
     pub List(ListPush) = "image-space/list" in "image_space/list" {
         tiles: Read<[u32; 4]>,
         entries: ReadWrite<[u32; 2]>,
@@ -102,35 +105,39 @@ group! {
 }
 
 pass! {
-    /// Background in holes of a surface.
+    /// Gives background within a surface the values of the nearest of its 3 × 3 pixels; once for each iteration, over
+    /// listed tiles.
     pub Fill(FilterPush) = "image-space/fill" in "image_space/fill" {
         tiled: Shared<TiledGroup>,
     }
 }
 
 pass! {
-    /// What is seen through holes of a surface.
+    /// Gives pixels that are seen through a hole, with others d̃ before them, the values of the nearest of their 3 × 3
+    /// pixels; once for each iteration, over listed tiles.
     pub Occlusion(FilterPush) = "image-space/occlusion" in "image_space/occlusion" {
         tiled: Shared<TiledGroup>,
     }
 }
 
 pass! {
-    /// A low-pass filter of what is not background.
+    /// Replaces each pixel by the weighted mean of the 3 × 3 around it that are not background; once for each iteration,
+    /// over listed tiles.
     pub Smooth(FilterPush) = "image-space/smooth" in "image_space/smooth" {
         tiled: Shared<TiledGroup>,
     }
 }
 
 pass! {
-    /// Edges of depth blended with their neighbors.
+    /// Blends color and alpha of each pixel with those of its four neighbors where depths have an edge, over listed
+    /// tiles.
     pub Antialias(FilterPush) = "image-space/antialias" in "image_space/antialias" {
         tiled: Shared<TiledGroup>,
     }
 }
 
 pass! {
-    /// The filtered image to the window.
+    /// Copies each pixel of tiles that are not background alone to its place in the window.
     pub Deliver(DeliverPush) = "image-space/deliver" in "image_space/deliver" {
         entries: Read<[u32; 2]>,
         depths: Read<f32>,

@@ -22,7 +22,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// The layer over what is opaque.
+    /// Composes the splats of the soft points over those of all others in each pixel, where they lie before the solid
+    /// ones.
     pub Compose(ComposePush) = "one-layer/compose" in "one_layer/compose" {
         layer: Read<[f32; 4]>,
         layer_depths: Read<f32>,

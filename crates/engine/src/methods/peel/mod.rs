@@ -39,7 +39,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Fragments per pixel.
+    /// Counts the fragments of each pixel as `abuffer/count` does, only where list lengths are asked for.
     pub Count(RasterPush) = "peel/count" in "abuffer/count" {
         chunk: Shared<ChunkGroup>,
         counts: ReadWrite<u32>,
@@ -47,7 +47,8 @@ pass! {
 }
 
 pass! {
-    /// The smallest rank that is left, by one 64-bit minimum.
+    /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel of each splat, among ranks
+    /// behind the last one peeled.
     pub Nearest(RasterPush) = "peel/nearest" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,
@@ -56,7 +57,7 @@ pass! {
 }
 
 pass! {
-    /// The smallest depth that is left, by a 32-bit minimum.
+    /// Finds the depth of `peel/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
     pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest_depth" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,
@@ -65,7 +66,7 @@ pass! {
 }
 
 pass! {
-    /// The smallest index at that depth.
+    /// Finds the smallest index at the depth of `peel/nearest-depth`.
     pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest_id" {
         chunk: Shared<ChunkGroup>,
         last: Read<[u32; 2]>,
@@ -74,7 +75,7 @@ pass! {
 }
 
 pass! {
-    /// The layer behind what was peeled before.
+    /// Blends the found fragment behind the layers of its pixel, and makes the pixel ready for the next layer.
     pub Blend(CountPush) = "peel/blend" {
         composing: Shared<ComposingGroup>,
         nearest: ReadWrite<NearestSplat>,
@@ -87,7 +88,7 @@ pass! {
 }
 
 pass! {
-    /// Whether there is a next layer.
+    /// Empties the indirect arguments of everything that follows a layer without a fragment.
     pub Next = "peel/next" {
         work: ReadWrite<PeelWork>,
         arguments: ReadWrite<u32>,

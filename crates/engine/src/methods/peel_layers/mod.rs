@@ -39,7 +39,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// A filtered layer behind what is there.
+    /// Composes the filtered layer behind the layers of each pixel, in tiles that are not background alone, and sets the
+    /// limit of the next layer.
     pub Blend(BlendPush) = "peel-layers/blend" in "peel_layers/blend" {
         entries: Read<[u32; 2]>,
         depths: Read<f32>,

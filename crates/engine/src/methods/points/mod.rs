@@ -25,7 +25,10 @@ gpu_struct! {
 }
 
 pass! {
-    /// Depth and index by one 64-bit minimum.
+    /// Finds the pixel and depth of each point, and takes the 64-bit atomic minimum of depth key and point index there.
+    /// With `image-space` and `peel-layers` it leaves out points that face away (`cull`), and behind the first layer
+    /// those before the limit of their pixel. The pixel is found in float32 and, within rounding of a border, again in
+    /// two-float arithmetic; the depth always in the latter.
     pub Nearest(PointsPush) = "points/nearest" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
@@ -35,7 +38,7 @@ pass! {
 }
 
 pass! {
-    /// Depth by a 32-bit minimum.
+    /// Finds the depth of `points/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
     pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest_depth" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
@@ -45,7 +48,7 @@ pass! {
 }
 
 pass! {
-    /// Index among those at the smallest depth.
+    /// Finds the smallest index at the depth of `points/nearest-depth`.
     pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest_id" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
@@ -55,7 +58,7 @@ pass! {
 }
 
 pass! {
-    /// Index to shaded color.
+    /// Turns the index of the nearest point of each pixel into color, shaded only here, and depth.
     pub Resolve(abuffer::CountPush) = "points/resolve" {
         camera: Uniform<View>,
         points_hi: Parts<[f32; 4]>,

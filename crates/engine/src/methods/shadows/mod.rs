@@ -43,14 +43,17 @@ gpu_struct! {
 }
 
 pass! {
-    /// Every light reaches every point.
+    /// Starts the light of each point: all lights reach it. The passes of shadows run in the first frame with a light;
+    /// later frames find the shares with the cloud.
     pub Start(SharePush) = "shadows/start" {
         normals: ReadWrite<[f32; 4]>,
     }
 }
 
 pass! {
-    /// The nearest depths of a light's image.
+    /// Finds the pixel and depth of each point through a light's camera, and takes the 32-bit atomic minimum of the
+    /// depth key there. It runs, as `shadows/clear`, `shadows/fill` and `shadows/lit` do, once for each light, or for
+    /// each of its six faces.
     pub Nearest(points::PointsPush) = "shadows/nearest" {
         places: Shared<PlacesGroup>,
         nearest: ReadWrite<u32>,
@@ -58,7 +61,8 @@ pass! {
 }
 
 pass! {
-    /// Holes in its surfaces closed.
+    /// Closes holes of surfaces in a light's image by the occlusion filter, so that no light falls through them. An
+    /// invocation has four columns and eight rows.
     pub Fill(FillPush) = "shadows/fill" {
         nearest: Read<[u32; 4]>,
         depths: ReadWrite<[f32; 4]>,
@@ -66,7 +70,8 @@ pass! {
 }
 
 pass! {
-    /// What lies behind loses the light.
+    /// Finds the pixel of each point again, and takes one light from the points that lie behind the surface there by
+    /// more than d̃ / |n_z|.
     pub Lit(points::PointsPush) = "shadows/lit" {
         places: Shared<PlacesGroup>,
         normals: ReadWrite<[f32; 4]>,
@@ -76,7 +81,7 @@ pass! {
 }
 
 pass! {
-    /// Counts of lights to shares.
+    /// Turns the number of lights that reach each point into its share of light, where there are several.
     pub Share(SharePush) = "shadows/share" {
         normals: ReadWrite<[f32; 4]>,
     }

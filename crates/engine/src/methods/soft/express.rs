@@ -26,7 +26,9 @@ gpu_struct! {
 }
 
 pass! {
-    /// Tiles to pixels.
+    /// Composes the soft discs of a tile before the solid points, in the order of an axis: one subgroup per tile hands
+    /// them from lane to lane and keeps pixels in registers. A run takes 2048 splats, and the next goes on from the
+    /// image.
     pub Express(ExpressPush) = "soft/express" {
         tiles: Shared<FoldingGroup>,
         solid: Read<f32>,

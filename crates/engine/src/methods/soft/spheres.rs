@@ -44,7 +44,10 @@ gpu_struct! {
 }
 
 pass! {
-    /// Events per pixel, and spheres.
+    /// Counts two events in each pixel of a soft sphere's silhouette for each of its shells that the ray meets between
+    /// near and the solid points. Spheres with shells count once more for the sphere. From an optical depth of 1000 on,
+    /// this pass and all that follow place a sphere in two floats (`Footprint::ExactSphere`): a ray that the sphere lets
+    /// through passes so near its rim that float32 would show.
     pub Count(RasterPush) = "soft/count" {
         chunk: Shared<ChunkGroup>,
         solids: Read<f32>,
@@ -54,7 +57,7 @@ pass! {
 }
 
 pass! {
-    /// Events into their pixels' slots.
+    /// Stores the depth key and index of each event in a slot of its pixel's range.
     pub Store(RasterPush) = "soft/store" {
         chunk: Shared<ChunkGroup>,
         solids: Read<f32>,
@@ -66,7 +69,8 @@ pass! {
 }
 
 pass! {
-    /// Sorts and blends the lists of a class in registers.
+    /// Sorts the events of each list of a class of up to 64 in registers, and blends the segments between them. Its
+    /// label ends with the longest length of the class.
     pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
@@ -74,7 +78,7 @@ pass! {
 }
 
 pass! {
-    /// Sorts and blends the lists of a class in a local array.
+    /// Sorts the events of each list of a class of up to 256 in a local array, and blends the segments between them.
     pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge" {
         lists: Shared<ResolvingGroup>,
         records: Read<[u32; 4]>,
@@ -82,7 +86,7 @@ pass! {
 }
 
 pass! {
-    /// What each run adds to the running sums.
+    /// Sums what the events of each run of a sorted long list add to the running sums of color and density.
     pub SumRuns(SoftPush) = "soft/sum-runs" in "soft/sum_runs" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -94,7 +98,7 @@ pass! {
 }
 
 pass! {
-    /// The running sums before each run.
+    /// Finds the running sums before each run of each long list.
     pub Carry = "soft/carry" {
         work: ReadWrite<LongWork>,
         lists: Read<LongList>,
@@ -103,7 +107,8 @@ pass! {
 }
 
 pass! {
-    /// Optical depths of the segments of long lists.
+    /// Integrates the optical depth of each segment of a run from all spheres that may reach it (`soft-base`): one
+    /// workgroup per run, four segments per invocation. A dispatch takes 49 152 events of each list.
     pub Segments(SoftPush) = "soft/segments" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -115,7 +120,7 @@ pass! {
 }
 
 pass! {
-    /// Blends each run.
+    /// Composes the segments of each run.
     pub BlendRuns(SoftPush) = "soft/blend-runs" in "soft/blend_runs" {
         composing: Shared<ComposingGroup>,
         work: ReadWrite<LongWork>,
@@ -137,7 +142,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Soft points before solid ones.
+    /// Composes the soft points over the solid ones in each pixel.
     pub Compose(ComposePush) = "soft/compose" {
         solid_image: Read<[f32; 4]>,
         solid_depths: Read<f32>,

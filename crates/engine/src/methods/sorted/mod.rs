@@ -31,7 +31,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Tiles to pixels.
+    /// Composes the splats of a tile front to back: one subgroup per tile hands them from lane to lane and keeps pixels
+    /// in registers. A run takes 2048 splats; runs are joined.
     pub Blend(BlendPush) = "sorted/blend" {
         tiles: Shared<FoldingGroup>,
         image: ReadWrite<[f32; 4]>,

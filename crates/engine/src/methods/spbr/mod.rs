@@ -112,7 +112,9 @@ group! {
 }
 
 pass! {
-    /// Nearest point and sum of colors in one go.
+    /// Takes the 64-bit atomic maximum of epoch, complement of the depth key and complement of the point index at each
+    /// pixel that a slot's point covers, in the ensemble's plane. The value that it replaces tells whose color to take
+    /// back from the pixel's sums when its own is added. A dispatch has as many ensembles as fill the device.
     pub Draw(SlotsPush) = "spbr/draw" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
@@ -123,7 +125,8 @@ pass! {
 }
 
 pass! {
-    /// Depth and index by one 64-bit minimum.
+    /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on the
+    /// device.
     pub Nearest(SlotsPush) = "spbr/nearest" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
@@ -131,7 +134,7 @@ pass! {
 }
 
 pass! {
-    /// Depth by a 32-bit minimum.
+    /// Finds the depth of `spbr/nearest` by a 32-bit maximum, where the device has no 64-bit atomics.
     pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest_depth" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
@@ -139,7 +142,7 @@ pass! {
 }
 
 pass! {
-    /// Index among those at the smallest depth.
+    /// Finds the index at the depth of `spbr/nearest-depth` by a second 32-bit pass.
     pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest_id" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
@@ -147,7 +150,7 @@ pass! {
 }
 
 pass! {
-    /// Colors of the nearest points.
+    /// Visits the slots again, and adds the colors of the nearest points, shaded only here, to the sums of their pixels.
     pub Sum(SlotsPush) = "spbr/sum" {
         slots: Shared<SlotsGroup>,
         nearest: Read<[u32; 2]>,
@@ -158,7 +161,8 @@ pass! {
 }
 
 pass! {
-    /// Number of large squares to the arguments of a dispatch.
+    /// Turns the number of squares over 64 pixels into the arguments of the dispatch that fills them, workgroup by
+    /// workgroup. It runs after each dispatch over slots where such squares are possible.
     pub Large(LargePush) = "spbr/large" {
         counters: Read<Counters>,
         arguments: ReadWrite<u32>,
@@ -166,14 +170,14 @@ pass! {
 }
 
 pass! {
-    /// Nothing as the nearest point of each pixel.
+    /// Clears the nearest point beside each pixel's sums when there are no epochs left.
     pub Renew(super::abuffer::CountPush) = "spbr/renew" {
         pixels: ReadWrite<[u32; 2]>,
     }
 }
 
 pass! {
-    /// Sums to color, A, depth and standard error.
+    /// Turns the sums of each pixel into color, A and depth, and the standard error if it is asked for.
     pub Resolve(ResolvePush) = "spbr/resolve" {
         pixels: Read<[u32; 4]>,
         squares: Read<[u32; 4]>,

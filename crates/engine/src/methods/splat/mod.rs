@@ -26,7 +26,7 @@ gpu_struct! {
 }
 
 pass! {
-    /// Depth and index by one 64-bit minimum.
+    /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel.
     pub Nearest(RasterPush) = "splat/nearest" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
@@ -34,7 +34,7 @@ pass! {
 }
 
 pass! {
-    /// Depth by a 32-bit minimum.
+    /// Finds the depth of `splat/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
     pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest_depth" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
@@ -42,7 +42,7 @@ pass! {
 }
 
 pass! {
-    /// Index among those at the smallest depth.
+    /// Finds the smallest index at the depth of `splat/nearest-depth`.
     pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
@@ -50,7 +50,7 @@ pass! {
 }
 
 pass! {
-    /// Index to color.
+    /// Turns the index of the nearest splat of each pixel into color and depth.
     pub Resolve(abuffer::CountPush) = "splat/resolve" {
         composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,

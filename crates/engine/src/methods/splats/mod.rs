@@ -37,7 +37,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// The nearest depth of each pixel, and what is hidden.
+    /// Finds the nearest depth of each pixel, and the least z + `blend_depth` · r, behind which fragments are hidden:
+    /// one subgroup per 8 × 8 block of a tile. A run takes 2048 splats, and the next goes on from there.
     pub Visibility(SplatsPush) = "splats/visibility" {
         tiles: Shared<FoldingGroup>,
         rectangles: Read<[u32; 2]>,
@@ -48,7 +49,7 @@ pass! {
 }
 
 pass! {
-    /// Sums of what is not hidden.
+    /// Visits the same splats again, and sums w c and w of the fragments that are not hidden, w = exp(−2ρ²).
     pub Attributes(SplatsPush) = "splats/attributes" {
         tiles: Shared<FoldingGroup>,
         rectangles: Read<[u32; 2]>,
@@ -60,7 +61,7 @@ pass! {
 }
 
 pass! {
-    /// Sums to colors.
+    /// Turns the sums of each pixel into color, and sets A = 1 where there are any.
     pub Normalise(CountPush) = "splats/normalise" {
         image: ReadWrite<[f32; 4]>,
     }

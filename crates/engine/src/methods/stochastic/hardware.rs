@@ -48,21 +48,22 @@ gpu_struct! {
 }
 
 pass! {
-    /// Total opacity of each pixel.
+    /// Draws all splats and blends the total opacity of each pixel; only for alpha correction.
     pub DrawAlpha(StratumPush) = "stochastic/draw-alpha" in "stochastic/draw_alpha" {
         quads: Shared<QuadsGroup>,
     }
 }
 
 pass! {
-    /// The nearest fragment of each sample.
+    /// Draws all splats once for each 4 samples; the depth test keeps the nearest fragment of each sample among those
+    /// whose mask has it.
     pub DrawHeld(StratumPush) = "stochastic/draw-held" in "stochastic/draw_held" {
         quads: Shared<QuadsGroup>,
     }
 }
 
 pass! {
-    /// What is visible of each fragment, summed.
+    /// Draws all splats once for each 4 samples, and blends color and opacity over the samples that hold nothing nearer.
     pub DrawSums(StratumPush) = "stochastic/draw-sums" in "stochastic/draw_sums" {
         quads: Shared<QuadsGroup>,
         depths: Texture<DepthSamples>,
@@ -71,7 +72,8 @@ pass! {
 }
 
 pass! {
-    /// A stratum from its attachments into buffers.
+    /// Moves 4 samples of each pixel from the attachments into the buffers that compute shaders fill elsewhere, with the
+    /// nearest depth.
     pub Fold(FoldPush) = "stochastic/fold" {
         held_depths: Texture<DepthSamples>,
         drawn: Texture<Pixels>,

@@ -48,7 +48,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// A run's strata added to those before.
+    /// Adds the sums of a run's strata to those before in each pixel, and their spread where the standard error is asked
+    /// for.
     pub Gather(GatherPush) = "stochastic/gather" {
         sums: Read<[f32; 4]>,
         image: ReadWrite<[f32; 4]>,
@@ -57,7 +58,7 @@ pass! {
 }
 
 pass! {
-    /// Sums to color, A and standard error.
+    /// Turns the sums of each pixel into color, A and standard error.
     pub Resolve(ResolvePush) = "stochastic/resolve" {
         exact: Read<f32>,
         image: ReadWrite<[f32; 4]>,

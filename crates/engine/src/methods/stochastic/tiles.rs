@@ -25,7 +25,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// What each sample holds.
+    /// Finds the nearest fragment that covers each sample, for up to 4 strata: one subgroup per 8 × 8 block of a tile
+    /// hands the splats that touch it to its regions of one pixel per invocation.
     pub Visibility(StochasticPush) = "stochastic/visibility" {
         tiles: Shared<FoldingGroup>,
         rectangles: Read<[u32; 2]>,
@@ -35,7 +36,8 @@ pass! {
 }
 
 pass! {
-    /// What is visible of each fragment.
+    /// Visits the splats of `stochastic/visibility` again, and sums α c and α over the samples where each is visible.
+    /// With the first strata it also finds the exact A.
     pub Accumulate(StochasticPush) = "stochastic/accumulate" {
         tiles: Shared<FoldingGroup>,
         rectangles: Read<[u32; 2]>,
