@@ -139,7 +139,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> Found {
         // ρ counts as 1 there, so that nothing moves toward the viewer, but for squares.
         error = error.max(pixels_apart(&image.rgba, &wanted)).max(apart(&image.depth[4..5], &[4.0]));
         // No pixel's centre lies in it.
-        let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&[dot], [i % 3, i / 3]).0).collect();
+        let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&dot, [i % 3, i / 3])).collect();
         naive = naive.max(pixels_apart(&covered, &wanted));
     }
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })

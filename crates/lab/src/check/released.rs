@@ -59,7 +59,10 @@ impl fmt::Display for Regression {
             )?,
             None => write!(out, "{name}: error {error:.3e}, of which the table of the last release has no line")?,
         }
-        write!(out, " (released.txt); if that is right, run crates/lab/tests/lab/check.rs with PELLUCID_UPDATE=1 and commit the table")
+        write!(
+            out,
+            " (released.txt); if that is right, run crates/lab/tests/lab/check.rs with PELLUCID_UPDATE=1 and commit the table"
+        )
     }
 }
 
