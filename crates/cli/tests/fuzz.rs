@@ -18,7 +18,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// What is allocated meanwhile counts, so that only one body runs at a time.
+/// All allocations in the meantime count, so only one body runs at a time.
 fn run(body: Body, input: &[u8]) -> Result<(), String> {
     static SERIAL: Mutex<()> = Mutex::new(());
     let _guard = SERIAL.lock().unwrap_or_else(PoisonError::into_inner);

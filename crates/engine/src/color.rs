@@ -10,12 +10,12 @@ pub fn encode_srgb(linear: f32) -> f32 {
     encode_srgb_f64(f64::from(linear)) as f32
 }
 
-/// As [`decode_srgb`], in float64.
+/// [`decode_srgb`] in float64.
 pub fn decode_srgb_f64(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// As [`encode_srgb`], in float64.
+/// [`encode_srgb`] in float64.
 pub fn encode_srgb_f64(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }

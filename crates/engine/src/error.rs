@@ -1,4 +1,4 @@
-//! The crate's error: one enum per layer below it, and the exit status each stands for.
+//! The crate's error: one enum for each layer below it, and their exit statuses.
 
 /// Anything that keeps a command from its result.
 #[derive(Debug, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! What a measurement belongs to: the same picture on the same device, by the same program.
+//! The identity of a measurement: the same picture on the same device, by the same program.
 
 use glam::Vec3;
 
@@ -7,11 +7,12 @@ use crate::methods::Frame;
 use crate::points::Points;
 use crate::prepare::Arranged;
 
-/// A hash of what decides the image and the time of a frame whatever its method: points, what is known of their clouds, camera, size, shading, color
-/// space, background, memory budget, factors and seed; device and driver; the program's version. In hexadecimal digits.
+/// A hash of everything that determines the image and the time of a frame, except for the method: points, properties of
+/// their clouds, camera, size, shading, color space, background, memory budget, factors and seed; device and driver;
+/// the program's version. In hexadecimal digits.
 ///
-/// Of the method only what `formation` says counts.
-pub fn of(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
+/// The method only enters through `formation`.
+pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &str, device: &DeviceInfo) -> String {
     let Frame {
         camera,
         size,

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-/// Images have at most this many pixels on a side: what framebuffers allow, and what the pixels of splats are packed for.
+/// The largest number of pixels on a side of an image: the limit of framebuffers and of the packing of splats' pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// What a method yields: premultiplied linear color without background, coverage and depth, row 0 at the top.
+/// A method's result: premultiplied linear color without background, coverage and depth, row 0 at the top.
 ///
-/// With `color = "encoded"` the colors are encoded (sRGB) values; whoever writes the file decodes or encodes.
+/// With `color = "encoded"` the colors are encoded (sRGB) values; the writer of the file decodes or encodes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Width in pixels.
@@ -16,7 +16,7 @@ pub struct Image {
     pub height: u32,
     /// Premultiplied R, G, B and A = 1 − T per pixel, row by row.
     pub rgba: Vec<[f32; 4]>,
-    /// z of the first fragment with α > 0, +inf where there is none.
+    /// z of the first fragment with α > 0, +inf if none has.
     pub depth: Vec<f32>,
     /// Length of each pixel's fragment list, α = 0 included, if it was asked for (`--aov`).
     pub fragments: Option<Vec<u32>>,
@@ -51,11 +51,11 @@ pub struct LinearImage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// As many as width × height.
+    /// One entry per pixel, width × height of them.
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Mean of the squares of all values; 0 of none.
+/// Mean of the squares of all values; 0 if empty.
 pub fn mean_square(values: &[[f32; 3]]) -> f64 {
     let squares: f64 = values.iter().flatten().map(|value| f64::from(*value).powi(2)).sum();
     squares / (values.len().max(1) * 3) as f64

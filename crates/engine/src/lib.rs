@@ -78,6 +78,7 @@ pub mod error;
 pub mod identity;
 pub mod image;
 pub mod io;
+pub mod light;
 pub mod methods;
 pub mod metrics;
 pub mod output;
@@ -92,15 +93,13 @@ pub mod progress;
 pub mod random;
 pub mod reference;
 pub mod scene;
+mod shaders;
 mod words;
 
 pub use error::{Error, Result};
 pub use pellucid_gpu as gpu;
-pub use pellucid_gpu::{gpu_struct, group};
-
-/// The WGSL files under shaders/.
-pub static SHADERS: gpu::shader::Sources =
-    gpu::shader::Sources(include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"));
+pub use pellucid_gpu::{choices, gpu_struct, group};
+pub use shaders::{SHADERS, shaders};
 
 /// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].
 #[macro_export]

@@ -1,4 +1,4 @@
-//! Facts of a scene to passes on or off, each with its reason; and the method that `auto` stands for.
+//! Decides from the facts of a scene which passes run, each with its reason, and which method `auto` becomes.
 
 pub use crate::methods::Step;
 
@@ -9,10 +9,10 @@ use crate::passes::project::DeviceCloud;
 use crate::points::Points;
 use crate::scene::{DiscShape, Falloff, Method, MethodChoice, Raster, ScreenSplats};
 
-/// The method in force for some points: `auto` is replaced by one that is exact for them.
+/// The method for these points: `auto` is replaced by one that is exact for them.
 ///
-/// Opaque splats need no transparency: the nearest decides. Flat splats need only an order of splats, and where that is
-/// not asked of another method [`choose`] says which of two is cheaper. Splats that may cross need an order of fragments.
+/// Opaque splats need no transparency: the nearest decides. Flat splats only need an order of splats; unless the scene
+/// asks for a method, [`choose`] finds the cheaper of two. Splats that may cross need an order of fragments.
 pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
     let discs = match choice {
         MethodChoice::Auto(discs) => discs,
@@ -36,8 +36,8 @@ pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
     }
 }
 
-/// The method in force on a device: as [`resolve`], but for flat splats the cheaper of `sorted` and `abuffer`, by a model of
-/// what frames cost here (see [`crate::methods::cost`]). The frame may be of any method.
+/// The method on a device: like [`resolve`], but for flat splats the cheaper of `sorted` and `abuffer`, by a model of
+/// the device's frame times (see [`crate::methods::cost`]). The frame may have any method.
 pub fn choose(
     renderer: &mut Renderer,
     cloud: &mut DeviceCloud,

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use crate::cloud::Bounds;
 
-/// All points of a scene in one list. The columns are equally long.
+/// All points of a scene in one list. All columns have the same length.
 ///
-/// The order is canonical: it follows from what the points are (position, color, opacity, radius, normal) and not from
-/// the order in the files. Every tie between fragments of equal depth is decided by the index in this list, so that
-/// shuffled input gives the same bytes, and neighbors in space are neighbors in memory (Morton order).
+/// The order is canonical: it follows from the points' values (position, color, opacity, radius, normal) and not from
+/// the order in the files. The index in this list decides every tie between fragments of equal depth, so that shuffled
+/// input gives the same bytes, and neighbors in space are neighbors in memory (Morton order).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
     /// World positions, all finite.
@@ -20,13 +20,13 @@ pub struct Points {
     pub opacities: Vec<f32>,
     /// World radii, finite and at least 0. All zero if the method does not ask for radii.
     pub radii: Vec<f32>,
-    /// Unit normals, `Vec3::ZERO` where a point has none; absent if no cloud has any.
+    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any.
     pub normals: Option<Vec<Vec3>>,
-    /// Where each point stood before it came into canonical order: file after file, point after point. Empty: as here.
-    /// Only `unsorted` asks.
+    /// The place of each point before it came into canonical order: file after file, point after point. Empty if
+    /// unchanged. Only `unsorted` needs it.
     pub file_order: Vec<u32>,
-    /// The scalar field F of each point in [0, 1], which tells solid points from soft ones. Empty: 0 for all; only the soft
-    /// methods ask.
+    /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
+    /// only the soft methods need it.
     pub fields: Vec<f32>,
 }
 
@@ -36,7 +36,7 @@ impl Points {
         self.positions.len()
     }
 
-    /// True if there is nothing to draw.
+    /// True without points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -46,8 +46,8 @@ impl Points {
         Bounds::enclosing(self.positions.iter().copied())
     }
 
-    /// The same points in another order: place i gets the point that stands at `from(i)`. Column by column, each freed as
-    /// soon as it is copied, since a hundred million points are too many to hold twice.
+    /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
+    /// copied, since memory can't hold a hundred million points twice.
     pub fn in_order(self, from: impl Fn(usize) -> usize + Sync) -> Self {
         fn pick<T: Copy + Send + Sync>(column: Vec<T>, from: &(impl Fn(usize) -> usize + Sync)) -> Vec<T> {
             (0..column.len()).into_par_iter().map(|i| column[from(i)]).collect()
@@ -66,8 +66,8 @@ impl Points {
     /// The points at these places, in that order, with radii times a factor.
     pub fn subset(&self, places: &[u32], radius_factor: f32) -> Self {
         fn pick<T: Copy + Send + Sync>(column: &[T], places: &[u32]) -> Vec<T> {
-            let of = |place: &u32| column[*place as usize];
-            if column.is_empty() { Vec::new() } else { places.par_iter().map(of).collect() }
+            let value_at = |place: &u32| column[*place as usize];
+            if column.is_empty() { Vec::new() } else { places.par_iter().map(value_at).collect() }
         }
         Self {
             positions: pick(&self.positions, places),
@@ -105,7 +105,7 @@ impl Points {
     }
 }
 
-/// Which columns of a list of points are not what they were; positions are.
+/// Marks the columns of a list of points that changed; positions never do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Changes {
     /// Colors.
@@ -114,7 +114,7 @@ pub struct Changes {
     pub opacities: bool,
     /// Radii.
     pub radii: bool,
-    /// The scalar field, or whether there is one.
+    /// The scalar field, or its presence.
     pub fields: bool,
     /// Points of equal position traded places: normals and `file_order` may be others, too.
     pub order: bool,
@@ -136,7 +136,7 @@ impl Changes {
         }
     }
 
-    /// Whether anything is another.
+    /// True if anything changed.
     pub fn any(self) -> bool {
         self != Self::default()
     }

@@ -1,4 +1,4 @@
-//! What frames cost: the profile as JSON and as a Chrome trace.
+//! The cost of frames: the profile as JSON and as a Chrome trace.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ pub struct Profile {
     pub timestamp_period_ns: f64,
     /// Width × height.
     pub pixels: u64,
-    /// What the frames met; those of the last one.
+    /// The counts of the last frame.
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
@@ -143,7 +143,7 @@ pub struct PassTimes {
     pub bytes: Option<u64>,
 }
 
-/// Median of some numbers, 0 of none.
+/// Median of some numbers, 0 if empty.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();

@@ -1,4 +1,4 @@
-//! How far long work is, and whether somebody wants it to end.
+//! Progress of long work, and requests to cancel it.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,11 +10,10 @@ pub trait Observer: Send + Sync {
     /// A stage has begun, as in `reading scan.laz`.
     fn stage(&self, _name: &str) {}
 
-    /// So many steps of the stage are done, of a total that may not be known yet.
+    /// `done` steps of the stage are finished; the total may be unknown.
     fn advanced(&self, _done: u64, _total: Option<u64>) {}
 
-    /// Whether the work shall end early: what is rendered then fails with
-    /// [`Cancelled`](crate::methods::Error::Cancelled).
+    /// True if the work should end early: rendering then fails with [`Cancelled`](crate::methods::Error::Cancelled).
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -26,7 +25,7 @@ pub struct Progress(Arc<State>);
 
 struct State {
     message: Mutex<String>,
-    /// [`UNKNOWN`] as long as nobody knows.
+    /// [`UNKNOWN`] until the length is known.
     length: AtomicU64,
     position: AtomicU64,
     observer: Option<Box<dyn Observer>>,
@@ -35,12 +34,12 @@ struct State {
 const UNKNOWN: u64 = u64::MAX;
 
 impl Progress {
-    /// Progress that nobody watches.
+    /// Progress without an observer.
     pub fn hidden() -> Self {
         Self::with(None)
     }
 
-    /// Progress that is told to an observer.
+    /// Progress with an observer.
     pub fn observed(observer: impl Observer + 'static) -> Self {
         Self::with(Some(Box::new(observer)))
     }
@@ -50,7 +49,7 @@ impl Progress {
         Self(Arc::new(State { message: Mutex::default(), length, position, observer }))
     }
 
-    /// Whether the work shall end early.
+    /// True if the work should end early.
     pub fn is_cancelled(&self) -> bool {
         self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled())
     }
@@ -102,7 +101,7 @@ impl Progress {
         self.0.position.load(Ordering::Relaxed)
     }
 
-    /// Begins a stage: none of its steps is done.
+    /// Begins a stage with no step done.
     pub fn reset(&self) {
         self.set_position(0);
     }

@@ -1,5 +1,6 @@
 //! Random numbers from counters, the same on host and device (shaders/shared/random.wgsl), and the masks of stochastic
-//! transparency that are made of them. No state: any number can be had by itself, in whatever order pixels are visited.
+//! transparency made from them. Stateless: each number can be computed on its own, so the order of pixels doesn't
+//! matter.
 
 /// Samples of a stratum.
 pub const STRATUM: u32 = 4;
@@ -38,11 +39,11 @@ pub fn word(seed: u64, [x, y]: [u32; 2], splat: u32, stratum: u32) -> u32 {
     words[(stratum % STRATA_OF_A_CALL) as usize]
 }
 
-/// Which samples of a stratum a fragment of opacity `alpha` in [0, 1] covers, a bit for each.
+/// The samples of a stratum that a fragment of opacity `alpha` in [0, 1] covers, one bit each.
 ///
-/// 4α samples, rounded at random such that the mean is right, α taken in steps of 2⁻²⁸: each sample is covered with
-/// probability α, none where α = 0 and all where α = 1. Which ones they are is random too: all rotations alike, two of them
-/// neighbors with probability 11/16.
+/// It covers 4α samples, rounded at random to give the right mean, with α in steps of 2⁻²⁸: each sample is covered with
+/// probability α, none for α = 0 and all for α = 1. The choice of samples is random, too: all rotations are equally
+/// likely, and two samples are neighbors with probability 11/16.
 pub fn mask(alpha: f32, word: u32) -> u32 {
     // The upper 26 bits round, the lower 6 choose.
     let steps = (alpha * 268_435_456.0 + 0.5) as u32;
@@ -89,7 +90,7 @@ mod tests {
     fn no_opacity_covers_nothing_and_full_opacity_everything() {
         for word in [0, 1, 63, 64, 0x7fff_ffff, u32::MAX - 1, u32::MAX] {
             assert_eq!([0.0, f32::from_bits(1), 1e-20].map(|alpha| mask(alpha, word)), [0; 3]);
-            // What exp leaves of 1, if it rounds up, is as good as 1.
+            // If exp rounds up, the remainder to 1 is negligible.
             assert_eq!([1.0, 1.0 + f32::EPSILON].map(|alpha| mask(alpha, word)), [15; 2]);
         }
         // The smallest and the largest opacity between are covered now and then.

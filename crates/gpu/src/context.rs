@@ -11,7 +11,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::device::{DeviceInfo, Limits, queue_family};
 use super::instance::Instance;
 use super::pipeline::{Pipeline, PipelineKey};
-use super::{Error, cache, guard};
+use super::{Error, Variant, cache, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -109,6 +109,11 @@ impl Context {
             pipelines: Mutex::default(),
             cache_key,
         })
+    }
+
+    /// Shaders and variants of all pipelines.
+    pub fn variants(&self) -> Vec<(&'static str, Variant)> {
+        lock(&self.pipelines).values().map(|pipeline| pipeline.made_from.clone()).collect()
     }
 
     /// Runs `f` with the allocator and then notes the peak.
@@ -236,7 +241,7 @@ fn create_device(
     info: &DeviceInfo,
     robust: bool,
 ) -> Result<ash::Device, Error> {
-    let mut robustness = if robust { Robustness::of(instance, physical) } else { Robustness::default() };
+    let mut robustness = if robust { Robustness::query(instance, physical) } else { Robustness::default() };
     let priorities = [1.0];
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
     let core = vk::PhysicalDeviceFeatures::default()
@@ -280,7 +285,7 @@ struct Robustness {
 }
 
 impl Robustness {
-    fn of(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
+    fn query(instance: &Instance, physical: vk::PhysicalDevice) -> Self {
         let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
         let mut second = vk::PhysicalDeviceRobustness2FeaturesEXT::default();
         // SAFETY: plain queries on a live instance; a struct is only asked for where its extension is present.

@@ -111,9 +111,9 @@ pub fn devices(wanted: Option<&str>) -> Result<(Vec<DeviceInfo>, Option<usize>),
     Ok((found.into_iter().map(|(info, _)| info).collect(), taken))
 }
 
-type Found = (DeviceInfo, vk::PhysicalDevice);
+type Candidate = (DeviceInfo, vk::PhysicalDevice);
 
-fn enumerate(instance: &Instance) -> Result<Vec<Found>, Error> {
+fn enumerate(instance: &Instance) -> Result<Vec<Candidate>, Error> {
     // SAFETY: a plain query on a live instance.
     let physical =
         unsafe { instance.raw.enumerate_physical_devices() }.map_err(Error::call("vkEnumeratePhysicalDevices"))?;
@@ -121,7 +121,7 @@ fn enumerate(instance: &Instance) -> Result<Vec<Found>, Error> {
 }
 
 /// Discrete before integrated before virtual before CPU; the first of equals.
-fn best(found: &[Found]) -> Option<&Found> {
+fn best(found: &[Candidate]) -> Option<&Candidate> {
     found.iter().filter(|(info, _)| info.lacks.is_empty()).min_by_key(|(info, _)| (info.rank, info.index))
 }
 
@@ -339,9 +339,14 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
-    /// Names and sizes of what is allocated: the leak report when it should be empty.
+    /// Names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
+    }
+
+    /// Every shader that ran so far by its stem, with the variant; in no order.
+    pub fn variants(&self) -> Vec<(&'static str, super::Variant)> {
+        self.0.variants()
     }
 
     /// Everything that the validation layers said so far.
@@ -371,7 +376,7 @@ impl ValidationLog {
     }
 }
 
-fn named<'a>(found: &'a [Found], wanted: &str) -> Result<&'a Found, Error> {
+fn named<'a>(found: &'a [Candidate], wanted: &str) -> Result<&'a Candidate, Error> {
     let lower = wanted.to_lowercase();
     let by_index = wanted.parse::<usize>().ok().and_then(|i| found.get(i));
     by_index.or_else(|| found.iter().find(|(info, _)| info.name.to_lowercase().contains(&lower))).ok_or_else(|| {

@@ -1,7 +1,7 @@
 use ash::vk;
 use bytesize::ByteSize;
 
-/// Why the device could not do what was asked.
+/// The reason why the device failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

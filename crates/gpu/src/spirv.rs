@@ -273,8 +273,8 @@ mod tests {
         let constants: Vec<u32> = instructions(&hidden)
             .filter(|(op, _)| *op == OP_I_SUB)
             .filter_map(|(_, sub)| {
-                let is = |op: u32, i: &[u32]| op == OP_CONSTANT && i[2] == sub[4];
-                instructions(&hidden).find(|(op, i)| is(*op, i)).map(|(_, i)| i[3])
+                let is_subtrahend = |op: u32, i: &[u32]| op == OP_CONSTANT && i[2] == sub[4];
+                instructions(&hidden).find(|(op, i)| is_subtrahend(*op, i)).map(|(_, i)| i[3])
             })
             .collect();
         // 100 bytes are 25 words, and 3 whole elements of 32 bytes.

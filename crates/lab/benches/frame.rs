@@ -1,4 +1,4 @@
-//! What frames cost on the device, pass by pass, as the engine itself measures it.
+//! The cost of frames on the device, pass by pass, as measured by the engine itself.
 //!
 //! ```sh
 //! cargo bench --bench frame                                    # the built-in scenes, then compute against hardware
@@ -323,7 +323,7 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
     })
 }
 
-/// What `splat/nearest` needs besides the cloud.
+/// The resources of `splat/nearest` besides the cloud.
 struct Course {
     tiles: Tiles,
     nearest: Buffer<u64>,

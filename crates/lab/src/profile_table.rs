@@ -6,9 +6,10 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use pellucid_engine::methods::FrameProfile;
 use pellucid_engine::profile::{Profile, median};
 
-/// The per-pass table over all frames: least, median and greatest device time, share of the frame, and what was moved.
+/// The per-pass table over all frames: least, median and greatest device time, share of the frame, and bytes moved.
 ///
-/// `copy_rate` in bytes per second (reads and writes together), from [`copy_rate`](pellucid_engine::profile::copy_rate).
+/// `copy_rate` in bytes per second (reads and writes together), from
+/// [`copy_rate`](pellucid_engine::profile::copy_rate).
 pub fn profile_table(profile: &Profile, copy_rate: Option<f64>) -> String {
     let mut table = Table::new();
     let line = LineStyle::none().fill('─').junction('─');

@@ -1,4 +1,4 @@
-//! Where a picture is taken from.
+//! The camera of a picture.
 
 use glam::DVec3;
 use pellucid_engine::scene::CameraSettings;
@@ -8,9 +8,10 @@ use pellucid_engine::scene::CameraSettings;
 pub struct Camera(pub(crate) CameraSettings);
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, with `up` toward the top of the image and a vertical field of view of 45°.
+    /// A camera at `eye` that looks at `target`, with `up` toward the top of the image and a vertical field of view of
+    /// 45°.
     ///
-    /// Near and far are found such that all points before the camera are drawn.
+    /// Near and far are chosen so that all points in front of the camera are drawn.
     pub fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
         let [eye, target, up] = [eye, target, up].map(|v| Some(DVec3::from_array(v)));
         Self(CameraSettings { eye, target, up, ..CameraSettings::default() })
@@ -28,7 +29,7 @@ impl Camera {
         Self(CameraSettings { fov_y: None, height: Some(height), ..self.0 })
     }
 
-    /// Draws only what lies between two depths along the view, in world units; near is above 0 and below far.
+    /// Limits drawing to depths between these two along the view, in world units; near is above 0 and below far.
     #[must_use]
     pub fn depths(self, near: f64, far: f64) -> Self {
         Self(CameraSettings { near: Some(near), far: Some(far), ..self.0 })

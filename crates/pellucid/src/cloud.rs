@@ -46,10 +46,10 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Gives each point a normal, of any length; a zero vector is none.
+    /// Gives each point a normal, of any length; a zero vector means no normal.
     ///
     /// # Errors
-    /// Another number of normals than points, or a number that is not finite.
+    /// The number of normals differs from the number of points, or a number is not finite.
     pub fn with_normals(mut self, normals: &[[f32; 3]]) -> Result<Self> {
         self.check_length("normals", normals.len())?;
         check("normals", normals.iter().flatten().map(|n| n.is_finite()), "a finite number", 3)?;
@@ -91,7 +91,7 @@ impl Cloud {
         Ok(self)
     }
 
-    /// Sets the opacity of the whole cloud, from 0 to 1; 1 if nobody says.
+    /// Sets the opacity of the whole cloud, from 0 to 1; the default is 1.
     ///
     /// # Errors
     /// An opacity out of range.
@@ -115,7 +115,7 @@ impl Cloud {
         self.columns.len()
     }
 
-    /// Whether there are no points.
+    /// True without points.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }

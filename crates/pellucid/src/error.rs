@@ -1,8 +1,8 @@
-//! What keeps a call from its result.
+//! The error of failed calls.
 
 use std::fmt::{self, Display, Formatter};
 
-/// Why a call failed: a kind for programs, and a message for people that says what was expected and what would help.
+/// The reason why a call failed: a kind for programs, and a message for people that gives the expectation and a remedy.
 #[derive(Debug)]
 pub struct Error {
     kind: ErrorKind,
@@ -15,7 +15,7 @@ enum Cause {
     Argument(String),
 }
 
-/// What kind of failure an [`Error`] is.
+/// The kind of failure of an [`Error`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -27,7 +27,7 @@ pub enum ErrorKind {
     Scene,
     /// A file could not be written.
     Write,
-    /// There is no device, it lacks something, or it failed.
+    /// No device was found, it lacks a feature, or it failed.
     Device,
     /// The frame does not fit, or cannot be rendered as asked.
     Render,
@@ -39,7 +39,7 @@ pub enum ErrorKind {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// What kind of failure it is.
+    /// The kind of failure.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }

@@ -1,4 +1,4 @@
-//! One frame of a loaded scene.
+//! A single frame of a loaded scene.
 
 use pellucid_engine::methods::brightness;
 use pellucid_engine::methods::{Error, Frame};
@@ -6,7 +6,7 @@ use pellucid_engine::scene::camera_at;
 
 use crate::{Camera, Loaded, Picture, Result};
 
-/// What a frame is to be; [`render`](Self::render) makes it.
+/// The settings of a frame; [`render`](Self::render) renders it.
 #[must_use]
 pub struct FrameBuilder<'a> {
     loaded: &'a mut Loaded,
@@ -31,7 +31,7 @@ impl<'a> FrameBuilder<'a> {
         self
     }
 
-    /// Uses at most so many bytes of device memory beside points and image.
+    /// Limits device memory beside points and image to this number of bytes.
     pub fn memory_budget(mut self, bytes: u64) -> Self {
         self.frame.memory_budget = Some(bytes);
         self

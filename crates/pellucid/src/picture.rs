@@ -10,7 +10,7 @@ use pellucid_engine::profile::Profile as Frames;
 
 use crate::{Loaded, Profile, Result};
 
-/// A picture: linear color, opacity and depth of each pixel, row by row from the top, and what it took to render them.
+/// A picture: linear color, opacity and depth of each pixel, row by row from the top, and the frame's profile.
 pub struct Picture {
     image: Image,
     options: WriteOptions,
@@ -40,13 +40,13 @@ impl Picture {
         self.image.height
     }
 
-    /// R, G, B, multiplied by opacity, and opacity A of each pixel, without the background. Linear light, unless the scene
-    /// says `image.color = "encoded"`.
+    /// R, G, B, multiplied by opacity, and opacity A of each pixel, without the background. Linear light, unless the
+    /// scene sets `image.color = "encoded"`.
     pub fn pixels(&self) -> &[[f32; 4]] {
         &self.image.rgba
     }
 
-    /// Depth of the nearest fragment of each pixel along the view, in world units; infinity where there is none.
+    /// Depth of the nearest fragment of each pixel along the view, in world units; infinity for empty pixels.
     pub fn depth(&self) -> &[f32] {
         &self.image.depth
     }
@@ -74,12 +74,13 @@ impl Picture {
     /// Writes a PNG (8-bit sRGB over the background) or an EXR (float32 with A, Z and counts), by the file's extension.
     ///
     /// # Errors
-    /// Another extension, a missing folder, and what the system says while writing; an old file then stays as it was.
+    /// Another extension, a missing folder, and errors of the system while writing; an earlier file then remains
+    /// unchanged.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         Ok(write_image(path.as_ref(), &self.image, &self.options)?)
     }
 
-    /// What the frame took.
+    /// The cost of the frame.
     pub fn profile(&self) -> &Profile {
         &self.profile
     }

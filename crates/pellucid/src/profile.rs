@@ -1,4 +1,4 @@
-//! What a frame took.
+//! The cost of a frame.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use pellucid_engine::profile::Profile as Frames;
 /// Device times and memory of a frame.
 pub struct Profile(pub(crate) Frames);
 
-/// One pass of a frame, all its dispatches together.
+/// A pass of a frame, with all its dispatches together.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Pass {

@@ -16,7 +16,7 @@ use crate::{FrameBuilder, Result, Scene};
 /// Names of the Vulkan devices of this machine, in the order in which [`Renderer::open_device`] counts them.
 ///
 /// # Errors
-/// No Vulkan loader; the message says what to install.
+/// The Vulkan loader is missing; the message names the package to install.
 pub fn devices() -> Result<Vec<String>> {
     let (devices, _) = gpu::devices(None)?;
     Ok(devices.into_iter().map(|device| device.name).collect())
@@ -33,7 +33,7 @@ impl Renderer {
     /// Opens the best device: a GPU, else a driver that runs on the CPU.
     ///
     /// # Errors
-    /// No loader or no device; the message says what to install.
+    /// The loader or a device is missing; the message names the package to install.
     pub fn open() -> Result<Self> {
         Self::open_with(None)
     }
@@ -91,7 +91,7 @@ impl Renderer {
     }
 }
 
-/// A scene on a device, of which any number of frames can be rendered.
+/// A scene on a device, ready to render any number of frames.
 pub struct Loaded {
     pub(crate) renderer: methods::Renderer,
     pub(crate) cloud: DeviceCloud,
@@ -126,7 +126,7 @@ impl Loaded {
         self.cloud.len()
     }
 
-    /// Whether there are no points.
+    /// True without points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -49,7 +49,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Sets the seed of stochastic methods; 0 if nobody says.
+    /// Sets the seed of stochastic methods; the default is 0.
     pub fn set_seed(&mut self, seed: u64) -> &mut Self {
         self.seed = seed;
         self

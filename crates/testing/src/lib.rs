@@ -18,7 +18,7 @@ use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Metho
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub use devices::{has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
+pub use devices::{alone, has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
 pub use places::{Clouds, clouds, root, whole_clouds};
 
 /// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
@@ -26,7 +26,7 @@ pub fn long_or<T>(long: T, short: T) -> T {
     if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
 }
 
-/// Whether a device is llvmpipe, whose results the tests know to the last case.
+/// True if a device is llvmpipe, for which the tests know the results to the last case.
 pub fn is_llvmpipe(device: &Device) -> bool {
     device.info().name.contains("llvmpipe")
 }
@@ -253,7 +253,7 @@ pub fn jittered(points: &Points, camera: &Camera, seed: u64) -> Points {
     Points { positions: moved.collect(), ..points.clone() }
 }
 
-/// Whether two pixels of references are the same but for roundings.
+/// True if two pixels of references are equal except for rounding.
 fn is_steady(a: &Picture, b: &Picture, pixel: usize, bound: f64) -> bool {
     let depths = a.depth[pixel] == b.depth[pixel] || (a.depth[pixel] - b.depth[pixel]).abs() <= 1e-5 * a.depth[pixel];
     let colors = a.rgba[pixel].iter().zip(b.rgba[pixel]).all(|(a, b)| (a - b).abs() <= 0.5 * bound);

@@ -12,7 +12,7 @@ pub fn root() -> PathBuf {
 /// A folder of real clouds.
 pub struct Clouds {
     folder: PathBuf,
-    /// Whether files may be missing: tests/data holds only some.
+    /// True if files may be missing: tests/data holds only some.
     is_subset: bool,
 }
 
@@ -22,7 +22,7 @@ impl Clouds {
         &self.folder
     }
 
-    /// Whether it is the subset.
+    /// True for the subset.
     pub fn is_subset(&self) -> bool {
         self.is_subset
     }

@@ -15,7 +15,7 @@ pub fn heeding(program: impl AsRef<OsStr>) -> Command {
     env
 }
 
-/// Whether these tests ignore a signal.
+/// True if these tests ignore a signal.
 fn is_ignored(signal: u32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -56,7 +56,7 @@ pub fn skip(reason: &str, detail: &str) {
     assert!(required.allows(reason), "{line}: not an allowed reason");
 }
 
-/// What must not be skipped.
+/// The tests that must not be skipped.
 struct Required {
     all: bool,
     device: bool,

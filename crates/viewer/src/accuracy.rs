@@ -1,5 +1,5 @@
-//! How accurate the picture is by now: what is known of it, and how far each draft of a view was off, once there is something to
-//! hold it against.
+//! The accuracy of the picture so far: its known properties, and the errors of the drafts of a view, once a better
+//! picture exists to compare with.
 
 use std::sync::Arc;
 
@@ -12,22 +12,22 @@ use pellucid_lab::report::tradeoff::settings::{self, Formation};
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
 const MOST_BYTES: usize = 256 << 20;
 
-/// What a method's whole picture is, of what it shows.
+/// The relation of a method's whole picture to the exact one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Standing {
-    /// Exact, but for rounding.
+    /// Exact except for rounding.
     Exact,
-    /// A mean of samples or ensembles; the standard error tells how far off.
+    /// A mean of samples or ensembles; the standard error estimates its error.
     Sampled,
     /// Something else than what this method would show.
     Approximation(Method),
-    /// What the method says: no other one draws the same.
+    /// The method's own image, which no other method draws.
     Own,
 }
 
 impl Standing {
-    /// Of a method that is in force for these points.
-    pub fn of(method: &Method, points: &Points) -> Self {
+    /// For a method that is applied to these points.
+    pub fn for_method(method: &Method, points: &Points) -> Self {
         let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
         let exact = method.is_exact(oriented && points.normals.is_some());
         match settings::formation(method, points) {
@@ -42,22 +42,22 @@ impl Standing {
 /// A picture of a view as its table of accuracy has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// What it has of the whole.
+    /// Its description within the whole.
     pub name: String,
     /// Milliseconds that it took.
     pub ms: f64,
     /// Its standard error in linear light, if that was found.
     pub standard_error: Option<f64>,
-    /// RMSE in linear light against the best picture of the view that there is.
+    /// RMSE in linear light against the best available picture of the view.
     pub rmse: Option<f64>,
 }
 
-/// What pictures of the view are held against.
+/// The reference for pictures of the view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reference {
     /// The whole picture.
     Whole,
-    /// That of a method that is exact.
+    /// The picture of an exact method.
     Exact(&'static str),
 }
 
@@ -66,9 +66,9 @@ pub enum Reference {
 pub struct Accuracy {
     /// The pictures so far, the last one last.
     pub rungs: Vec<Rung>,
-    /// What they were held against, if anything.
+    /// The reference, if any.
     pub against: Option<Reference>,
-    /// What the last picture is, if it is a whole one.
+    /// The standing of the last picture, if it is a whole one.
     pub standing: Option<Standing>,
 }
 
@@ -81,12 +81,12 @@ pub struct History {
 }
 
 impl History {
-    /// Adds a picture; those of another view are forgotten. The whole one is what the ones before are held against.
+    /// Adds a picture; those of another view are forgotten. A whole one becomes the reference for the earlier ones.
     pub fn add(&mut self, scene: &Arc<Scene>, pose: Pose, rung: Rung, pixels: Vec<[f32; 3]>, whole: bool) {
         if !self.is_of(scene, pose) {
             *self = Self { view: Some((scene.clone(), pose)), ..Self::default() };
         }
-        // The same once more says nothing new.
+        // A repeated one carries no new information.
         self.rungs.retain(|(before, _)| before.name != rung.name);
         self.rungs.push((rung, pixels));
         while self.rungs.len() > 1 && self.bytes() > MOST_BYTES {
@@ -145,23 +145,26 @@ mod tests {
 
     #[test]
     fn exact_methods_are_told_from_others() {
-        let of = |method| Standing::of(&method, &points(true));
+        let standing_of = |method| Standing::for_method(&method, &points(true));
         let discs = Discs::default();
         let oriented = Discs { shape: DiscShape::Oriented, ..discs };
-        assert_eq!(of(Method::Sorted(discs)), Standing::Exact);
-        assert_eq!(of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
-        assert_eq!(Standing::of(&Method::Sorted(oriented), &points(false)), Standing::Exact);
-        assert_eq!(of(Method::Peel(Default::default())), Standing::Exact);
+        assert_eq!(standing_of(Method::Sorted(discs)), Standing::Exact);
+        assert_eq!(standing_of(Method::Sorted(oriented)), Standing::Approximation(Method::ABuffer(oriented)));
+        assert_eq!(Standing::for_method(&Method::Sorted(oriented), &points(false)), Standing::Exact);
+        assert_eq!(standing_of(Method::Peel(Default::default())), Standing::Exact);
         let cut = Method::Peel(Peel { layers: 3, ..Default::default() });
-        assert_eq!(of(cut), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(cut), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(Method::Weighted(discs)), Standing::Approximation(Method::ABuffer(discs)));
         let sampled = Method::Stochastic(Stochastic::default());
-        assert_eq!(of(sampled), Standing::Approximation(Method::ABuffer(discs)));
-        assert_eq!(of(Method::SoftBase(Soft::default())), Standing::Exact);
-        assert!(matches!(of(Method::SoftExpress(Soft::default())), Standing::Approximation(Method::SoftBase(_))));
-        assert_eq!(of(Method::Spbr(Spbr::default())), Standing::Sampled);
+        assert_eq!(standing_of(sampled), Standing::Approximation(Method::ABuffer(discs)));
+        assert_eq!(standing_of(Method::SoftBase(Soft::default())), Standing::Exact);
+        assert!(matches!(
+            standing_of(Method::SoftExpress(Soft::default())),
+            Standing::Approximation(Method::SoftBase(_))
+        ));
+        assert_eq!(standing_of(Method::Spbr(Spbr::default())), Standing::Sampled);
         for own in [Method::Points, Method::Hqs(Default::default()), Method::PeelLayers(PeelLayers::default())] {
-            assert_eq!(of(own), Standing::Own);
+            assert_eq!(standing_of(own), Standing::Own);
         }
     }
 
@@ -180,7 +183,7 @@ mod tests {
         assert!(history.measure(&scene, Pose::Scene, "abuffer", &gray(0.125)));
         assert_eq!(errors(&history), [Some(0.375), Some(0.125), Some(0.125)]);
         assert_eq!(history.accuracy(None).against, Some(Reference::Exact("abuffer")));
-        // Another view: all before is forgotten, and what belongs to the old one isn't taken.
+        // Another view: earlier pictures are forgotten, and late results for the old one are rejected.
         let mut again = Scene::clone(&scene);
         again.image.size[0] += 1;
         let again = Arc::new(again);

@@ -1,4 +1,5 @@
-//! Which control a key of the scene file gets, the value that it has now, and what a change of it brings along.
+//! The control for a key of the scene file, the key's current value, and the other changes that a change of it
+//! requires.
 
 mod beside;
 mod clouds;
@@ -11,53 +12,53 @@ pub use clouds::cloud;
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
 
-/// What changes a value.
+/// The kind of control for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Control {
     /// A slider from one number to another.
     Slider(f64, f64),
     /// A slider by powers of ten, from one number, which may be 0, to another.
     Powers(f64, f64),
-    /// A slider over whole numbers, by powers if there are many.
+    /// A slider over integers, logarithmic for wide ranges.
     Count(u32, u32),
     /// A check box.
     Flag,
-    /// One of some words.
+    /// A choice between words.
     Choice(&'static [Word]),
     /// A color, linear.
     Color,
 }
 
-/// Whether a key has a value.
+/// The presence of a key's value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Presence {
     /// Always.
     Always,
-    /// If it is switched on; what goes without it, in a few words.
+    /// A key that can be switched off; `without` describes the effect in a few words.
     Optional { on: bool, without: String },
-    /// If it was chosen, and not the other key in whose place it stands.
+    /// A key that excludes another one; on if it was chosen.
     Rival { on: bool },
 }
 
 /// A key's control.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// What changes it.
+    /// The control that changes it.
     pub control: Control,
     /// The value in force; of a key without one, what it begins with.
     pub value: Setting,
-    /// Whether it has one.
+    /// The presence of its value.
     pub presence: Presence,
-    /// What the key does.
+    /// The description of the key.
     pub about: &'static str,
 }
 
-/// What ranges of controls depend on, of the points that are shown.
+/// Properties of the shown points that determine the ranges of controls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Of the points' box, in world units; above 0.
+    /// The diagonal of the points' box, in world units; above 0.
     pub diagonal: f64,
-    /// Of the soft points, in world units; 0 if there are none.
+    /// The median radius of the soft points, in world units; 0 if there are none.
     pub median_radius: f32,
 }
 
@@ -67,7 +68,7 @@ impl Default for Extent {
     }
 }
 
-/// The control of a key; `None` for values that no control here stands for, as those of cameras and lights.
+/// The control of a key; `None` for values without a control here, such as those of cameras and lights.
 pub fn entry(key: &Key, extent: Extent) -> Option<Entry> {
     let control = control(key.kind, key.slider, extent)?;
     let start = match (control, key.slider) {
@@ -187,7 +188,7 @@ pub fn significant(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// What a key is called beside its control.
+/// The label of a key beside its control.
 pub fn label(key: &str) -> String {
     match key {
         "threshold" => "threshold t".to_owned(),

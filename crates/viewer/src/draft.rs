@@ -1,32 +1,32 @@
-//! What is left out while things move, so that a frame keeps to its time: first samples, ensembles and layers, then pixels and,
-//! in the same measure, points.
+//! Decides what is left out while things move, so that a frame stays within its time: first samples, ensembles and
+//! layers, then pixels and, in the same proportion, points.
 //!
-//! A coarser picture has one pixel for `coarse` × `coarse` of the screen, and one of so many points with `coarse` times the
-//! radius: what lies on a pixel stays the same, and all work shrinks alike, whether pixels or points make it. So one number
-//! tells from the last frame what another one will take.
+//! A coarser picture has one pixel for `coarse` × `coarse` of the screen, and every `coarse`²-th point with `coarse`
+//! times the radius. The content of a pixel stays the same, and all work shrinks alike, whether it comes from pixels or
+//! points. So a single number predicts the next frame's time from the last one.
 
 use pellucid_engine::scene::{Method, Setting};
 
-/// Samples, ensembles or layers of a frame whose cost nobody knows yet, and the fewest of any frame: with less, larger pixels show
+/// Samples, ensembles or layers of a frame of unknown cost, and the minimum for any frame: below it, larger pixels show
 /// more.
 const FEWEST: u32 = 4;
 
 /// Columns and rows of the screen for one that is rendered.
 const COARSE: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
-/// How much work a picture is worth.
+/// The effort that a picture is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// Things move: what fits these milliseconds.
+    /// For moving scenes: as much as fits these milliseconds.
     Moving(f64),
-    /// They are at rest: what fits these milliseconds, and more lights for shadows than before.
+    /// For scenes at rest: as much as fits these milliseconds, and more lights for shadows than before.
     Refining(f64),
     /// Nothing is left out.
     Whole,
 }
 
 impl Effort {
-    /// The milliseconds, if there is an end to them.
+    /// The milliseconds, if they are limited.
     pub fn budget_ms(self) -> Option<f64> {
         match self {
             Self::Moving(ms) | Self::Refining(ms) => Some(ms),
@@ -35,7 +35,7 @@ impl Effort {
     }
 }
 
-/// What a picture has of the whole one.
+/// The part of the whole picture that is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Draft {
     /// Samples, ensembles or layers, of methods that have some.
@@ -44,7 +44,7 @@ pub struct Draft {
     pub coarse: u32,
 }
 
-/// What a frame took, and of which work.
+/// The time of a frame, and the work it covers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Milliseconds.
@@ -53,8 +53,8 @@ pub struct Cost {
     pub work: f64,
 }
 
-/// What frames of a method took: the last one, and the last one of quite another share of the work, which tells what all frames
-/// take alike.
+/// The times of a method's frames: the last one, and the last one with a very different share of the work, which
+/// reveals the fixed cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Costs {
     last: Cost,
@@ -62,12 +62,12 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Of the first frame.
+    /// From the first frame.
     pub fn new(first: Cost) -> Self {
         Self { last: first, other: None }
     }
 
-    /// With another frame.
+    /// Adds another frame.
     pub fn with(self, cost: Cost) -> Self {
         let other = if apart(cost, self.last) { Some(self.last) } else { self.other };
         Self { last: cost, other }
@@ -83,8 +83,8 @@ impl Costs {
         self
     }
 
-    /// The share of the work that `budget_ms` are expected to be enough for: a straight line through both, or, while there is
-    /// only one or they make no sense together, in proportion to the last one.
+    /// The share of the work expected to fit `budget_ms`: by a straight line through both, or, if only one exists or
+    /// they are inconsistent, in proportion to the last one.
     fn share(&self, budget_ms: f64) -> f64 {
         let Cost { ms, work } = self.last;
         let line = self.other.filter(|other| apart(*other, self.last)).map(|other| {
@@ -98,7 +98,7 @@ impl Costs {
     }
 }
 
-/// Whether two works are far enough from each other for a line through both.
+/// True if two works differ enough for a line through both.
 fn apart(a: Cost, b: Cost) -> bool {
     a.work > 2.0 * b.work || b.work > 2.0 * a.work
 }
@@ -109,19 +109,19 @@ fn refined(method: &Method) -> Option<(&'static str, u32)> {
     if let Some(Setting::Integer(steps)) = key.value { Some((key.name, steps)) } else { None }
 }
 
-/// How many samples, ensembles or layers a method takes, if its image only gets better with their number.
+/// The number of samples, ensembles or layers of a method, if its image only improves with their number.
 fn steps(method: &Method) -> Option<u32> {
     refined(method).map(|(_, steps)| steps)
 }
 
 impl Draft {
-    /// Nothing left out.
+    /// The whole picture.
     pub fn whole(method: &Method) -> Self {
         Self { steps: steps(method), coarse: 1 }
     }
 
-    /// The most accurate one that is to take at most `budget_ms`, by what frames of the method took; the coarsest one if none
-    /// is. Methods without steps are tried whole at first.
+    /// The most accurate draft expected to take at most `budget_ms`, judged by earlier frames of the method; the
+    /// coarsest one if none fits. Methods without steps are rendered whole at first.
     pub fn within(method: &Method, costs: Option<Costs>, budget_ms: f64) -> Self {
         let Some(share) = costs.map(|costs| costs.share(budget_ms)) else {
             return Self { steps: steps(method).map(|most| most.min(FEWEST)), coarse: 1 };
@@ -145,7 +145,8 @@ impl Draft {
         of_steps / f64::from(self.coarse * self.coarse)
     }
 
-    /// The method with so many samples or layers. Ensembles stay those that L makes of the points, of which fewer are drawn.
+    /// The method with this number of samples or layers. Ensembles stay those of the L into which the points are dealt;
+    /// fewer of them are drawn.
     pub fn method(&self, whole: Method) -> Method {
         match (refined(&whole), self.steps) {
             (Some((key, _)), Some(steps)) if !whole.is_dealt() => {
@@ -165,7 +166,7 @@ impl Draft {
         size.map(|side| side.div_ceil(self.coarse))
     }
 
-    /// What it is called beside others of the method: `16 samples`, `4 × 4 pixels as one`.
+    /// Its name among others of the method: `16 samples`, `4 × 4 pixels as one`.
     pub fn name(&self, method: &Method) -> String {
         let key = refined(method).map_or("", |(key, _)| key);
         let steps = self.steps.map(|steps| format!("{steps} {key}"));
@@ -227,7 +228,7 @@ mod tests {
         assert_eq!(coarse(Some(Cost { ms: 8.0, work: 1.0 / 9.0 })), 2, "and finer again");
     }
 
-    /// What is chosen by the prediction keeps to it: work and milliseconds are in proportion.
+    /// The prediction keeps to the budget: work and milliseconds are in proportion.
     #[test]
     fn a_draft_keeps_to_the_time_that_it_was_chosen_for() {
         for method in [stochastic(), Method::ABuffer(Default::default()), Method::Spbr(Spbr::default())] {

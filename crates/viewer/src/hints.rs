@@ -1,8 +1,8 @@
-//! What a key of the scene file does, for what is drawn without an [`Entry`](super::controls::Entry) of its own.
+//! Descriptions of scene-file keys, for parts that are drawn without an [`Entry`](super::controls::Entry) of their own.
 
 use pellucid_engine::scene::{self, Method};
 
-/// What a dotted key does; clouds are named by number or `*`. Empty for what is no key.
+/// The description of a dotted key; clouds are named by number or `*`. Empty for unknown keys.
 pub fn hint(key: &str) -> &'static str {
     let (table, name) = key.split_once('.').unwrap_or(("", key));
     let keys = match table {

@@ -49,7 +49,7 @@ use pellucid_engine::camera::import::Source;
 use pellucid_engine::gpu::DeviceOptions;
 use pellucid_engine::scene::{Opened, View};
 
-/// What to show, and how.
+/// The scene to show, and the settings of the window.
 pub struct Options {
     /// The scene and its clouds.
     pub opened: Opened,
@@ -110,12 +110,11 @@ impl Display {
         }
     }
 
-    /// Shows a scene in a window until it is closed. `say` is told, line by line, what happens.
+    /// Shows a scene in a window until it is closed. `say` receives messages, line by line.
     ///
     /// # Errors
-    /// No device that can show pictures in the window, one that is [`Lost`] again and again, a display that ends, validation messages.
-    /// What is wrong with a scene or a
-    /// setting later on is shown in the window.
+    /// No device that can present to the window, one that is [`Lost`] repeatedly, a display that ends, validation
+    /// messages. Later errors of the scene or of a setting are shown in the window.
     pub fn show(self, options: Options, say: Box<dyn Fn(&str)>) -> Result<()> {
         let mut app = app::App::new(options, self.0.create_proxy(), say);
         let ran = self.0.run_app(&mut app);

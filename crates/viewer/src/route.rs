@@ -8,9 +8,9 @@ const PACE: f64 = 2.0;
 /// Frames of a second in the command that renders a path.
 const RATE: u32 = 25;
 
-/// Keys with the one that is selected, and where the camera is between them.
+/// Keys with the selected one, and the camera's position between them.
 ///
-/// What would make no path is refused, and all stays as it was.
+/// A change that makes no valid path is refused, and nothing changes.
 #[derive(Debug, Clone)]
 pub struct Route {
     keys: Vec<Key>,
@@ -139,7 +139,7 @@ impl Route {
     /// Takes the keys of a file.
     ///
     /// # Errors
-    /// What makes no path in a scene with these defaults.
+    /// The keys make no valid path in a scene with these defaults.
     pub fn load(&mut self, path: CameraPath, defaults: &Defaults) -> Result<(), Problem> {
         let curve = Curve::new(&path, defaults)?;
         let CameraPath { size, closed, keys, .. } = path;
@@ -244,10 +244,10 @@ impl Route {
         self.change(keys, self.closed, self.selected, defaults)
     }
 
-    /// All keys at once, as a path that goes back to the first; the first is selected.
+    /// Replaces all keys by those of a closed path, and selects the first.
     ///
     /// # Errors
-    /// What makes no path.
+    /// The keys make no valid path.
     pub fn fill(&mut self, keys: Vec<Key>, defaults: &Defaults) -> Result<(), Problem> {
         self.change(keys, true, Some(0), defaults)
     }
@@ -280,10 +280,10 @@ impl Route {
         self.playing = false;
     }
 
-    /// Selects a key and goes there; its camera.
+    /// Selects a key and moves the camera there; returns the camera.
     ///
     /// # Errors
-    /// What makes no path in a scene with these defaults.
+    /// The keys make no valid path in a scene with these defaults.
     pub fn select(&mut self, at: usize, defaults: &Defaults) -> Result<Option<Pose>, Problem> {
         let Some(key) = self.keys.get(at) else { return Ok(None) };
         let time = key.time.unwrap_or(at as f64);
@@ -293,10 +293,10 @@ impl Route {
         Ok(self.motion(defaults)?.map(|curve| curve.at(time)))
     }
 
-    /// Goes to a place on the path, in seconds from its first key; the camera there.
+    /// Moves to a position on the path, in seconds from its first key; returns the camera there.
     ///
     /// # Errors
-    /// What makes no path in a scene with these defaults.
+    /// The keys make no valid path in a scene with these defaults.
     pub fn seek(&mut self, position: f64, defaults: &Defaults) -> Result<Option<Pose>, Problem> {
         let duration = self.duration();
         self.position = if position.is_finite() { position.clamp(0.0, duration) } else { 0.0 };
@@ -328,10 +328,10 @@ impl Route {
         self.playing = false;
     }
 
-    /// Runs on for some seconds; where the camera is then, if it runs. An open path ends at its last key.
+    /// Continues by some seconds; returns the camera there while it runs. An open path ends at its last key.
     ///
     /// # Errors
-    /// What makes no path in a scene with these defaults.
+    /// The keys make no valid path in a scene with these defaults.
     pub fn advance(&mut self, seconds: f64, defaults: &Defaults) -> Result<Option<Pose>, Problem> {
         if !self.playing {
             return Ok(None);

@@ -153,7 +153,7 @@ impl Stage {
         let Some(placed) = &mut self.placed else { return Err(no_points()) };
         // Medians of radii may be asked for, which drafts have no time for.
         let whole = effort == Effort::Whole || draft == Draft::whole(&method);
-        let standing = whole.then(|| Standing::of(&method, placed.arranged.points()));
+        let standing = whole.then(|| Standing::for_method(&method, placed.arranged.points()));
         let field = method.threshold().map(|threshold| FieldFacts {
             histogram: self.histograms.for_scene(scene, &placed.arranged.points().fields),
             parts: placed.cloud.parts(threshold),

@@ -46,7 +46,7 @@ impl PathArgs {
         }
     }
 
-    /// What was asked for, if a camera is to move; the file is read. Warnings go to standard error.
+    /// The requested motion of the camera, if any; reads its file. Warnings go to standard error.
     pub fn course(&self, frames: Option<u32>, input: &InputArgs, console: Console) -> Result<Option<Along>> {
         let frames = frames.map(|count| count as usize);
         if let Some(path) = &self.path {

@@ -68,7 +68,7 @@ pub fn run(args: CheckArgs, console: Console) -> Result<ExitCode> {
     Ok(status(&counts))
 }
 
-/// 1 if a case failed, and if none passed: a device that can run nothing has shown nothing.
+/// 1 if a case failed, and also if none passed: a device that can run no case is not verified.
 fn status(counts: &Counts) -> ExitCode {
     if counts.is_good() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use pellucid_engine::{Result, gpu};
+use pellucid_engine::{Result, gpu, methods};
 use serde_json::json;
 
 use super::console::{Console, print, print_json};
@@ -31,7 +31,15 @@ pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
     let mut text = String::new();
     for d in &devices {
         let mark = if taken == Some(d.index) { '*' } else { ' ' };
-        let lacks = if d.lacks.is_empty() { "nothing".to_owned() } else { d.lacks.join(", ") };
+        let methods = methods::without_subgroups(d);
+        let lacks = if !d.lacks.is_empty() {
+            d.lacks.join(", ")
+        } else if methods.is_empty() {
+            "nothing".to_owned()
+        } else {
+            let methods = methods.join(", ");
+            format!("subgroups of 8 to 32 invocations, which {methods} need, and soft methods with solid points")
+        };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
     }
     text += if taken.is_some() { "* would be taken\n" } else { "none can be taken\n" };

@@ -38,8 +38,8 @@ mod signals {
 
     use super::{ASKED, DEFERRED};
 
-    /// From now on SIGINT, SIGTERM and SIGHUP remove what is unfinished before they end the program. A signal that was ignored
-    /// from the start, as `nohup` and shells for jobs in the background have it, stays so.
+    /// From now on SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the program. A signal that was
+    /// ignored from the start, as under `nohup` or for background jobs of a shell, stays ignored.
     pub fn watch() {
         // A file that grows over `ulimit -f` is then an error like that of a full disk, and not the end of the program.
         let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));

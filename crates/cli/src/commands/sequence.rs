@@ -106,7 +106,7 @@ impl Frames {
         Ok(Self { files, cameras, identities, there })
     }
 
-    /// Renders what is missing; how many frames that were.
+    /// Renders the missing frames and returns their number.
     fn render(
         &self,
         args: &RenderArgs,
@@ -130,7 +130,7 @@ impl Frames {
             if rendered.image.rgba.iter().all(|[.., a]| *a == 0.0) {
                 empty.push(number);
             }
-            // Before the picture, so that every picture that is there was measured.
+            // Recorded before the picture is written, so that every existing picture has its measurements.
             records.add(self, number, session, &rendered)?;
             let own = vec![
                 ("pellucid:frame".to_owned(), format!("{number} of {count}")),
@@ -152,7 +152,7 @@ impl Frames {
 }
 
 impl Records {
-    /// Finds again what was measured of the frames that are there.
+    /// Reads back the measurements of existing frames.
     fn open(args: &RenderArgs, frames: &Frames, session: &Session) -> Result<Self> {
         let trace = args.measure.trace.as_ref().map(|_| session.profile());
         let (journal, measured) = match &args.measure.profile {
@@ -176,7 +176,7 @@ impl Records {
         Ok(())
     }
 
-    /// Writes what was asked for.
+    /// Writes the requested files.
     fn finish(self, args: &RenderArgs, session: &Session, count: usize, console: Console) -> Result<()> {
         if let Some(journal) = self.journal {
             let missing = self.measured.missing(count);
@@ -204,7 +204,7 @@ fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, sessio
     let info = session.device.info();
     let metadata = resolved.metadata(session.frame.method.name(), &info.name);
     let written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
-    let whole = identity::of(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
+    let whole = identity::hash(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
     let count = cameras.len();
     let one = |(number, camera): (usize, &Camera)| {
         // Debug output of floats is exact.

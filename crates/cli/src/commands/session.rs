@@ -56,7 +56,7 @@ impl Session {
         Ok(Self { device, renderer, cloud, frame, why: String::new() })
     }
 
-    /// Says on which device what is rendered, and how.
+    /// Reports the device, the method, and the size of the input.
     pub fn describe(&self, console: Console) {
         let info = self.device.info();
         console.detail(format_args!("device {} ({})", info.name, info.driver));
@@ -78,7 +78,7 @@ impl Session {
         }
     }
 
-    /// Says what a frame met and took.
+    /// Reports the counts and times of a frame.
     pub fn describe_frame(rendered: &Rendered, console: Console) {
         let Rendered { facts, profile, .. } = rendered;
         if facts.fragments > 0 {

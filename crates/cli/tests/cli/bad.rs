@@ -89,7 +89,7 @@ fn headers_that_lie_cost_no_memory() {
         #[cfg(unix)]
         assert_modest(&folder, name);
     }
-    // What announces no number of points that could be checked, but much else.
+    // Headers that announce no number of points to check, but many other numbers.
     let numbers = "FIELDS x y z\nCOUNT 1 1 1000000000\nPOINTS 0\nDATA binary\n";
     let constant = "<returnCount type=\"Integer\" minimum=\"5\" maximum=\"5\"/>".repeat(1000);
     let prototype = "<prototype type=\"Structure\">";

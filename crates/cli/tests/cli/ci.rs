@@ -64,7 +64,7 @@ fn has(program: &str) -> bool {
     found
 }
 
-/// What the steps before the first that is run would leave: two checkouts and two installations.
+/// The result of the steps before the first one that is run: two checkouts and two installations.
 fn checked_out() -> TempDir {
     let folder = folder();
     for side in ["base", "head"] {
@@ -79,7 +79,7 @@ fn checked_out() -> TempDir {
     folder
 }
 
-/// What is uploaded.
+/// The uploaded files.
 const ARTEFACTS: [&str; 6] = ["render.exr", "difference.png", "picture.txt", "base.json", "head.json", "cost.txt"];
 
 #[test]

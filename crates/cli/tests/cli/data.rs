@@ -175,7 +175,7 @@ fn real_models_fill_the_image_up_to_its_margin() {
             // centres it holds, or the one of its own centre.
             let ends = |low: u32, high: u32| (5..=8).contains(&low) && (248..=251).contains(&high);
             assert!(ends(x0, x1) || ends(y0, y1), "{file}: columns {x0}..{x1}, rows {y0}..{y1}");
-            // What is narrower lies in the middle.
+            // Narrower ranges lie in the middle.
             for (low, high) in [(x0, x1), (y0, y1)] {
                 assert!(low >= 5 && high <= 251 && (low + high).abs_diff(256) <= 4, "{file}: {low}..{high}");
             }

@@ -167,7 +167,7 @@ fn the_error_falls_as_one_over_the_root_of_ensembles() {
         assert!((ratio / 10f64.sqrt() - 1.0).abs() < 0.15, "{errors:?}");
     }
     for row in rows {
-        // What the mean over seeds is off the reference is noise.
+        // The difference of the mean over seeds from the reference is noise.
         assert!(of(row, "/repeats/bias") < 1.5 * of(row, "/repeats/bias_floor"), "{row}");
     }
     let slope = of(&report["convergence"][0], "/rmse/exponent");

@@ -1,6 +1,6 @@
-//! What failures leave: a full disk, outputs that can't be written, caches that are of no use, SIGKILL and signals in the
+//! The state after failures: a full disk, outputs that can't be written, unusable caches, SIGKILL and signals in the
 //! middle of the work, too little device memory, a lost device. Driven through the binary; in debug builds
-//! `PELLUCID_FAULT` (src/fault.rs) says where a fault happens.
+//! `PELLUCID_FAULT` (src/fault.rs) places a fault.
 //!
 //! `cargo test --locked --test cli faults:: -- --ignored` sweeps over many more places than the short tests do.
 
@@ -29,12 +29,12 @@ use tempfile::TempDir;
 #[derive(Debug, Clone, Copy)]
 struct Case {
     args: &'static [&'static str],
-    /// What it writes, in the folder `out`.
+    /// The files that it writes, in the folder `out`.
     files: &'static [&'static str],
     needs_device: bool,
-    /// Whether the files come together or each by itself.
+    /// True if the files appear together rather than one by one.
     together: bool,
-    /// Whether the same command gives the same bytes.
+    /// True if the same command gives the same bytes.
     repeats: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What `profile`, `plan` and `devices` print, and the files of `--profile` and `--trace`.
+//! The output of `profile`, `plan` and `devices`, and the files of `--profile` and `--trace`.
 
 use std::fs;
 

@@ -144,7 +144,7 @@ fn points_of_prepared_clouds_are_those_of_their_sources() {
         let wanted = points(&folder, "a.ply", keys);
         assert!(wanted.fields.iter().any(|f| *f > 0.0));
         assert_eq!(points(&folder, "b.ply", keys), wanted, "{keys}");
-        // What the file was prepared with is its default.
+        // The settings of the preparation are its default.
         assert_eq!(points(&folder, "b.ply", ""), wanted, "{keys}");
         // Under other scales and places, too.
         if !keys.contains("axis = ") {

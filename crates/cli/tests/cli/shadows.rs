@@ -184,7 +184,7 @@ fn shadows_that_were_changed_are_noticed() {
         fs::write(inside(&folder, "changed.ply"), changed).unwrap();
         load(&inside(&folder, "changed.ply"))
     };
-    // What is said of them.
+    // The message about them.
     let cloud = changed("\"samples\":5", "\"samples\":6");
     assert!(cloud.prepared.is_some_and(|prepared| prepared.shadows.is_none()));
     assert!(cloud.warnings[0].contains("line 3: what is said of `lit` was changed"), "{:?}", cloud.warnings);

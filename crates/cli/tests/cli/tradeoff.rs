@@ -359,7 +359,7 @@ fn an_interrupted_run_goes_on() {
     let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
     assert!(page.contains("in 2 runs"));
 
-    // What is left of another scene is not taken for this one's.
+    // Results left by another scene are not used for this one.
     interrupt(&folder, &args, 3);
     let other = [&args[..], &["--seed", "9"]].concat();
     let report: Value = serde_json::from_str(&done(&folder, &other)).unwrap();

@@ -10,10 +10,10 @@ pub mod x11;
 
 use std::path::Path;
 
-use crate::viewer::garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
-use crate::viewer::window::{Window, command};
+use garden::{WINDOW, garden, rendered, shoot, wait_for_screen, with_display};
 use pellucid_engine::output::read_image;
 use pellucid_engine::scene::{Overrides, Scene};
+use window::{Window, command};
 
 fn scene(folder: &Path, name: &str) -> Scene {
     Scene::read(&folder.join(format!("{name}.toml")), &Overrides::default()).unwrap()

@@ -1,5 +1,5 @@
-//! What the window does when the device is lost or has no memory left, and when it is closed in the middle of the work. As
-//! `viewer.rs`; `PELLUCID_FAULT` (src/fault.rs, debug builds) says where a fault happens.
+//! The window's behaviour when the device is lost or out of memory, and when it is closed in the middle of the work.
+//! Like `viewer.rs`; `PELLUCID_FAULT` (src/fault.rs, debug builds) places a fault.
 
 mod closed;
 mod lost;

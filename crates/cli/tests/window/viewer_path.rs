@@ -4,11 +4,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use pellucid_engine::camera::path::CameraPath;
-
 use crate::viewer::display::Display;
 use crate::viewer::garden::with_display;
 use crate::viewer::window::{Window, command};
+use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::read_image;
 
 /// The window, high enough for the panel to show the path.
@@ -28,7 +27,7 @@ fn shoot(display: &Display, window: &mut Window, folder: &Path) -> Vec<u8> {
     std::fs::read(folder.join(format!("{name}.png"))).unwrap()
 }
 
-/// What a dialog is told, key by key, as fast as a hand.
+/// Types into a dialog, key by key, as fast as a hand.
 fn choose(display: &Display, told: &[&str]) {
     for told in told.iter().chain(&["key Return"]) {
         std::thread::sleep(Duration::from_millis(400));

@@ -1,5 +1,5 @@
-//! What windows meet: window managers, screens of high density, files that are dropped, many sizes, compositors. As
-//! `viewer.rs`; without ctwm or cage those tests that need them are skipped with a note.
+//! The environment of windows: window managers, screens of high density, dropped files, many sizes, compositors. Like
+//! `viewer.rs`; without ctwm or cage the tests that need them are skipped with a note.
 
 mod density;
 mod dropped;

@@ -23,8 +23,8 @@ fn forget(list: &mut Vec<PathBuf>, path: &Path) {
 #[must_use]
 pub struct Unfinished(#[expect(dead_code, reason = "held, not read")] MutexGuard<'static, Vec<PathBuf>>);
 
-/// Removes what is unfinished, for whoever ends the program at once, as a signal does. Nothing new is begun and nothing gets
-/// its name until the result is dropped.
+/// Removes unfinished files, for code that is about to end the program, such as a signal handler. Until the result is
+/// dropped, no new file is started and none gets its name.
 pub fn discard_unfinished() -> Unfinished {
     let list = lock();
     for path in list.iter().rev() {

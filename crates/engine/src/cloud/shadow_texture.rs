@@ -2,10 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{Light, Shadows};
-
-/// Default distance between surfaces, as a share of the scene's diagonal.
-const APART: f64 = 0.01;
+use crate::light::Light;
 
 /// Everything that decides which lights reach which of the points: the same casting of the same points is the same texture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -26,24 +23,6 @@ pub struct Casting {
 }
 
 impl Casting {
-    /// For points whose box has a diagonal of `diagonal` world units; `None` for a headlight, which casts no shadows.
-    pub fn new(light: Light, shadows: &Shadows, seed: u64, diagonal: f64) -> Option<Self> {
-        let light = match light {
-            Light::Headlight => return None,
-            Light::Direction(direction) => Light::Direction(direction.normalize_or_zero()),
-            Light::Position(_) => light,
-        };
-        let hard = shadows.light_radius == 0.0;
-        Some(Self {
-            light,
-            samples: if hard { 1 } else { shadows.samples },
-            light_radius: shadows.light_radius,
-            resolution: shadows.resolution,
-            min_layer_distance: shadows.min_layer_distance.unwrap_or((APART * diagonal) as f32),
-            seed: if hard { 0 } else { seed },
-        })
-    }
-
     /// The settings that differ from `other`, by their names in a scene.
     pub fn differences(&self, other: &Self) -> Vec<&'static str> {
         [
@@ -100,7 +79,7 @@ impl From<&Casting> for CastingRecord {
         let light = match light {
             Light::Position(position) => LightRecord::Position(position.to_array()),
             Light::Direction(direction) => LightRecord::Direction(direction.to_array()),
-            // Unreachable: `Casting::new` returns `None` for it.
+            // Unreachable: no casting has one.
             Light::Headlight => LightRecord::Direction([0.0; 3]),
         };
         Self { light, samples, light_radius, resolution, min_layer_distance, seed }
@@ -123,9 +102,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::scene::Shadows;
 
     fn casting(light: Light, shadows: &Shadows, seed: u64) -> Casting {
-        Casting::new(light, shadows, seed, 200.0).expect("it casts")
+        shadows.casting(light, seed, 200.0).expect("it casts")
     }
 
     #[test]
@@ -135,7 +115,7 @@ mod tests {
         let one = casting(long, &hard, 7);
         assert_eq!(one, casting(short, &Shadows { samples: 1, min_layer_distance: Some(2.0), ..hard }, 8));
         assert_eq!((one.samples, one.seed, one.min_layer_distance), (1, 0, 2.0));
-        assert_eq!(Casting::new(Light::Headlight, &hard, 0, 1.0), None);
+        assert_eq!(hard.casting(Light::Headlight, 0, 1.0), None);
     }
 
     #[test]

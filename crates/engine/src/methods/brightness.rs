@@ -1,14 +1,14 @@
 //! The factor p that makes a thinned-out image as bright as the opaque one (Uchida et al. 2020, Section 3.4).
 //!
 //! The paper raises p from 1 in steps of 0.01 until more than 1% of the pixels of the brightened gray image lie between
-//! B_th and B_max of the opaque one: B_max is its largest gray, B_th the largest gray that more than 1% of its pixels reach.
-//! Here the first and the last step at which a pixel lies there are found by bisection, since no pixel gets darker as p
-//! grows, and steps are counted in a histogram: the same p, for the price of some 30 trials instead of hundreds.
+//! B_th and B_max of the opaque one: B_max is its largest gray, B_th the largest gray that more than 1% of its pixels
+//! reach. Since no pixel gets darker as p grows, bisection finds here the first and the last step at which a pixel lies
+//! in that range, and a histogram counts the steps: the same p, with some 30 trials instead of hundreds.
 //!
-//! Gray is that of 8-bit pictures: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601, which makes pure red 76, as in the paper) of
-//! the values that a PNG would hold over a black background, premultiplied colors cut at 1 and sRGB-encoded (with
-//! `color = "encoded"` as they are), times 255, rounded to the nearest. Pixels without a point count as black ones, as in
-//! the paper.
+//! Gray is that of 8-bit pictures: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601, which makes pure red 76, as in the paper)
+//! of the values that a PNG would hold over a black background, premultiplied colors clamped to 1 and sRGB-encoded
+//! (unchanged with `color = "encoded"`), times 255, rounded to the nearest. Pixels without a point count as black, as
+//! in the paper.
 
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub const LARGEST: u32 = 1000;
 /// Steps from 1 to [`LARGEST`], both included.
 const STEPS: u32 = (LARGEST - 1) * STEPS_PER_UNIT + 1;
 
-/// What was found.
+/// A computed brightening.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brightening {
     /// p, from 1 to [`LARGEST`].
@@ -51,17 +51,17 @@ pub enum End {
     TooDark,
 }
 
-/// What was done to an image.
+/// The brightening applied to an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Applied {
     /// p, by which its colors were multiplied.
     pub factor: f32,
-    /// How p was found, if it was not given.
+    /// The computation of p, if p was not given.
     pub found: Option<Brightening>,
 }
 
 impl Applied {
-    /// Of an image's metadata: `{p, threshold, largest}`, the latter two B_th and B_max or null where p was given.
+    /// For an image's metadata: `{p, threshold, largest}`, the latter two B_th and B_max, or null where p was given.
     pub fn json(&self) -> Value {
         let window = self.found.map(|found| found.window);
         // 2.52, and not what float32 makes of it.
@@ -69,7 +69,7 @@ impl Applied {
         json!({ "p": p, "threshold": window.map(|w| w[0]), "largest": window.map(|w| w[1]) })
     }
 
-    /// What somebody should know who wonders about p.
+    /// A warning for unusual values of p.
     pub fn warning(&self) -> Option<String> {
         let found = self.found?;
         match found {
@@ -87,8 +87,8 @@ impl Applied {
     }
 }
 
-/// Brightens a frame's image as its method says: `spbr-simplified`, and `spbr` with `brighten`. Where p is not given, all
-/// points are rendered once more, as one ensemble. `None` for other methods, which leave the image as it is.
+/// Brightens a frame's image as its method demands: `spbr-simplified`, and `spbr` with `brighten`. If p is not given,
+/// all points are rendered once more, as a single ensemble. `None` for other methods, whose image stays unchanged.
 ///
 /// # Errors
 /// Those of rendering.
@@ -127,9 +127,9 @@ fn search_with(
     Ok(Applied { factor: found.factor, found: Some(found) })
 }
 
-/// p for the image `pixels`, premultiplied R, G, B and A without background, such that it is about as bright as the
-/// opaque image `reference` of the same camera. Values are linear light or encoded ones, as `color` says; those that are not
-/// numbers count as 0. Neither image needs to be as large as the other, since shares of their pixels are compared.
+/// The p that makes the image `pixels`, premultiplied R, G, B and A without background, about as bright as the opaque
+/// image `reference` of the same camera. Values are linear light or encoded ones, according to `color`; NaN counts as
+/// 0. The images may differ in size, since shares of their pixels are compared.
 pub fn factor(pixels: &[[f32; 4]], reference: &[[f32; 4]], color: ColorSpace) -> Brightening {
     let scale = GrayScale::new(color);
     let window = window(&scale, reference);
@@ -150,8 +150,8 @@ pub fn factor(pixels: &[[f32; 4]], reference: &[[f32; 4]], color: ColorSpace) ->
     Brightening { factor: of_step(step), window, end }
 }
 
-/// Multiplies the colors of an image by p. No value gets above 1, unless it was before, as 8-bit pictures have no more; A
-/// stays as it is.
+/// Multiplies the colors of an image by p. Values are clamped to 1, unless they exceeded it before, because 8-bit
+/// pictures hold no more; A stays unchanged.
 pub fn brighten(pixels: &mut [[f32; 4]], factor: f32) {
     for color in pixels.iter_mut().flat_map(|pixel| &mut pixel[..3]) {
         *color = (*color * factor).min(color.max(1.0));
@@ -228,7 +228,7 @@ fn window(scale: &GrayScale, reference: &[[f32; 4]]) -> [u8; 2] {
 
 /// From values of an image to the gray of an 8-bit picture.
 struct GrayScale {
-    /// sRGB-encoded values of 0 to 1 in equal steps; none for values that are encoded.
+    /// sRGB-encoded values of 0 to 1 in equal steps; `None` for encoded values.
     encoded: Option<Vec<f32>>,
 }
 
@@ -306,7 +306,8 @@ mod tests {
         for p in [1.0f32, 1.37, 2.52, 8.0] {
             let image: Vec<_> = reference.iter().map(|[r, g, b, a]| [r / p, g / p, b / p, *a]).collect();
             let found = factor(&image, &reference, ColorSpace::Linear);
-            // One 8-bit step of the threshold, some 200 of 255, is about 1% of the linear value; p comes in steps of 0.01.
+            // One 8-bit step of the threshold, some 200 of 255, is about 1% of the linear value; p comes in steps of
+            // 0.01.
             assert!((found.factor / p - 1.0).abs() < 0.02, "{p}: {found:?}");
             let mut brightened = image;
             brighten(&mut brightened, found.factor);
@@ -318,19 +319,19 @@ mod tests {
     #[test]
     fn black_empty_and_small() {
         let (black, gray) = (vec![[0.0, 0.0, 0.0, 1.0]; 1000], vec![[0.2, 0.2, 0.2, 1.0]; 1000]);
-        let of = |image: &[[f32; 4]], reference: &[[f32; 4]]| factor(image, reference, ColorSpace::Encoded);
-        assert_eq!(of(&black, &black), Brightening { factor: 1.0, window: [0, 0], end: End::Met });
-        assert_eq!(of(&black, &gray), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
-        assert_eq!(of(&[], &gray).end, End::TooDark);
-        assert_eq!(of(&gray, &[]).factor, 1.0);
-        // What covers at most 1% of the picture says nothing.
+        let factor_for = |image: &[[f32; 4]], reference: &[[f32; 4]]| factor(image, reference, ColorSpace::Encoded);
+        assert_eq!(factor_for(&black, &black), Brightening { factor: 1.0, window: [0, 0], end: End::Met });
+        assert_eq!(factor_for(&black, &gray), Brightening { factor: 1.0, window: [51, 51], end: End::TooDark });
+        assert_eq!(factor_for(&[], &gray).end, End::TooDark);
+        assert_eq!(factor_for(&gray, &[]).factor, 1.0);
+        // Objects that cover at most 1% of the picture have no effect.
         let mut small = vec![[0.0; 4]; 1000];
         small[..10].fill([1.0; 4]);
-        assert_eq!(of(&gray, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
+        assert_eq!(factor_for(&gray, &small), Brightening { factor: 1.0, window: [0, 255], end: End::Met });
         small[10] = [1.0; 4];
-        assert_eq!(of(&gray, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
-        // Numbers that are none, and colors beyond 1 that stay.
-        assert_eq!(of(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &gray).factor, 1.0);
+        assert_eq!(factor_for(&gray, &small), Brightening { factor: 5.0, window: [255, 255], end: End::Met });
+        // NaN, and colors beyond 1 that stay.
+        assert_eq!(factor_for(&[[f32::NAN, f32::INFINITY, -1.0, 1.0]; 10], &gray).factor, 1.0);
         let mut bright = [[2.0, 0.4, -0.5, 0.5], [0.7, 0.1, 0.0, 1.0]];
         brighten(&mut bright, 2.0);
         assert_eq!(bright, [[2.0, 0.8, -1.0, 0.5], [1.0, 0.2, 0.0, 1.0]]);
@@ -338,13 +339,17 @@ mod tests {
 
     #[test]
     fn metadata_and_warnings() {
-        let of = |window, end| Applied { factor: 2.52, found: Some(Brightening { factor: 2.52, window, end }) };
+        let applied = |window, end| Applied { factor: 2.52, found: Some(Brightening { factor: 2.52, window, end }) };
         let given = Applied { factor: 2.5, found: None };
         assert_eq!(given.json().to_string(), r#"{"p":2.5,"threshold":null,"largest":null}"#);
-        assert_eq!(of([3, 200], End::Met).json().to_string(), r#"{"p":2.52,"threshold":3,"largest":200}"#);
-        assert!([given, of([3, 200], End::Met), of([3, 200], End::JumpedOver)].iter().all(|x| x.warning().is_none()));
-        assert!(of([0, 200], End::Met).warning().unwrap().contains("closer view"));
-        assert!(of([3, 200], End::TooDark).warning().unwrap().contains("no factor up to 1000"));
+        assert_eq!(applied([3, 200], End::Met).json().to_string(), r#"{"p":2.52,"threshold":3,"largest":200}"#);
+        assert!(
+            [given, applied([3, 200], End::Met), applied([3, 200], End::JumpedOver)]
+                .iter()
+                .all(|x| x.warning().is_none())
+        );
+        assert!(applied([0, 200], End::Met).warning().unwrap().contains("closer view"));
+        assert!(applied([3, 200], End::TooDark).warning().unwrap().contains("no factor up to 1000"));
     }
 
     #[test]

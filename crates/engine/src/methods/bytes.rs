@@ -1,4 +1,4 @@
-//! What the passes of a frame took, and the bytes that each must move at least.
+//! The times of a frame's passes, and the bytes that each must move at least.
 
 use std::time::Duration;
 
@@ -11,9 +11,9 @@ use crate::passes::project::DeviceCloud;
 pub(crate) struct PassRuns<'a> {
     /// The pass.
     pub name: &'static str,
-    /// How often it ran.
+    /// The number of its runs.
     pub runs: u64,
-    /// What the frame met.
+    /// The counts of the frame.
     pub facts: &'a Facts,
     /// The frame.
     pub frame: &'a Frame,
@@ -29,12 +29,12 @@ impl PassRuns<'_> {
         u64::from(self.frame.size[0]) * u64::from(self.frame.size[1])
     }
 
-    /// Bytes of a splat: `tilted` of a method whose splats lie in their tangent planes.
+    /// Bytes of a splat; `tilted` for a method whose splats lie in their tangent planes.
     pub fn splat(&self, tilted: bool) -> u64 {
         20 + if self.is_tilted(tilted) { 16 } else { 0 }
     }
 
-    /// Whether splats have tilts.
+    /// True if splats have tilts.
     pub fn is_tilted(&self, tilted: bool) -> bool {
         tilted && self.cloud.has_normals()
     }

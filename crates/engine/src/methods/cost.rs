@@ -1,8 +1,9 @@
-//! What exact methods cost on a device: `auto` takes the cheaper of those that are exact for a scene.
+//! The cost of exact methods on a device: `auto` chooses the cheaper of those that are exact for a scene.
 //!
 //! The time of a frame is modelled as a sum of non-negative costs per frame, splat, pixel of the splats' rectangles and
-//! pixel of the image. They are fitted once per device, driver and version to frames of small random clouds, and kept on
-//! disk: small and large splats apart, since `abuffer` works differently for them, and for each falloff.
+//! pixel of the image. They are fitted once per device, driver and version to frames of small random clouds, and kept
+//! on disk. Small and large splats are fitted separately, since `abuffer` handles them differently, and so is each
+//! falloff.
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ use crate::points::Points;
 use crate::prepare::order;
 use crate::scene::{ColorSpace, Discs, Falloff, Method, Shading};
 
-/// What a frame's cost depends on.
+/// The factors of a frame's cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Splats that touch the image.
@@ -41,20 +42,20 @@ const TERMS: usize = 4;
 /// Milliseconds per frame, million splats, million pixels of rectangles, million pixels of the image.
 type Costs = [f64; TERMS];
 
-/// What a frame's cost depends on, and the milliseconds that it took.
+/// The factors of a frame's cost, and its measured milliseconds.
 type Sample = ([f64; TERMS], f64);
 
 /// The fitted costs of the methods that are exact for flat discs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {
-    /// Of small and of large splats.
+    /// For small and for large splats.
     abuffer: [Costs; 2],
     sorted: [Costs; 2],
 }
 
 impl Model {
     /// The model of a device, from the disk or fitted now, which takes seconds.
-    pub fn of(device: &Device, falloff: Falloff) -> Result<Self, Error> {
+    pub fn for_device(device: &Device, falloff: Falloff) -> Result<Self, Error> {
         let info = device.info();
         let identity = format!("{} {} {} {falloff:?} {SAMPLES:?}", env!("CARGO_PKG_VERSION"), info.name, info.driver);
         let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
@@ -71,8 +72,8 @@ impl Model {
 
     /// Predicted milliseconds of `abuffer` and of `sorted`.
     pub fn predict(&self, load: &Load) -> [f64; 2] {
-        let of = |costs: &[Costs; 2]| dot(&costs[usize::from(load.large())], &load.terms());
-        [of(&self.abuffer), of(&self.sorted)]
+        let predicted = |costs: &[Costs; 2]| dot(&costs[usize::from(load.large())], &load.terms());
+        [predicted(&self.abuffer), predicted(&self.sorted)]
     }
 
     fn fit(device: &Device, falloff: Falloff) -> Result<Self, Error> {
@@ -127,7 +128,7 @@ pub fn choose(
         return Ok((Method::ABuffer(discs), format!("{why}; memory does not allow to sort {} splats", cloud.len())));
     }
     let load = renderer.load(cloud, frame, &discs)?;
-    let [abuffer, sorted] = Model::of(&device, discs.falloff)?.predict(&load);
+    let [abuffer, sorted] = Model::for_device(&device, discs.falloff)?.predict(&load);
     let method = if sorted <= abuffer { Method::Sorted(discs) } else { Method::ABuffer(discs) };
     let each = load.area as f64 / load.splats.max(1) as f64;
     let reason = format!(

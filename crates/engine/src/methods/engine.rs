@@ -1,11 +1,11 @@
-//! What a method is to the renderer: an engine, and what an engine gets to work with.
+//! The engine of a method, as the renderer sees it, and the tools an engine works with.
 
 use crate::progress::Progress;
 
 use super::bytes::PassRuns;
 use super::explain::Plan;
 use super::{Buffers, Error, Facts, Frame, Outcome, Target, Timeline};
-use crate::gpu::Device;
+use crate::gpu::{Device, DeviceInfo};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
 use crate::passes::project::{DeviceCloud, Projecting, Stats};
@@ -43,7 +43,7 @@ pub(crate) trait Engine {
         Ok(())
     }
 
-    /// Points that are on the device at a time, of a cloud that goes through it during the frame.
+    /// The number of points on the device at a time, for a cloud that is streamed during the frame.
     fn streamed(&self, _device: &Device, _cloud: &DeviceCloud, _frame: &Frame) -> Option<u64> {
         None
     }
@@ -53,18 +53,23 @@ pub(crate) trait Engine {
         None
     }
 
-    /// Whether a survey renders into the target, because only rendering tells what the frame meets.
+    /// True if no frame can do without subgroups of 8 to 32 invocations on this device, because tiles of splats need them.
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        false
+    }
+
+    /// True if a survey renders into the target, because only rendering yields the frame's counts.
     fn renders_to_survey(&self) -> bool {
         false
     }
 
-    /// What the engine can count for each pixel.
+    /// The values that the engine can count for each pixel.
     fn channels(&self) -> Channels;
 
     /// Renders a window into the target and copies it to the host, or only counts it ([`Work::survey`]).
     ///
     /// # Errors
-    /// What the device lacks or has no memory for, however small the window.
+    /// The device lacks a feature or memory, even for the smallest window.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error>;
 
     /// Counts of the window that was rendered last, where the frame asks for them.
@@ -81,12 +86,12 @@ pub(crate) trait Engine {
     fn explain(&self, plan: &mut Plan<'_>);
 }
 
-/// What an engine can count for each pixel, beside color and depth.
+/// Values that an engine can count for each pixel, beside color and depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Channels {
     /// Lengths of lists.
     pub fragments: Fragments,
-    /// Whether it counts layers that were peeled.
+    /// True if it counts peeled layers.
     pub layers: bool,
 }
 
@@ -95,14 +100,14 @@ pub(crate) struct Channels {
 pub(crate) enum Fragments {
     /// Not at all.
     Never,
-    /// By passes of their own, where a frame asks for them: images need none.
+    /// In separate passes, if a frame asks for them: images don't need the counts.
     Beside,
     /// By the passes that render.
     Within,
 }
 
 impl Channels {
-    /// Nothing.
+    /// No values.
     pub const NONE: Self = Self { fragments: Fragments::Never, layers: false };
     /// Lengths of lists alone, by the passes that render.
     pub const LISTS_WITHIN: Self = Self { fragments: Fragments::Within, layers: false };
@@ -110,7 +115,7 @@ impl Channels {
     pub const LISTS_BESIDE: Self = Self { fragments: Fragments::Beside, layers: false };
 }
 
-/// What was counted for each pixel of a window, in its order; `None` for what was not.
+/// The values counted for each pixel of a window, in its order; `None` for others.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Counts {
     /// Lengths of lists.
@@ -121,12 +126,12 @@ pub(crate) struct Counts {
     pub stderr: Option<Vec<[f32; 3]>>,
 }
 
-/// What tests switch off or set lower.
+/// Features that tests switch off or limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Switches {
-    /// Whether 64-bit atomics are used.
+    /// True if 64-bit atomics are used.
     pub wide_atomics: bool,
-    /// Whether ensembles are drawn in one go where that can be.
+    /// True if ensembles are drawn in one go where possible.
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles.
     pub epoch_bits: u32,
@@ -146,17 +151,17 @@ pub(crate) struct Work<'a> {
     pub budget: Budget,
     /// Samples or ensembles to draw; 0 where the engine draws no random ones.
     pub samples: u32,
-    /// Where the pixels go, with room for the window.
+    /// The target of the pixels, large enough for the window.
     pub target: &'a Target,
     /// Times of the submissions.
     pub timeline: &'a mut Timeline,
-    /// What the frame met; only those of windows that are done are kept.
+    /// The frame's counts; only those of finished windows are kept.
     pub facts: &'a mut Facts,
     /// Counts finished pixels.
     pub progress: &'a Progress,
-    /// What tests switch.
+    /// Switches set by tests.
     pub switches: Switches,
-    /// Whether counting is enough.
+    /// True if counting is enough.
     pub survey: bool,
 }
 
@@ -166,7 +171,7 @@ impl Work<'_> {
         bands::pixels(self.window)
     }
 
-    /// Projects a cloud's points to splats of the window; what was found, chunk by chunk.
+    /// Projects a cloud's points to splats of the window. Returns the results by chunk.
     pub fn project(&mut self, cloud: &mut DeviceCloud, how: &Projecting) -> Result<Vec<Stats>, Error> {
         project(self.device, cloud, (self.frame, self.window), how, self.timeline)
     }
@@ -202,7 +207,7 @@ impl Work<'_> {
     }
 }
 
-/// Projects a cloud's points to splats of a window of a frame; what was found, chunk by chunk.
+/// Projects a cloud's points to splats of a window of a frame. Returns the results by chunk.
 pub(crate) fn project(
     device: &Device,
     cloud: &mut DeviceCloud,
@@ -218,7 +223,7 @@ pub(crate) fn project(
     Ok(cloud.stats())
 }
 
-/// Windows of so many bytes per pixel.
+/// Windows for a method that needs `pixel_bytes` per pixel.
 pub(crate) fn windows_of(frame: &Frame, budget: Budget, pixel_bytes: u64) -> Vec<Window> {
     bands::windows(frame.size, budget.window_pixels(pixel_bytes))
 }

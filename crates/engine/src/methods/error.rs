@@ -11,7 +11,7 @@ pub enum Error {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
-    /// One pixel alone has more fragments than fit: of the pixels rendered at a time the one with most.
+    /// A single pixel has more fragments than fit; reported for the pixel with most of those rendered together.
     #[error(
         "pixel ({x}, {y}) has {length} fragments, which need {} of device memory; the budget leaves {}: --memory-budget {} would do for this pixel",
         ByteSize(*.needed), ByteSize(*.available), printed(*.budget)
@@ -51,10 +51,10 @@ pub enum Error {
         method: &'static str,
         /// Shells of a sphere.
         shells: u32,
-        /// Points that can be told apart.
+        /// The largest number of distinguishable points.
         limit: u64,
     },
-    /// One pixel alone overflows the 32-bit counters.
+    /// A single pixel overflows the 32-bit counters.
     #[error("pixel ({x}, {y}) gets more than 2^32 fragments or tiles; fewer or smaller splats would help")]
     PixelOverflow {
         /// Column.
@@ -70,7 +70,7 @@ pub enum Error {
         /// Layers that were peeled.
         limit: u32,
     },
-    /// A window of a single pixel takes more memory than there is, with all around it that filters reach.
+    /// A window of a single pixel, with the surroundings that filters reach, needs more memory than available.
     #[error(
         "the filters of all layers reach {halo} pixels around a window of the image, which takes {} of device memory at least; the budget leaves {}: --memory-budget {} would do, or fewer layers or iterations",
         ByteSize(*.needed), ByteSize(*.available), printed(*.needed)
@@ -134,7 +134,7 @@ pub enum Error {
     NoHardwareRaster {
         /// The device.
         device: String,
-        /// What is missing.
+        /// The missing feature.
         needed: String,
     },
     /// A light's image doesn't fit a binding or the budget.
@@ -151,7 +151,7 @@ pub enum Error {
         budget: u64,
         /// Bytes that a binding may have, which is half of the image.
         binding: u64,
-        /// The largest resolution that would do; 0 if none would.
+        /// The largest resolution that would work; 0 if none would.
         largest: u32,
     },
     /// Somebody who watches the progress wanted the work to end.
@@ -180,7 +180,7 @@ impl From<passes::Error> for Error {
     }
 }
 
-/// A budget as a message names it: rounded up, such that what is printed is no less.
+/// A budget as a message prints it: rounded up, so that the printed value suffices.
 fn printed(budget: u64) -> ByteSize {
     let unit = match budget {
         ..0x400 => 1,
@@ -199,8 +199,8 @@ fn smaller_image(largest: u32) -> String {
 }
 
 impl Error {
-    /// Whether this is something that one method with its settings can't do here, while another may: not a device that
-    /// failed, nor a frame that none could render.
+    /// True if only this method with its settings fails here, while another may succeed: neither a failed device nor a
+    /// frame that no method could render.
     pub fn is_refusal(&self) -> bool {
         use crate::gpu::Error::{OutOfMemory, TooLarge};
         match self {

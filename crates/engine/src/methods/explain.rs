@@ -1,4 +1,5 @@
-//! The plan of a frame: which passes run, and the fact that decides each. Engines add their own; what several share is here.
+//! The plan of a frame: the passes that run, and the fact that decides each. Engines add their own; shared parts are
+//! here.
 
 use super::{Facts, Frame, shadows};
 use crate::gpu::Device;
@@ -7,12 +8,12 @@ use crate::passes::radix::Digits;
 use crate::passes::tiles;
 use crate::scene::ShadingModel;
 
-/// One pass of the frame plan.
+/// A pass of the frame plan.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Step {
     /// Method and stage, as in profiles.
     pub name: &'static str,
-    /// Whether the frame runs it.
+    /// True if the frame runs it.
     pub on: bool,
     /// The fact about the scene or the device that decided it.
     pub reason: String,
@@ -23,16 +24,16 @@ pub struct Step {
 pub(crate) struct PassGroup {
     /// Their names, in the order of their first run.
     pub names: Vec<&'static str>,
-    /// Why they don't run, unless an engine says it more precisely.
+    /// The reason why they don't run, unless an engine gives a more precise one.
     pub absent: Absent,
 }
 
 /// Why a group of passes doesn't run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Absent {
-    /// For this reason.
+    /// This reason.
     Always(&'static str),
-    /// For this reason, because the method in force has no use for them.
+    /// This reason, because the current method doesn't need them.
     Method(&'static str),
     /// The same, but methods without discs have no transparency at all.
     Discs(&'static str),
@@ -51,7 +52,7 @@ pub(crate) const NOTHING: &str = "no splat touches the image";
 /// Why splats go through tiles where any order would do.
 pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
-/// Counters and pixels that most methods clear, and what the projection found.
+/// Counters and pixels that most methods clear, and the results of the projection.
 pub(crate) const COUNTERS: [&str; 2] = ["splat/clear", "splat/stats"];
 /// The passes that sort splats, four of them, and put them into tiles.
 pub(crate) const ORDER: [&str; 10] = [
@@ -84,9 +85,9 @@ pub(crate) struct Plan<'a> {
     pub device: &'a Device,
     /// The frame.
     pub frame: &'a Frame,
-    /// What it met, or would meet.
+    /// The actual or expected counts.
     pub facts: &'a Facts,
-    /// Whether 64-bit atomics are used.
+    /// True if 64-bit atomics are used.
     pub wide_atomics: bool,
     /// Why this method.
     pub why: &'a str,
@@ -100,7 +101,7 @@ impl Plan<'_> {
         self.steps.push(Step { name, on, reason: reason.into() });
     }
 
-    /// Passes that are not listed yet are off.
+    /// Lists these passes as off, unless they are listed already.
     pub fn rest(&mut self, names: &[&'static str], reason: &str) {
         for name in names {
             if self.steps.iter().all(|step| step.name != *name) {
@@ -109,7 +110,7 @@ impl Plan<'_> {
         }
     }
 
-    /// The passes of a group that are not listed yet are off.
+    /// Lists the passes of a group as off, unless they are listed already.
     pub fn rest_of(&mut self, group: &PassGroup) {
         let reason = match group.absent {
             Absent::Always(reason) => reason.to_owned(),
@@ -119,7 +120,7 @@ impl Plan<'_> {
         self.rest(&group.names, &reason);
     }
 
-    /// Whether any splat touches the image.
+    /// True if any splat touches the image.
     pub fn seen(&self) -> bool {
         self.facts.visible > 0
     }
@@ -129,7 +130,7 @@ impl Plan<'_> {
         if self.seen() { reason } else { NOTHING.to_owned() }
     }
 
-    /// How points are shaded, in words.
+    /// The shading of points, in words.
     pub fn shading(&self) -> &'static str {
         match self.frame.shading.model {
             ShadingModel::None => "no shading asked for",
@@ -176,7 +177,7 @@ impl Plan<'_> {
         self.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
     }
 
-    /// Points that become splats, and what was found of these.
+    /// Explains the projection of points to splats, and its results.
     pub fn projected(&mut self) {
         self.cleared();
         let points = self.facts.points;
@@ -189,13 +190,13 @@ impl Plan<'_> {
         self.add("splat/project", false, "a point is one pixel or a square: no splats");
     }
 
-    /// What the projection found.
+    /// Explains the results of the projection.
     pub fn found(&mut self) {
         let met = format!("{} splats touch the image, {} of them large", self.facts.visible, self.facts.large);
         self.add("splat/stats", true, met);
     }
 
-    /// The lists of large splats by tile, of so many large ones; returns the longest prefix sum that they need.
+    /// Explains the lists of `large` large splats by tile; returns the length of the longest prefix sum that they need.
     pub fn tiles(&mut self, large: u64) -> u64 {
         let facts = self.facts;
         let on = large > 0 && facts.raster == "compute";
@@ -212,7 +213,7 @@ impl Plan<'_> {
         if on { large.max(u64::from(columns) * u64::from(rows) + 1) } else { 0 }
     }
 
-    /// Prefix sums of so many elements, none for no element.
+    /// Explains the prefix sums of `elements` elements; none for 0.
     pub fn scan(&mut self, elements: u64, counted: &str) {
         let levels = if elements > SCAN_RUN { "more" } else { "no more" };
         self.add(

@@ -1,4 +1,4 @@
-//! What a frame met: the counts that explain its plan, its times and its memory.
+//! The counts of a frame, which explain its plan, its times and its memory.
 
 use super::Outcome;
 use super::spbr::Form;
@@ -6,13 +6,13 @@ use crate::passes::bin::{Binned, Survey};
 use crate::passes::project::Stats;
 use crate::passes::raster::Walker;
 
-/// What a frame met.
+/// The counts of a frame.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
     /// Points of the scene.
     pub points: u64,
-    /// Splats whose rectangle touches the image (summed over windows; those of solid and of soft points, if a method tells
-    /// them apart).
+    /// Splats whose rectangle touches the image (summed over windows; solid plus soft points, if a method separates
+    /// them).
     pub visible: u64,
     /// Splats of more than 1024 pixels, which are visited tile by tile.
     pub large: u64,
@@ -26,29 +26,29 @@ pub struct Facts {
     pub fragments: u64,
     /// Longest list.
     pub max_list: u32,
-    /// Longest list as it is sorted: a soft sphere has several fragments there, but counts once in the numbers above.
+    /// Longest list to sort: a soft sphere has several fragments there, but counts once in the numbers above.
     pub max_events: u32,
     /// Layers that were peeled, the most of any window.
     pub layers: u32,
     /// Tiles of 16 × 16 pixels of all images that filters had, layer by layer and window by window.
     pub image_tiles: u64,
-    /// Those that each filter ran over: background fill, occlusion fill, smoothing, antialiasing; all iterations.
+    /// Tiles processed by each filter: background fill, occlusion fill, smoothing, antialiasing; all iterations.
     pub filtered_tiles: [u64; 4],
     /// Samples that a stochastic method took of each pixel.
     pub samples: u32,
     /// Ensembles that were drawn.
     pub ensembles: u32,
-    /// Slots dealt to them: points of all clouds, each as often as it is in one.
+    /// Slots dealt to them: points of all clouds, each counted for every ensemble that contains it.
     pub slots: u64,
-    /// How the nearest points of ensembles are found.
+    /// The way the nearest points of ensembles are found.
     pub form: Option<Form>,
     /// Points of ensembles that are on the device at a time, if they are more than fit.
     pub streamed: Option<u64>,
     /// Bytes of them that went to the device during the frame.
     pub uploaded_bytes: u64,
-    /// Whether a pixel's nearest point has to be cleared between ensembles.
+    /// True if a pixel's nearest point has to be cleared between ensembles.
     pub renewed: bool,
-    /// Whether points of ensembles may cover more pixels than one invocation walks.
+    /// True if points of ensembles may cover more pixels than one invocation walks.
     pub listed: bool,
     /// Clouds too thin for their opacity, by their place in the list of clouds, with the thousandths that they reach of it.
     pub thin: Vec<ThinCloud>,
@@ -65,7 +65,7 @@ pub struct Facts {
     /// Drawings of opaque splats in three passes: windows of `hqs` and `splats` with anything in them, windows of the soft
     /// methods with solid points, layers of `one-layer` over all windows.
     pub splatted: u64,
-    /// Windows of `one-layer` in which a layer of soft points lies over what is opaque.
+    /// Windows of `one-layer` in which a layer of soft points covers opaque ones.
     pub layered: u64,
     /// Images through the eyes of a light that were made for shadows: 0 without shadows, and where the cloud has them.
     pub light_views: u64,
@@ -73,11 +73,11 @@ pub struct Facts {
     pub windows: u64,
     /// Largest number of device bytes at any time of the frame, cloud and image included.
     pub peak_device_bytes: u64,
-    /// Who visited the pixels: `compute` or `hardware`.
+    /// The raster path: `compute` or `hardware`.
     pub raster: &'static str,
 }
 
-/// A cloud that has fewer points on a pixel than its opacity asks for, whatever the number of ensembles.
+/// A cloud with fewer points per pixel than its opacity needs, for any number of ensembles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ThinCloud {
     /// Its place among the clouds.
@@ -111,7 +111,7 @@ impl Facts {
         self.tile_entries += binned.entries();
     }
 
-    /// Adds a window of which is known only how its splats would be binned.
+    /// Adds a window whose splats were only surveyed, not binned.
     pub(super) fn note_survey(&mut self, survey: Survey) -> Outcome {
         match survey {
             Survey::Nothing => {}

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::image::MAX_SIDE;
 use crate::scene::{ColorSpace, Method, Scene, Shading, Shadows};
 
-/// What to render of an uploaded cloud.
+/// The settings for rendering an uploaded cloud.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     /// The camera.
@@ -17,31 +17,32 @@ pub struct Frame {
     pub shading: Shading,
     /// Shadows of the light, of methods that take some ([`Method::takes_shadows`]) where shading has a light that casts them.
     pub shadows: Option<Shadows>,
-    /// In which space colors are blended.
+    /// The color space of blending.
     pub color: ColorSpace,
     /// The method.
     pub method: Method,
-    /// Device bytes beside cloud and image; `None`: what the device has, less a reserve. A cloud that was dealt and takes more
-    /// than that is not kept on the device: what there is of it at a time counts.
+    /// Limit on device bytes beside cloud and image; `None` allows the device's memory minus a reserve. A dealt cloud
+    /// that exceeds the limit is streamed: only the part on the device at a time counts.
     pub memory_budget: Option<u64>,
-    /// Whether the image carries the length of each pixel's list, and the layers that were peeled from it.
+    /// True if the image carries the length of each pixel's list, and its number of peeled layers.
     pub fragments: bool,
-    /// What may be left out where nothing of it would be seen.
+    /// The allowed omissions, none of them visible.
     pub stop: Stop,
     /// Seed of stochastic methods.
     pub seed: u64,
     /// Standard error of the whole image (root mean square over pixels and R, G, B) at which stochastic methods may do with
     /// fewer samples than their settings say.
     pub max_error: Option<f32>,
-    /// Whether stochastic methods find their standard error even so.
+    /// True if stochastic methods compute their standard error in any case.
     pub spread: bool,
-    /// Draws only so many of L ensembles, at least 1, which stay those that L makes of the points; `None`: all.
+    /// Draws only this many of L ensembles, at least 1, each with the points that dealing to L gives it; `None` draws
+    /// all.
     pub ensembles: Option<u32>,
     /// Factors on the uploaded radii and opacities.
     pub factors: Factors,
 }
 
-/// Factors on what was uploaded, so that another radius or opacity costs no upload.
+/// Factors on the uploaded values, so that another radius or opacity needs no upload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factors {
     /// On all radii, at least 0; on the median radius too, so that the soft methods keep their peak opacity.
@@ -57,8 +58,8 @@ impl Default for Factors {
 }
 
 impl Frame {
-    /// A frame of a scene by a camera and a seed, to the last bit, with all memory that there is. In place of `auto` it has
-    /// the A-buffer; [`crate::plan::choose`] says what is cheaper.
+    /// A frame of a scene by a camera and a seed, to the last bit, with all available memory. `auto` becomes the
+    /// A-buffer; [`crate::plan::choose`] finds a cheaper method.
     pub fn of_scene(scene: &Scene, camera: Camera, seed: u64) -> Self {
         Self {
             camera,
@@ -78,12 +79,12 @@ impl Frame {
         }
     }
 
-    /// Whether methods that draw random samples find their standard error.
+    /// True if methods that draw random samples compute their standard error.
     pub(super) fn wants_spread(&self) -> bool {
         self.fragments || self.spread || self.max_error.is_some()
     }
 
-    /// Whether list lengths cost passes of their own, because the images of its method need none.
+    /// True if list lengths need passes of their own, because the images of its method don't use them.
     pub fn counts_on_demand(&self) -> bool {
         engine_of(&self.method).channels().fragments == Fragments::Beside
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::gpu::PassTime;
 
-/// One pass of a frame, all its dispatches together.
+/// A pass of a frame, with all its dispatches together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PassProfile {
     /// Name as in `plan`.

@@ -1,4 +1,5 @@
-//! The methods: what each frame records, and the renderer that runs them over windows and bands of the image.
+//! The methods: the passes that each frame records, and the renderer that runs them over windows and bands of the
+//! image.
 
 pub mod abuffer;
 pub mod approximate;
@@ -18,6 +19,7 @@ pub mod peel;
 pub mod peel_layers;
 pub mod points;
 mod projecting;
+mod reach;
 pub mod renderer;
 pub mod shadows;
 pub mod soft;
@@ -35,6 +37,7 @@ pub use explain::Step;
 pub use facts::{Facts, ThinCloud};
 pub use frame::{Factors, Frame};
 pub use frame_profile::{FrameProfile, PassProfile};
+pub use reach::{need_subgroups, without_subgroups};
 pub use renderer::{Rendered, Renderer};
 pub use sorted::Stop;
 pub use target::{Pixels, Target};
@@ -120,7 +123,7 @@ pub(crate) struct Buffers {
     pub machines: Machines,
 }
 
-/// What engines render with. Several share the first ones.
+/// The building blocks of engines. Several engines share the first ones.
 pub(crate) struct Machines {
     /// Lists of fragments.
     pub lists: abuffer::ABuffer,
@@ -144,17 +147,17 @@ pub(crate) struct Machines {
     pub layer_peeler: peel_layers::LayerPeeler,
     /// Soft discs in a presorted order.
     pub soft_discs: soft::express::SoftDiscs,
-    /// Whether the soft points of the last window were counted.
+    /// True if the soft points of the last window were counted.
     pub soft_counted: bool,
     /// Ensembles of points.
     pub ensembles: spbr::Ensembles,
 }
 
 impl Buffers {
-    /// No buffers but the small ones yet.
+    /// Allocates only the small buffers.
     ///
     /// # Errors
-    /// No memory for these.
+    /// Out of memory.
     pub fn new(device: &Device) -> Result<Self, Error> {
         let machines = Machines {
             lists: abuffer::ABuffer::new(device)?,
@@ -175,10 +178,10 @@ impl Buffers {
     }
 }
 
-/// What became of a window.
+/// The outcome of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// It is in the target.
+    /// The window is in the target.
     Done,
     /// A 32-bit sum overflowed, or something whose size depends on the window takes too much memory: it must be cut.
     Overflow,

@@ -1,4 +1,4 @@
-//! How the splats of a frame are made.
+//! The projection settings of a frame's splats.
 
 use super::{Frame, shadows};
 use crate::passes::project::{DeviceCloud, Footprint, Part, Projecting};
@@ -16,7 +16,7 @@ pub(super) fn outlined(shape: SplatShape) -> Footprint {
 }
 
 impl Frame {
-    /// How a part of a cloud's points becomes splats.
+    /// The conversion of a part of a cloud's points to splats.
     pub(super) fn projecting(
         &self,
         cloud: &DeviceCloud,
@@ -24,7 +24,7 @@ impl Frame {
         settings: ScreenSplats,
         part: Part,
     ) -> Projecting {
-        // Without normals there are no tilts either, and every disc is flat.
+        // Without normals there are no tilts, and every disc is flat.
         let flat = footprint == Footprint::Oriented && !cloud.has_normals();
         Projecting {
             footprint: if flat { Footprint::Disc } else { footprint },
@@ -39,7 +39,7 @@ impl Frame {
         }
     }
 
-    /// How all points become pixels of their own.
+    /// The conversion of all points to pixels of their own.
     pub(super) fn projecting_points(&self, cloud: &DeviceCloud) -> Projecting {
         self.projecting(cloud, Footprint::Point, UNCLAMPED, Part::All)
     }

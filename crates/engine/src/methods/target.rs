@@ -1,4 +1,4 @@
-//! Where engines put the pixels of a window.
+//! The destination of a window's pixels.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::gpu::{Device, Kept, Memory, Recorder, Slice};
 use crate::image::Image;
 use crate::passes::bands::{self, Window};
 
-/// Where a window's pixels come out.
+/// The destination of a window's pixels.
 pub struct Target {
     image: Kept<[f32; 4]>,
     depths: Kept<f32>,
@@ -64,7 +64,7 @@ impl Target {
     pub(super) fn deliver(&self, window: Window, image: &mut Image) {
         let [x0, y0, x1, y1] = window.map(|v| v as usize);
         let (width, pitch) = (x1 - x0, image.width as usize);
-        // On all cores: the image is memory that nobody has touched yet, and the kernel clears every page of it first.
+        // On all cores: the image's memory is untouched, and the kernel clears every page on first access.
         let rgba = image.rgba[y0 * pitch..y1 * pitch].par_chunks_mut(pitch);
         let from = self.image_host.get().mapped_slice().par_chunks(width);
         rgba.zip(from).for_each(|(row, from)| row[x0..x1].copy_from_slice(from));
@@ -74,7 +74,7 @@ impl Target {
     }
 }
 
-/// What is drawn into; at least as many elements as the window has pixels.
+/// The image to draw into; it has at least as many elements as the window has pixels.
 #[derive(Clone, Copy)]
 pub struct Pixels<'a> {
     /// Premultiplied color; A = 1 where anything is, else all 0.

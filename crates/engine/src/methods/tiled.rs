@@ -1,4 +1,4 @@
-//! What the methods share that go through tiles of ordered splats: `sorted`, `stochastic` and the approximations.
+//! Common parts of the methods over tiles of ordered splats: `sorted`, `stochastic` and the approximations.
 
 use super::abuffer::{self, Storing};
 use super::bytes::PassRuns;
@@ -21,10 +21,10 @@ pub(crate) trait Stage {
     /// The order in which it wants them.
     fn order(&self) -> Order;
 
-    /// Who goes through them.
+    /// The raster path.
     ///
     /// # Errors
-    /// The rasteriser was asked for and can't.
+    /// The hardware rasteriser was requested and isn't supported.
     fn walker(&self, device: &Device, window: Window) -> Result<Walker, Error> {
         walker(device, scene::Raster::Auto, window)
     }
@@ -45,7 +45,7 @@ pub(crate) trait Stage {
     /// Bins a window and draws it; `most_color` bounds the color components.
     ///
     /// # Errors
-    /// As of [`Bins::bin`], and whatever drawing lacks.
+    /// Those of [`Bins::bin`] and of the drawing.
     fn draw(
         &self,
         machines: &mut Machines,
@@ -118,7 +118,7 @@ pub(super) fn stage_group() -> PassGroup {
     PassGroup::new(&STAGES, Absent::Discs("tiles of splats are gone through otherwise, or not at all"))
 }
 
-/// The plan of a frame of one of these stages: the sort of splats, the stage, and what counts lists beside it.
+/// The plan of a frame of one of these stages: the sort of splats, the stage, and the counting of lists.
 pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
     let (facts, why) = (plan.facts, plan.why);
     plan.projected();
@@ -131,7 +131,7 @@ pub(super) fn explain(plan: &mut Plan<'_>, name: &'static str, order: Order) {
     without_lists(plan, &format!("splats are sorted, not fragments: {why}"));
 }
 
-/// The passes of lists in the plan of a frame that has none.
+/// The passes of lists in the plan of a frame without lists.
 pub(super) fn without_lists(plan: &mut Plan<'_>, reason: &str) {
     plan.rest(&abuffer::COUNT, "lengths of lists are not asked for, and the method needs none");
     plan.rest(&abuffer::list_passes(), reason);
@@ -161,7 +161,7 @@ fn least_bytes(name: &str, runs: u64, facts: &Facts, splat: u64) -> Option<u64> 
         // An index and a rectangle of each, and the record.
         "bin/pick" => Some(facts.points * (4 + 8) * facts.bands),
         "bin/place" => Some(facts.points * (4 + 8) * facts.bands + facts.soft_visible * RECORD_BYTES),
-        // A record, then splat, color and rectangle: read, and written but for the depth.
+        // A record, then splat, color and rectangle: read, and written except for the depth.
         "bin/gather" => Some(facts.visible * (RECORD_BYTES + 2 * (splat + 16 + 8) - 4)),
         "bin/tile-count" => Some(facts.visible * 8 + facts.tile_entries * 8),
         "bin/tile-store" => Some(facts.visible * 8 + facts.tile_entries * (8 + 4)),

@@ -1,4 +1,4 @@
-//! Who visits the pixels of splats.
+//! The raster path of splats: compute shaders or the hardware rasteriser.
 
 use super::Error;
 use crate::gpu::Device;
@@ -6,10 +6,10 @@ use crate::passes::bands::Window;
 use crate::passes::raster::Walker;
 use crate::scene::Raster;
 
-/// Who visits the pixels of a window, where compute shaders and the rasteriser may.
+/// The raster path of a window, for methods that have both.
 ///
 /// # Errors
-/// The rasteriser was asked for and can't.
+/// The hardware rasteriser was requested and isn't supported.
 pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<Walker, Error> {
     let [width, height] = device.limits().framebuffer;
     let fits = window[2] - window[0] <= width && window[3] - window[1] <= height;
@@ -17,20 +17,20 @@ pub(super) fn walker(device: &Device, raster: Raster, window: Window) -> Result<
         Raster::Hardware if !device.info().fragment_atomics => refused(device, "fragmentStoresAndAtomics".to_owned()),
         Raster::Hardware if !fits => refused(device, format!("a framebuffer larger than {width} × {height}")),
         Raster::Hardware => Ok(Walker::Hardware),
-        // For every size of splat compute was the faster way on the devices measured (README, benches/frame.rs).
+        // For every size of splat compute was the faster path on the devices measured (README, benches/frame.rs).
         Raster::Compute | Raster::Auto => Ok(Walker::Compute),
     }
 }
 
-/// Who takes the samples of stochastic transparency.
+/// The raster path of stochastic transparency.
 ///
 /// # Errors
-/// The rasteriser was asked for and can't.
+/// The hardware rasteriser was requested and isn't supported.
 pub(super) fn sampling_walker(device: &Device, raster: Raster, window: Window) -> Result<Walker, Error> {
     let info = device.info();
     match raster {
         Raster::Hardware => {}
-        // Compute was the faster way wherever both were measured (README), except on devices without shuffles.
+        // Compute was the faster path wherever both were measured (README), except on devices without shuffles.
         Raster::Auto if info.subgroup.is_none() && info.multisampled.is_some() => {}
         Raster::Auto | Raster::Compute => return walker(device, Raster::Compute, window),
     }

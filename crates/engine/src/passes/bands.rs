@@ -1,5 +1,7 @@
 //! Cutting the image so that any scene fits: windows of pixels whose counters fit, bands of pixels whose fragments fit.
 
+use crate::passes::tiles;
+
 /// A rectangle of pixels: first column, first row, one past the last column and row.
 pub type Window = [u32; 4];
 
@@ -23,10 +25,9 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
 }
 
 /// Side of a tile in pixels.
-const TILE: u32 = 16;
+const TILE: u32 = tiles::TILE;
 
-/// As [`windows`], but of whole tiles of the image as long as there is room for one: tiles are then the same however the image
-/// is cut.
+/// Like [`windows`], but made of whole tiles of the image as long as one fits, so that tiles don't depend on the cut.
 pub fn tile_windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     let [tile, width] = [u64::from(TILE), u64::from(size[0])];
     if capacity < tile * tile || u64::from(size[0]) * u64::from(size[1]) <= capacity {
@@ -44,7 +45,7 @@ pub fn tile_windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
     found
 }
 
-/// As [`halves`], between tiles of the image as long as a window has two.
+/// Like [`halves`], but cuts between tiles of the image as long as a window has two.
 pub fn tile_halves([x0, y0, x1, y1]: Window) -> Option<[Window; 2]> {
     let middle = |low: u32, high: u32| low + (high - low).div_ceil(TILE) / 2 * TILE;
     if y1 - y0 > TILE {
@@ -119,12 +120,12 @@ pub fn longest(offsets: &[u32]) -> (u32, u32) {
     lengths.reduce(|best, next| if next.1 > best.1 { next } else { best }).unwrap_or_default()
 }
 
-/// How the memory budget is spent.
+/// The use of the memory budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
     /// Bytes for everything but cloud and image.
     pub bytes: u64,
-    /// Those of them that tiles of large splats take.
+    /// The share of tiles of large splats.
     pub tiles: u64,
     /// Bytes that one binding may have.
     pub binding: u64,
@@ -134,7 +135,8 @@ pub struct Budget {
 const OVERHEAD_BYTES: u64 = 40 << 20;
 
 impl Budget {
-    /// Pixels of a window: a quarter of the budget for `bytes_per_pixel`, and what a binding of 16 bytes per pixel allows.
+    /// Pixels of a window: limited by a quarter of the budget at `bytes_per_pixel`, and by a binding of 16 bytes per
+    /// pixel.
     pub fn window_pixels(&self, bytes_per_pixel: u64) -> u64 {
         (self.bytes / 4 / bytes_per_pixel).min(self.binding / 16).max(1)
     }
@@ -149,7 +151,8 @@ impl Budget {
         self.bytes.saturating_sub(used + self.tiles + OVERHEAD_BYTES.min(self.bytes / 8 * 3))
     }
 
-    /// Bytes of a budget that leaves `needed` for fragments whatever windows (at most a quarter) and tiles (an eighth) take.
+    /// A budget that leaves `needed` bytes for fragments whatever windows (at most a quarter) and tiles (an eighth)
+    /// take.
     pub fn wanted(needed: u64) -> u64 {
         let small = needed * 4;
         if small <= OVERHEAD_BYTES / 3 * 8 { small } else { ((needed + OVERHEAD_BYTES) * 8).div_ceil(5) }

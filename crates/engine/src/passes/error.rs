@@ -2,7 +2,7 @@
 
 use crate::gpu;
 
-/// Why passes can't work on a cloud; `methods::Error` says it to people.
+/// Reasons why passes can't work on a cloud; `methods::Error` has the messages for people.
 #[derive(Debug)]
 pub enum Error {
     /// The device failed.

@@ -50,12 +50,12 @@ mod tests {
     #[test]
     fn the_axis_nearest_to_a_direction() {
         let axis = |x, y, z| Axis::nearest(DVec3::new(x, y, z));
-        let is = |index, backward| Axis { index, backward };
-        assert_eq!([axis(1.0, 0.5, -0.9), axis(-1.0, 0.5, 0.9)], [is(0, false), is(0, true)]);
-        assert_eq!([axis(0.5, 1.0, -0.9), axis(0.5, -1.0, 0.9)], [is(1, false), is(1, true)]);
-        assert_eq!([axis(0.5, 0.9, 1.0), axis(-0.5, 0.9, -1.0)], [is(2, false), is(2, true)]);
+        let axis_with = |index, backward| Axis { index, backward };
+        assert_eq!([axis(1.0, 0.5, -0.9), axis(-1.0, 0.5, 0.9)], [axis_with(0, false), axis_with(0, true)]);
+        assert_eq!([axis(0.5, 1.0, -0.9), axis(0.5, -1.0, 0.9)], [axis_with(1, false), axis_with(1, true)]);
+        assert_eq!([axis(0.5, 0.9, 1.0), axis(-0.5, 0.9, -1.0)], [axis_with(2, false), axis_with(2, true)]);
         // Diagonals.
-        assert_eq!([axis(-1.0, 1.0, 1.0), axis(0.0, 1.0, -1.0)], [is(0, true), is(1, false)]);
+        assert_eq!([axis(-1.0, 1.0, 1.0), axis(0.0, 1.0, -1.0)], [axis_with(0, true), axis_with(1, false)]);
     }
 
     #[test]

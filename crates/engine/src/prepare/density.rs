@@ -52,7 +52,7 @@ const BLOCK: usize = 1 << 14;
 /// `shuffled` are finite positions in random order: the first ones serve as centres, and if counting all would take
 /// long, only the first ones are counted.
 pub fn estimate(shuffled: &[DVec3], progress: &Progress) -> f64 {
-    let Some(frame) = Frame::around(shuffled) else { return 0.0 };
+    let Some(frame) = Frame::enclosing(shuffled) else { return 0.0 };
     let centers = CENTERS.max(CHEAP_PAIRS / shuffled.len()).min(shuffled.len());
     let grid = Grid::fill(&frame, &shuffled[..centers]);
     let counted = grid.affordable(&frame, shuffled).max(centers);
@@ -75,7 +75,7 @@ struct Frame {
 
 impl Frame {
     /// `None` if no two points differ.
-    fn around(points: &[DVec3]) -> Option<Self> {
+    fn enclosing(points: &[DVec3]) -> Option<Self> {
         let bounds = Bounds::enclosing(points.iter().copied())?;
         let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
         // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.

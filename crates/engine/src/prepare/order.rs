@@ -1,4 +1,4 @@
-//! The canonical order of points: by what they are, not by where they stood in a file.
+//! The canonical order of points: by their values, not by their places in a file.
 
 use std::cmp::Ordering;
 

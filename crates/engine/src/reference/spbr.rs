@@ -226,12 +226,12 @@ fn render_hands(
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
-    let of = |(surface, place): (&Surface, u32)| {
+    let hands_of_cloud = |(surface, place): (&Surface, u32)| {
         let share = share(camera, size[1], dealt, surface, rule);
         let points = surface.points.end - surface.points.start;
         hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
     };
-    let hands: Vec<Vec<Vec<u64>>> = dealt.surfaces.iter().zip(0..).map(of).collect();
+    let hands: Vec<Vec<Vec<u64>>> = dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect();
     for ensemble in 0..rule.ensembles {
         let image = draw(&view, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Cameras of a path through a scene, and of a turn around it: the depths that a path leaves open, and what keys and the
-//! turn take from the scene.
+//! Cameras of a path through a scene, and of a turn around it. Fills in the depths that a path leaves open, and the
+//! values that keys and the turn take from the scene.
 
 use glam::{DVec2, DVec3};
 
@@ -19,7 +19,7 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// Of a scene, its points, and the vertical of its clouds.
+    /// For a scene, its points, and the vertical of its clouds.
     ///
     /// # Errors
     /// No points, coordinates too large for a camera.
@@ -29,7 +29,7 @@ impl<'a> Course<'a> {
         Ok(Self { scene, subject, vertical })
     }
 
-    /// What keys that don't say take: `[camera] up`, or else the vertical, and the scene's lens.
+    /// Values for keys that leave them open: `[camera] up`, or else the vertical, and the scene's lens.
     pub fn defaults(&self) -> Defaults {
         path_defaults(&self.scene.camera, self.vertical)
     }
@@ -58,10 +58,10 @@ impl<'a> Course<'a> {
     }
 
     /// The turn around the scene: around `[camera] target`, else the middle of the bounds, and `[camera] up`, else the
-    /// vertical. It starts where [`super::camera`] stands; without an `eye` far enough away that all points, as spheres of
-    /// their own radius, are in the image during the whole turn. An `eye` from which a perspective would lose some of them moves
-    /// back as far, along its line of sight, and the depths that `[camera]` gives with it; one within the scene's bounds looks
-    /// around from there, and stays. With it comes what is to be said about the camera.
+    /// vertical. It starts at [`super::camera`]; without an `eye` it starts far enough away to have all points, as
+    /// spheres of their own radius, in the image during the whole turn. An `eye` from which a perspective would lose
+    /// some of them moves back as far, along its line of sight, together with the depths given by `[camera]`; one
+    /// within the scene's bounds looks around from there, and stays. Also returns warnings about the camera.
     ///
     /// # Errors
     /// Those of [`super::camera`].
@@ -85,8 +85,8 @@ impl<'a> Course<'a> {
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
     }
 
-    /// Whether nothing outside of the image would come into it by going back: all is in it during the whole turn, or it has no
-    /// perspective, or the eye is among the points.
+    /// True if moving back would bring nothing new into the image: everything is in it during the whole turn, or the
+    /// projection is orthographic, or the eye is among the points.
     fn keeps_all(&self, start: &Camera, center: DVec3, axis: DVec3) -> bool {
         let Projection::Perspective { .. } = start.projection else { return true };
         let tangents = framing::tangents(start.projection, self.scene.image.size) / framing::FILL;
@@ -97,8 +97,8 @@ impl<'a> Course<'a> {
         inside || distance >= extent.centered_distance(tangents)
     }
 
-    /// The nearest eye from which all fits into the image whatever the turn. It looks at the centre if that is asked for, else
-    /// past it above or below, such that as much room is left above as below; to the sides that is so anyway.
+    /// The nearest eye that has everything in the image during the whole turn. If `centered`, it looks at the centre,
+    /// else past it above or below, so that the margins above and below are equal; those to the sides are equal anyway.
     fn eye(&self, start: &Camera, center: DVec3, axis: DVec3, centered: bool) -> DVec3 {
         let tangents = framing::tangents(start.projection, self.scene.image.size);
         let axes = [start.right, start.up, start.forward];
@@ -116,16 +116,16 @@ impl<'a> Course<'a> {
     }
 }
 
-/// What keys that don't say take in a scene with this `[camera]` whose clouds have this vertical.
+/// Values for keys that leave them open, in a scene with this `[camera]` whose clouds have this vertical.
 pub fn path_defaults(camera: &CameraSettings, vertical: UpAxis) -> Defaults {
     let up = camera.up.unwrap_or_else(|| framing::axis(vertical));
     Defaults { up, projection: framing::projection(camera) }
 }
 
-/// As [`Spheres::extent`], of all that the points sweep in a turn around an axis through the centre.
+/// Like [`Spheres::extent`], for everything that the points sweep in a turn around an axis through the centre.
 ///
-/// What a plane measures of a point p is p·n. During the turn p runs over a circle of radius R at the height h along the
-/// axis a, on which p·n is at most h·(a·n) + R·|n − (a·n)a|.
+/// A plane measures a point p by p·n. During the turn p moves on a circle of radius R at the height h along the axis a,
+/// where p·n is at most h·(a·n) + R·|n − (a·n)a|.
 fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent {
     let [right, up, forward] = spheres.axes;
     let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);

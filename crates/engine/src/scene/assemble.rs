@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
-use crate::cloud::shadow_texture::{Casting, ShadowTexture};
+use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
 use crate::prepare::Arranged;
@@ -33,9 +33,9 @@ pub fn load_clouds(scene: &Scene, progress: &Progress) -> Result<Vec<Cloud>, io:
 pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>, Error> {
     let find = |settings: &CloudSettings| {
         let path = &settings.path;
-        let is = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
+        let is_named = |name: &str| path.as_os_str() == name || path.file_stem().is_some_and(|stem| stem == name);
         let missing = || Error::Usage(format!("{}: the built-in scene has no such cloud", path.display()));
-        generated.clouds.iter().find(|(name, _)| is(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
+        generated.clouds.iter().find(|(name, _)| is_named(name)).map(|(_, cloud)| cloud.clone()).ok_or_else(missing)
     };
     scene.clouds.iter().map(find).collect()
 }
@@ -46,25 +46,25 @@ pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
     if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
 }
 
-/// What prepared clouds hold that the scene can't use, one sentence each.
+/// Warnings about data of prepared clouds that the scene can't use, one sentence each.
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
-    let of = |(settings, cloud): (&CloudSettings, &Cloud)| {
+    let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
         notes.into_iter().map(move |note| format!("{path}: {note}"))
     };
-    scene.clouds.iter().zip(clouds).flat_map(of).collect()
+    scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
 }
 
-/// The shadow texture that is stored with the scene's cloud, if it is the one that the scene wants; else why it isn't, one
-/// sentence, if there is any. `seed` is that of the frame.
+/// The shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one sentence,
+/// if the cloud has one. `seed` is that of the frame.
 pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<ShadowTexture>, Option<String>) {
     let stored = |cloud: &Cloud| cloud.prepared.as_ref().and_then(|prepared| prepared.shadows.clone());
     let with_settings = scene.clouds.iter().zip(clouds);
     let found = with_settings.filter_map(|(settings, cloud)| Some((settings, cloud, stored(cloud)?))).next();
     let (Some(shadows), Some((settings, cloud, texture))) = (scene.shadows, found) else { return (None, None) };
     let diagonal = cloud.bounds().map_or(0.0, |bounds| bounds.diagonal());
-    let wanted = Casting::new(scene.shading.light, &shadows, seed, diagonal);
+    let wanted = shadows.casting(scene.shading.light, seed, diagonal);
     let other = wanted.map(|wanted| texture.casting.differences(&wanted)).unwrap_or_default();
     let why = if clouds.len() > 1 {
         "stored for this cloud by itself".to_owned()
@@ -78,7 +78,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
     (None, Some(format!("{}: shadows {why}: cast anew", settings.path.display())))
 }
 
-/// What a scene wants to know of a cloud's points.
+/// The data that a scene needs of a cloud's points.
 pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
@@ -91,15 +91,14 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
-/// Positions become scale·p + translate in float64; those that are not finite then are dropped. Colors stay linear,
-/// whatever the scene's color space; clouds without color are white. A radius is the scene's, else the file's times
-/// `scale`, else, only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
-/// them. F is there if the method
-/// asks for it. Neighbors and fields are found in the cloud's own coordinates, before `scale` and `translate` round them:
-/// that is what a prepared file holds.
+/// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
+/// scene's color space; clouds without color are white. A radius is the scene's, else the file's times `scale`, else,
+/// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
+/// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
+/// `scale` and `translate` round them, because a prepared file stores those values.
 ///
 /// # Errors
-/// No point is left, or a cloud lacks what its field is made of.
+/// No point is left, or a cloud lacks the property of its field.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
     let mut points = Points::default();
     for (settings, cloud) in scene.clouds.iter().zip(clouds) {
@@ -112,11 +111,11 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
     Ok(prepare::order::canonical(points))
 }
 
-/// All points of the scene as its method wants them: as [`assemble`] has them, or dealt to ensembles by `seed`, with neither
-/// radii nor F. Clouds of which no point is left are left out of the latter. `progress` shows how far it is.
+/// All points of the scene in the order of its method: like [`assemble`], or dealt to ensembles by `seed`, without
+/// radii and F. The latter omits clouds without points. `progress` shows the progress.
 ///
 /// # Errors
-/// As of [`assemble`].
+/// Those of [`assemble`].
 pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
     if !scene.method.is_dealt() {
         return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
@@ -135,7 +134,7 @@ pub(super) fn no_points(scene: &Scene) -> Error {
     Error::NoPoints { clouds: clouds.join(", ") }
 }
 
-/// One cloud with its settings applied.
+/// A cloud with its settings applied.
 fn transformed(
     settings: &CloudSettings,
     mut cloud: Cloud,
@@ -177,22 +176,22 @@ fn transformed(
     Ok(points)
 }
 
-/// Where a point of a cloud is in the scene.
+/// The position of a cloud's point in the scene.
 pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
 }
 
-/// The color of a point that has this one, or none, of its own.
+/// The color of a point, with or without a color of its own.
 pub(super) fn color(settings: &CloudSettings, own: Option<Vec3>) -> Vec3 {
     settings.color.or(own).unwrap_or(Vec3::ONE)
 }
 
-/// The opacity of a point with this alpha, or none.
+/// The opacity of a point, with or without an alpha.
 pub(super) fn opacity(settings: &CloudSettings, alpha: Option<f32>) -> f32 {
     alpha.map_or(settings.opacity, |alpha| alpha * settings.opacity)
 }
 
-/// The radius of a point that has this one, or none, in the cloud's units.
+/// The radius of a point, with or without a radius of its own, in the cloud's units.
 pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
     let factor = f64::from(settings.radius_factor);
     match (settings.radius, own) {

@@ -1,4 +1,4 @@
-//! What a scene asks for: a method, or `auto`.
+//! The method requested by a scene: a method, or `auto`.
 
 use super::error::Error;
 use super::methods::{AUTO, Method};
@@ -6,12 +6,13 @@ use super::schema::{Key, Settings};
 use super::settings::Discs;
 use super::table::Table;
 
-/// `[method]`: what a scene asks for. [`crate::plan::choose`] makes a [`Method`] of it once points and device are known.
+/// `[method]`: the request of a scene. [`crate::plan::choose`] turns it into a [`Method`] once points and device are
+/// known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MethodChoice {
     /// The cheapest method that is exact for the points, for these discs.
     Auto(Discs),
-    /// This method.
+    /// A particular method.
     Fixed(Method),
 }
 
@@ -28,7 +29,7 @@ impl From<Method> for MethodChoice {
 }
 
 impl MethodChoice {
-    /// What a scene file calls by this name, with its defaults; `None` if this version has no such method.
+    /// The method of this name in a scene file, with its defaults; `None` if this version doesn't have it.
     pub fn named(name: &str) -> Option<Self> {
         let method = Method::all().into_iter().find(|method| method.name() == name);
         if name == AUTO { Some(Self::default()) } else { method.map(Self::Fixed) }
@@ -37,7 +38,7 @@ impl MethodChoice {
     /// Its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
         match self {
-            // Of no method, and so without what some methods alone have.
+            // No particular method, so keys that only some methods have are left out.
             Self::Auto(discs) => discs.keys().into_iter().filter(|key| key.only.is_empty()).collect(),
             Self::Fixed(method) => method.keys(),
         }
@@ -67,7 +68,7 @@ impl MethodChoice {
         }
     }
 
-    /// A method that shows the image asked for, whatever the points and the device: of `auto` the A-buffer.
+    /// A method that shows the requested image for any points and device: for `auto` the A-buffer.
     pub fn representative(&self) -> Method {
         match *self {
             Self::Auto(discs) => Method::ABuffer(discs),
@@ -75,22 +76,22 @@ impl MethodChoice {
         }
     }
 
-    /// As [`Method::needs_radii`].
+    /// Like [`Method::needs_radii`].
     pub fn needs_radii(&self) -> bool {
         self.representative().needs_radii()
     }
 
-    /// As [`Method::needs_field`].
+    /// Like [`Method::needs_field`].
     pub fn needs_field(&self) -> bool {
         self.representative().needs_field()
     }
 
-    /// As [`Method::is_dealt`].
+    /// Like [`Method::is_dealt`].
     pub fn is_dealt(&self) -> bool {
         self.representative().is_dealt()
     }
 
-    /// Whether `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
+    /// True if `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
     pub fn may_take_shadows(&self) -> bool {
         self.fixed().is_none_or(Method::takes_shadows)
     }

@@ -8,11 +8,11 @@ use super::parse;
 use super::settings::Scene;
 use super::tree::{self, Entries, Node, Value};
 
-/// The keys of a scene with their values, as a file and options gave them. What isn't given isn't there.
+/// The keys of a scene with their values, as given by a file and options; others are absent.
 #[derive(Debug, Clone)]
 pub struct Document {
     root: Node,
-    /// What the files of clouds are relative to.
+    /// The folder that relative paths of clouds start from.
     folder: Option<PathBuf>,
 }
 
@@ -69,7 +69,7 @@ impl<const N: usize> From<[u32; N]> for Setting {
     }
 }
 
-/// A dotted key and its value; `None`: it is taken out.
+/// A dotted key and its value; `None` removes the key.
 pub type Change = (String, Option<Setting>);
 
 impl Document {
@@ -147,11 +147,11 @@ impl Document {
         });
     }
 
-    /// Changes several dotted keys at once, one after the other: each gets a value, or is taken out. If what comes out is no
-    /// scene, all stays as it was; what lies between needn't be one.
+    /// Changes several dotted keys at once, one after the other: each is set or removed. If the result is invalid,
+    /// nothing changes; intermediate states may be invalid.
     ///
     /// # Errors
-    /// Whatever is wrong with a value, or with the scene that they would make.
+    /// An invalid value, or an invalid scene as a result.
     pub fn change(&mut self, changes: &[Change]) -> Result<Scene, Error> {
         let mut changed = self.clone();
         for (key, value) in changes {
@@ -166,7 +166,7 @@ impl Document {
         Ok(scene)
     }
 
-    /// Whether a dotted key was given; of `cloud.*` whether any cloud has it.
+    /// True if a dotted key was given; for `cloud.*`, if any cloud has it.
     pub fn has(&self, key: &str) -> bool {
         fn look(node: &Node, rest: &[&str]) -> bool {
             match (rest, &node.value) {
@@ -207,7 +207,7 @@ impl Document {
     }
 }
 
-/// The segments of a dotted path; none of an empty one.
+/// The segments of a dotted path; empty for an empty one.
 fn path(dotted: &str) -> Vec<&str> {
     dotted.split('.').filter(|segment| !segment.is_empty()).collect()
 }
@@ -231,7 +231,7 @@ fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Entries)) {
     }
 }
 
-/// As a scene file writes it.
+/// The notation of a scene file.
 impl std::fmt::Display for Setting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(document.scene().unwrap().clouds[1].radius, None);
         document.remove("", "image");
         assert_eq!(document.scene().unwrap().image, Default::default());
-        // What isn't there is not missed.
+        // Removing an absent key is fine.
         for (table, key) in [("cloud.7", "opacity"), ("cloud.x", "opacity"), ("method.name", "x"), ("a.b", "c")] {
             document.remove(table, key);
         }

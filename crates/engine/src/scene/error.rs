@@ -1,11 +1,11 @@
-//! What can be wrong with a scene file or the options that stand for one, and where.
+//! Errors in a scene file or in the options that stand for one, with their positions.
 
 use std::path::PathBuf;
 
 use super::procedural;
 use crate::cloud::field;
 
-/// Where a key or value was given.
+/// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// In a file; line and column count from 1, columns in characters.
@@ -30,7 +30,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What is wrong with a scene file or with the options that stand for one.
+/// An error in a scene file or in the options that stand for one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -51,7 +51,7 @@ pub enum Error {
     /// The text is not TOML.
     #[error("{place}: {message}")]
     Syntax {
-        /// Where.
+        /// Its position.
         place: Place,
         /// The parser's reason.
         message: String,
@@ -59,7 +59,7 @@ pub enum Error {
     /// No table or method has this key.
     #[error("{place}: unknown key `{key}`{hint}")]
     UnknownKey {
-        /// Where.
+        /// Its position.
         place: Place,
         /// The dotted key.
         key: String,
@@ -69,17 +69,17 @@ pub enum Error {
     /// A value has the wrong type or is out of range.
     #[error("{place}: `{key}` {problem}")]
     Value {
-        /// Where.
+        /// Its position.
         place: Place,
         /// The dotted key.
         key: String,
-        /// What was expected and what was found.
+        /// The expectation and the actual value.
         problem: String,
     },
     /// Two keys contradict each other, or one that is needed is missing.
     #[error("{place}: {problem}")]
     Conflict {
-        /// Where.
+        /// Its position.
         place: Place,
         /// Which keys and what would help.
         problem: String,
@@ -87,7 +87,7 @@ pub enum Error {
     /// No method of that name.
     #[error("{place}: unknown method {name:?}{hint}")]
     UnknownMethod {
-        /// Where.
+        /// Its position.
         place: Place,
         /// The name.
         name: String,
@@ -111,7 +111,7 @@ pub enum Error {
     Field {
         /// The cloud.
         path: PathBuf,
-        /// What it lacks.
+        /// The missing property.
         source: field::Error,
     },
     /// Coordinates beyond what the camera can be computed for.

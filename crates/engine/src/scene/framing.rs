@@ -18,13 +18,13 @@ pub(super) const FILL: f64 = 0.95;
 /// The least distance of an automatic eye to the scene, as a share of the scene's diagonal.
 const CLEARANCE: f64 = 0.1;
 
-/// The scene's camera and what is to be said about it.
+/// The scene's camera, and warnings about it.
 ///
-/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above) and stands
-/// where every point, as a sphere of its own radius, fits into the image with a margin of 5%. A view that is given
-/// wins over `eye`, `target` and `up`, but `up` still says which axis is the vertical, and only without it the clouds
-/// do (`up`, the argument). Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max), far·10⁻⁵),
-/// z over the corners of the scene's bounds.
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above), from the
+/// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
+/// overrides `eye`, `target` and `up`, but `up` still defines the vertical axis; the clouds' vertical (the argument
+/// `up`) only counts without it. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
+/// far·10⁻⁵), z over the corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
@@ -67,7 +67,7 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
     Some(camera).filter(|_| usable)
 }
 
-/// What of a scene is framed.
+/// The part of a scene to frame.
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
     let Some(bounds) = points.bounds() else {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
@@ -97,7 +97,7 @@ fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) 
     Some(Camera { eye: pose.eye, near, far, ..axes })
 }
 
-/// The vertical that a camera's `up` is meant to be; none if it lies between the axes or along X.
+/// The vertical axis that a camera's `up` stands for; `None` if it lies between the axes or along X.
 pub(super) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     let length = up.abs();
     match length.max_element() {
@@ -107,7 +107,7 @@ pub(super) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
     }
 }
 
-/// What is framed.
+/// The points to frame.
 pub(super) struct Subject<'a> {
     pub points: &'a Points,
     pub bounds: Bounds,
@@ -196,7 +196,7 @@ fn framed(
     center + right * shift.x + up * shift.y - forward * distance
 }
 
-/// Slopes of the planes between which everything is to lie; 0 without a perspective.
+/// Slopes of the planes between which everything must lie; 0 for an orthographic projection.
 pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
     match projection {
         Projection::Perspective { fov_y } => {
@@ -207,13 +207,13 @@ pub(super) fn tangents(projection: Projection, size: [u32; 2]) -> DVec2 {
     }
 }
 
-/// The least distance of an eye to the centre; `nearest` is the least depth that anything reaches, counted from there.
+/// The least distance of an eye to the centre; `nearest` is the least depth of any part, counted from there.
 ///
-/// What has no width fits from any distance, but should lie well before the eye; and a point seen from less than its
-/// rounding would lie at the eye.
+/// A subject of zero width fits at any distance, but should be well in front of the eye; and a point closer than its
+/// rounding error would coincide with the eye.
 pub(super) fn clearance(subject: &Subject<'_>, center: DVec3, nearest: f64) -> f64 {
     let fallback = match subject.bounds.diagonal() + subject.radius {
-        // One point without a size: any distance will do.
+        // For a single point without a size any distance works.
         size if size > 0.0 => size,
         _ => 1.0,
     };
@@ -252,9 +252,9 @@ impl Spheres<'_> {
     /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
     /// both axes.
     ///
-    /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at
-    /// shift = (a/z + b/w)/(1/z + 1/w); then another pair may be the outermost one. It settles after two or three
-    /// rounds; a pair that comes and goes is left with less than a perfect middle.
+    /// Newton's method: the outermost pair, of slopes (a − shift)/z and (b − shift)/w, is even at shift = (a/z +
+    /// b/w)/(1/z + 1/w); then another pair may be the outermost one. It converges in two or three rounds; if two pairs
+    /// alternate, the result is slightly off the middle.
     fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
         const ROUNDS: usize = 8;
         for _ in 0..ROUNDS {
@@ -286,12 +286,12 @@ fn later(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.0 > a.0 { b } else { a }
 }
 
-/// How far spheres reach toward the four planes through the eye, whose slopes are `tangents`.
+/// The extent of spheres toward the four planes through the eye, whose slopes are `tangents`.
 ///
 /// Along one image axis a sphere lies below the upper plane if offset − shift + r/cos ≤ tangent·(depth + distance), and
-/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and
-/// lower = min(offset + tangent·depth − r/cos) all fit with a shift between upper − tangent·distance and
-/// lower + tangent·distance, and there is one if upper − lower ≤ 2·tangent·distance.
+/// so above the lower one. With upper = max(offset − tangent·depth + r/cos) and lower = min(offset + tangent·depth −
+/// r/cos) all fit with a shift between upper − tangent·distance and lower + tangent·distance; such a shift exists if
+/// upper − lower ≤ 2·tangent·distance.
 pub(super) struct Extent {
     pub upper: DVec2,
     pub lower: DVec2,
@@ -316,7 +316,7 @@ impl Extent {
     }
 }
 
-/// Near and far: those given, else so that the bounds' corners and the largest radius lie between them.
+/// Near and far: the given ones, else a range that contains the bounds' corners extended by the largest radius.
 pub(super) fn depths(
     [near, far]: [Option<f64>; 2],
     eye: DVec3,
@@ -329,7 +329,7 @@ pub(super) fn depths(
     let z_max = z.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let far = far.unwrap_or_else(|| {
         let far = 1.001 * (z_max + radius);
-        // Everything lies behind the camera or before `near`: any range is right, as nothing is drawn.
+        // Everything lies behind the camera or before `near`: any range works, as the image is empty.
         let far = if far > 0.0 { far } else { 1.0 };
         near.map_or(far, |near| far.max(1.001 * near))
     });
@@ -340,7 +340,7 @@ pub(super) fn depths(
     (near, far)
 }
 
-/// Whether any point's disc reaches into the image between near and far.
+/// True if any point's disc reaches into the image between near and far.
 fn sees_anything(camera: &Camera, points: &Points, size: [u32; 2]) -> bool {
     let image = DVec2::new(f64::from(size[0]), f64::from(size[1]));
     points.positions.iter().zip(&points.radii).any(|(position, radius)| {

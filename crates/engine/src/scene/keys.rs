@@ -8,9 +8,9 @@ use super::settings::{CameraSettings, CloudSettings, ImageSettings, Shading, Sha
 /// A table of the scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyTable {
-    /// As the file writes it, as in `[image]` or `[[cloud]]`.
+    /// Its heading in the file, as in `[image]` or `[[cloud]]`.
     pub title: &'static str,
-    /// What stands before its keys in a dotted path, as in `cloud.*`.
+    /// The prefix of its keys in a dotted path, as in `cloud.*`.
     pub path: &'static str,
     /// Its keys with their defaults.
     pub keys: Vec<Key>,
@@ -34,7 +34,7 @@ pub fn tables() -> [KeyTable; 5] {
     ]
 }
 
-/// The keys of a method, or of `auto`, beside `name`, in the order of their declaration; none for a name of neither.
+/// The keys of a method, or of `auto`, except for `name`, in the order of their declaration; empty for other names.
 pub fn method_keys(name: &str) -> Vec<&'static str> {
     let choice = MethodChoice::named(name);
     choice.iter().flat_map(MethodChoice::keys).map(|key| key.name).collect()

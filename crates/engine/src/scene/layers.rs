@@ -1,4 +1,4 @@
-//! What is said of the distance of layers.
+//! Notes on the distance of layers.
 
 use super::settings::Scene;
 use crate::points::Points;
@@ -31,7 +31,7 @@ mod tests {
     use super::*;
     use crate::scene::{Overrides, assemble, procedural, take_generated};
 
-    /// The note of three tori of so many points.
+    /// The note for three tori of this many points.
     fn note(points: u32, settings: &[&str]) -> Option<String> {
         let generated = procedural::build("tori", &[("points".into(), f64::from(points))], 0).unwrap();
         let mut overrides = Overrides::default();
@@ -50,7 +50,7 @@ mod tests {
             says,
             "method.min_layer_distance is 1% of the scene's diagonal, 0.042; the points' spacing suggests"
         );
-        // 0.29; rings are shifted at random, so that the 8th neighbor tells a spacing to a seventh of it.
+        // 0.29; rings are shifted at random, so that the 8th neighbor gives the spacing to within a seventh.
         assert!((0.25..0.33).contains(&suggested.parse::<f64>().unwrap()), "{suggested}");
         assert!(note(10_000, &["method.name=peel-layers"]).is_some());
         assert_eq!(note(1_000_000, &["method.name=image-space"]), None);

@@ -26,7 +26,7 @@ macro_rules! methods {
             $($(#[doc = $about])+ $Variant $(($Settings))?,)+
         }
 
-        /// What a scene file may ask for, by name: `auto`, and every method.
+        /// The names a scene file may use: `auto`, and every method.
         pub const METHODS: &[&str] = &[AUTO, $($name),+];
 
         impl Method {
@@ -42,7 +42,7 @@ macro_rules! methods {
                 }
             }
 
-            /// What it draws, in a sentence or two.
+            /// A description of its image, in a sentence or two.
             pub fn about(&self) -> &'static str {
                 match self {
                     $(Self::$Variant { .. } => concat!($($about),+).trim_ascii_start(),)+
@@ -158,7 +158,7 @@ impl Family {
     /// Every family, in the order in which lists have them.
     pub const ALL: [Self; 6] = [Self::Opaque, Self::Surfaces, Self::Discs, Self::Soft, Self::OneLayer, Self::Ensembles];
 
-    /// What its methods draw, in a few words.
+    /// A short description of its methods.
     pub fn title(self) -> &'static str {
         match self {
             Self::Opaque => "opaque points and splats",
@@ -184,7 +184,8 @@ impl Method {
         keys
     }
 
-    /// Whether its image is exact but for rounding. `crossing`: whether discs have a depth for each pixel, and so may cross.
+    /// True if its image is exact except for rounding. `crossing`: true if discs have a depth for each pixel, and so
+    /// may cross.
     pub fn is_exact(&self, crossing: bool) -> bool {
         match self {
             Self::ABuffer(_) | Self::LinkedList(_) => true,
@@ -195,7 +196,7 @@ impl Method {
         }
     }
 
-    /// Whether its image depends on the seed.
+    /// True if its image depends on the seed.
     pub fn is_sampled(&self) -> bool {
         matches!(self, Self::Stochastic(_) | Self::Spbr(_) | Self::SpbrSimplified(_))
     }
@@ -207,7 +208,7 @@ impl Method {
         parts.into_iter().find_map(|part| part.downcast_ref())
     }
 
-    /// One of its keys with the value in force.
+    /// One of its keys with its current value.
     pub fn key(&self, name: &str) -> Option<Key> {
         self.keys().into_iter().find(|key| key.name == name)
     }

@@ -8,7 +8,7 @@ use super::document::Document;
 use super::{Error, Overrides, load_clouds, procedural, take_generated};
 use crate::cloud::Cloud;
 
-/// The built-in scene that is taken when there is no input.
+/// The built-in scene used without input.
 pub const DEFAULT_SCENE: &str = "garden";
 
 /// A scene and its clouds as they were read.
@@ -20,14 +20,15 @@ pub struct Opened {
     pub document: Document,
     /// The clouds of the scene, in its order.
     pub clouds: Vec<Cloud>,
-    /// Whether the clouds were made instead of read: no file holds them.
+    /// True if the clouds were generated, so that no file contains them.
     pub generated: bool,
 }
 
-/// Reads one scene file, or point clouds; without any input makes the built-in scene by `seed`. Options are laid over it.
+/// Reads one scene file, or point clouds; without any input generates the built-in scene by `seed`. Options override
+/// it.
 ///
 /// # Errors
-/// A scene file among other inputs, whatever is wrong with the scene, and files that can't be read.
+/// A scene file among other inputs, an invalid scene, and unreadable files.
 pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &Progress) -> crate::Result<Opened> {
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let document = match inputs {

@@ -1,12 +1,12 @@
 //! Options that stand for keys of the scene file: `--set KEY=VALUE` and the short forms.
 //!
-//! They are laid over the file's tree before any check, so that one set of checks serves both.
+//! They are merged into the file's tree before any check, so that one set of checks serves both.
 
 use super::error::{Error, Place};
 use super::keys;
 use super::tree::{self, Entries, Node, Value};
 
-/// Segments of a key at most: none of a scene has as many, and each is a step of a recursion.
+/// The largest number of segments of a key. Keys of a scene have fewer, and each is a recursion step.
 const MAX_SEGMENTS: usize = 32;
 
 /// Keys given by options, in the order in which they win over the file and over each other.
@@ -42,7 +42,7 @@ impl Overrides {
         self.entries.push((key.split('.').map(str::to_owned).collect(), value));
     }
 
-    /// As [`Overrides::set`], from `KEY=VALUE`.
+    /// Like [`Overrides::set`], from `KEY=VALUE`.
     ///
     /// # Errors
     /// A text without `=`, or a key with an empty segment or very many.

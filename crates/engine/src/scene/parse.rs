@@ -25,10 +25,10 @@ impl Scene {
         Self::from_toml_with(text, origin, &Overrides::default())
     }
 
-    /// As [`Scene::from_toml`], with options laid over the file before any check.
+    /// Like [`Scene::from_toml`], with options merged into the file before any check.
     ///
     /// # Errors
-    /// Whatever is wrong with the text (with line and column) or with an option (by its name).
+    /// Invalid text (with line and column) or an invalid option (with its name).
     pub fn from_toml_with(text: &str, origin: &Path, overrides: &Overrides) -> Result<Self, Error> {
         Document::from_toml(text, origin, overrides)?.scene()
     }
@@ -133,7 +133,8 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
     }
 }
 
-/// `[shadows]`; what can't have any leaves a warning. What `auto` stands for is known only when there are points.
+/// `[shadows]`; a method that can't have shadows leaves a warning. The method that `auto` becomes is only known once
+/// the points are.
 fn shadows(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<Option<Shadows>, Error> {
     let table = root.table("shadows")?;
     let mut shadows = Shadows::default();

@@ -1,4 +1,4 @@
-//! `photo` of a `[[cloud]]`: where a picture stands in the world, and how it is bent.
+//! `photo` of a `[[cloud]]`: a picture's placement in the world, and its displacement.
 
 use glam::DVec3;
 
@@ -50,7 +50,7 @@ pub(super) fn keys() -> Vec<Key> {
     ]
 }
 
-/// Reads the table inside that of a cloud; `None` if there is none.
+/// Reads the table inside that of a cloud; `None` if it is absent.
 pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error> {
     let Some(node) = cloud.get(key) else { return Ok(None) };
     let table = cloud.table(key)?;
@@ -86,7 +86,7 @@ pub(super) fn read(cloud: &Table<'_>, key: &str) -> Result<Option<Photo>, Error>
     Ok(Some(Photo { origin: table.vector("origin")?, edges, heights }))
 }
 
-/// Whether two vectors are parallel neither in truth nor within rounding.
+/// True if two vectors are clearly not parallel, beyond rounding.
 fn is_plane(right: DVec3, up: DVec3) -> bool {
     let sine = right.normalize_or_zero().cross(up.normalize_or_zero()).length();
     sine > 1e-6 && right.cross(up).try_normalize().is_some()

@@ -96,7 +96,7 @@ fn keys_table(rows: &[(Key, String)], methods: bool) -> String {
     text
 }
 
-/// What a key does, and what each of its words stands for.
+/// The description of a key, and of each of its words.
 fn about(key: &Key) -> String {
     let words = if let Kind::Words(words) = key.kind { words } else { &[] };
     let words = words.iter().map(|word| format!("<br>`{}`: {}", word.name, word.about));

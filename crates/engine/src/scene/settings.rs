@@ -1,4 +1,4 @@
-//! What a scene file holds, with every default applied and every range checked.
+//! The content of a scene file, with every default applied and every range checked.
 
 mod camera;
 mod cloud;
@@ -10,6 +10,7 @@ mod soft;
 mod splats;
 mod surfaces;
 
+pub use crate::light::Light;
 pub use camera::CameraSettings;
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
@@ -18,7 +19,7 @@ pub use discs::{
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{Light, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
@@ -41,17 +42,17 @@ pub struct Scene {
     pub method: MethodChoice,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
     pub shadows: Option<Shadows>,
-    /// What was given but has no effect, one sentence each.
+    /// Warnings about keys without effect, one sentence each.
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
     pub settings: String,
 }
 
-/// How far the fragments of an opaque splat move toward the viewer, in drawn radii, at the distance ρ from its centre, in
-/// radii (Schütz and Wimmer 2015).
+/// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
+/// centre, in radii (Schütz and Wimmer 2015).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relief {
-    /// Not at all.
+    /// No displacement.
     #[default]
     Flat = 0,
     /// 1 − ρ².
@@ -63,7 +64,7 @@ pub enum Relief {
 }
 
 impl Method {
-    /// The methods that blend discs and compute the same image, each with its defaults: what `stress` compares.
+    /// The methods that blend discs and compute the same image, each with its defaults; `stress` compares them.
     pub fn transparent() -> Vec<Self> {
         Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
     }
@@ -73,7 +74,7 @@ impl Method {
         self.part()
     }
 
-    /// How far its fragments move toward the viewer.
+    /// The displacement of its fragments toward the viewer.
     pub fn relief(&self) -> Relief {
         match self {
             Self::Paraboloid(_) => Relief::Paraboloid,
@@ -88,18 +89,18 @@ impl Method {
         self.part()
     }
 
-    /// The field above which points are soft, if the method tells them from solid ones.
+    /// The field above which points are soft, if the method distinguishes them from solid ones.
     pub fn threshold(&self) -> Option<f32> {
         let one_layer = self.part().map(|settings: &OneLayer| settings.threshold);
         one_layer.or(self.soft().map(|soft| soft.threshold))
     }
 
-    /// Whether the image depends on the points' scalar field.
+    /// True if the image depends on the points' scalar field.
     pub fn needs_field(&self) -> bool {
         self.threshold().is_some()
     }
 
-    /// Whether the image depends on the points' radii, so that missing ones must be estimated.
+    /// True if the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
         match self.family() {
             Family::Opaque => !matches!(self, Self::Points),
@@ -113,7 +114,7 @@ impl Method {
         self.part()
     }
 
-    /// Whether `[shadows]` applies to it.
+    /// True if `[shadows]` applies to it.
     pub fn takes_shadows(&self) -> bool {
         match self.family() {
             Family::Opaque | Family::Surfaces => true,
@@ -121,7 +122,7 @@ impl Method {
         }
     }
 
-    /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
+    /// True if it needs points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
     pub fn is_dealt(&self) -> bool {
         self.ensembles().is_some()
     }

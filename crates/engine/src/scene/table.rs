@@ -1,4 +1,5 @@
-//! Typed reading of a table: every getter checks type and range and names the key, the place and what was expected.
+//! Typed reading of a table: every getter checks type and range; its errors name the key, the position and the
+//! expectation.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -10,12 +11,12 @@ use super::schema::Range;
 use super::tree::{Entries, Node, Value};
 use crate::words::nearest;
 
-/// What all tables of one scene share.
+/// The context shared by all tables of one scene.
 #[derive(Default)]
 pub(crate) struct Context<'a> {
-    /// What files are relative to; `None`: the working directory.
+    /// The folder that relative paths start from; `None` for the working directory.
     pub folder: Option<&'a Path>,
-    /// What was given but has no effect, one sentence each.
+    /// Warnings about keys without effect, one sentence each.
     pub warnings: RefCell<Vec<String>>,
 }
 
@@ -78,7 +79,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// An array of tables, `[[key]]`; none if absent.
+    /// An array of tables, `[[key]]`; empty if absent.
     pub fn tables(&self, key: &str) -> Result<Vec<Self>, Error> {
         let Some(node) = self.get(key) else { return Ok(Vec::new()) };
         let Value::Array(items) = &node.value else {

@@ -33,7 +33,7 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// The type and, where it is short, the value: what an error says was found.
+    /// The type and, where it is short, the value, for error messages.
     pub fn describe(&self) -> String {
         match self {
             Self::Table(_) => "a table".into(),
@@ -47,7 +47,7 @@ impl Value {
         }
     }
 
-    /// The value as JSON; what JSON has no word for (infinities) becomes null.
+    /// The value as JSON; infinities, which JSON can't express, become null.
     pub fn to_json(&self) -> serde_json::Value {
         match self {
             Self::Table(entries) => {
@@ -71,8 +71,8 @@ struct Source<'a> {
     path: String,
     text: &'a str,
     line_starts: Vec<usize>,
-    /// Characters that begin before each multiple of [`STRIDE`]: counted anew for each value of a long line, they would take
-    /// time that grows with its square.
+    /// The number of characters before each multiple of [`STRIDE`]. Counting them for each value of a long line would
+    /// take quadratic time.
     characters: Vec<usize>,
 }
 

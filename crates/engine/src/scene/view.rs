@@ -35,7 +35,7 @@ pub struct View {
 }
 
 impl View {
-    /// Whether anything was asked for.
+    /// True if anything was requested.
     pub fn is_given(&self) -> bool {
         *self != Self::default()
     }

@@ -5,7 +5,7 @@ use pellucid_engine::gpu::{Device, DeviceOptions, Dispatch, Error, Format, GpuTy
 use pellucid_engine::passes::scan::{self, Scan, ScanPush};
 use pellucid_engine::scene::{Discs, Method};
 use pellucid_testing::{
-    P, at_pixel, frame, has_device, pixel_camera, render, scene, with_device, with_new_device, with_only_device,
+    P, alone, at_pixel, frame, pixel_camera, render, scene, with_device, with_new_device, with_only_device,
 };
 
 /// Uploads, reads all and a part.
@@ -150,25 +150,24 @@ fn command_buffers_are_used_again_and_never_shared() {
 
 #[test]
 fn an_unknown_device_is_refused_with_those_present() {
-    if !has_device() {
-        return;
-    }
-    let (present, taken) = devices(None).expect("the list");
-    let info = &present[taken.expect("one can be taken")];
-    for wanted in ["nonsense", "4294967295"] {
-        let error = devices(Some(wanted)).expect_err("no such device");
-        assert!(matches!(error, Error::NoSuchDevice { .. }), "{error}");
-        let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false, ..Default::default() };
-        let error = Device::open(&options).map(|_| ()).expect_err("no such device").to_string();
-        assert!(error.contains(wanted) && present.iter().all(|d| error.contains(&d.name)), "{error}");
-    }
-    // By index and by a part of the name in any case.
-    let part = info.name.split_whitespace().next().expect("a name").to_uppercase();
-    for wanted in [info.index.to_string(), part] {
-        let options = DeviceOptions { device: Some(wanted.clone()), validation: false, ..Default::default() };
-        let device = Device::open(&options).unwrap_or_else(|e| panic!("{wanted}: {e}"));
-        assert_eq!(device.info().name, info.name);
-    }
+    alone(|| {
+        let (present, taken) = devices(None).expect("the list");
+        let info = &present[taken.expect("one can be taken")];
+        for wanted in ["nonsense", "4294967295"] {
+            let error = devices(Some(wanted)).expect_err("no such device");
+            assert!(matches!(error, Error::NoSuchDevice { .. }), "{error}");
+            let options = DeviceOptions { device: Some(wanted.to_owned()), validation: false, ..Default::default() };
+            let error = Device::open(&options).map(|_| ()).expect_err("no such device").to_string();
+            assert!(error.contains(wanted) && present.iter().all(|d| error.contains(&d.name)), "{error}");
+        }
+        // By index and by a part of the name in any case.
+        let part = info.name.split_whitespace().next().expect("a name").to_uppercase();
+        for wanted in [info.index.to_string(), part] {
+            let options = DeviceOptions { device: Some(wanted.clone()), validation: false, ..Default::default() };
+            let device = Device::open(&options).unwrap_or_else(|e| panic!("{wanted}: {e}"));
+            assert_eq!(device.info().name, info.name);
+        }
+    });
 }
 
 #[test]
@@ -256,21 +255,23 @@ fn dispatches_of_more_than_65535_workgroups_reach_the_end() {
 
 #[test]
 fn a_validation_message_is_an_error() {
-    if !has_device() {
-        return;
-    }
-    let options =
-        DeviceOptions { device: std::env::var("PELLUCID_TEST_DEVICE").ok(), validation: true, ..Default::default() };
-    let device = Device::open(&options).expect("a device");
-    device.check_validation().expect("nothing was said yet");
-    let buffer = device.upload("overlapping", &[0u32; 16]).expect("fits");
-    let mut recorder = device.recorder().expect("a recorder");
-    // Ranges of one copy must not overlap: VUID-vkCmdCopyBuffer-pRegions-00117.
-    recorder.copy("test/overlap", buffer.slice(0, 8), buffer.slice(4, 8)).expect("recorded");
-    recorder.submit("overlap").expect("submitted");
-    let error = device.check_validation().expect_err("a message");
-    assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
-    assert!(error.to_string().contains("00117"), "{error}");
+    alone(|| {
+        let options = DeviceOptions {
+            device: std::env::var("PELLUCID_TEST_DEVICE").ok(),
+            validation: true,
+            ..Default::default()
+        };
+        let device = Device::open(&options).expect("a device");
+        device.check_validation().expect("nothing was said yet");
+        let buffer = device.upload("overlapping", &[0u32; 16]).expect("fits");
+        let mut recorder = device.recorder().expect("a recorder");
+        // Ranges of one copy must not overlap: VUID-vkCmdCopyBuffer-pRegions-00117.
+        recorder.copy("test/overlap", buffer.slice(0, 8), buffer.slice(4, 8)).expect("recorded");
+        recorder.submit("overlap").expect("submitted");
+        let error = device.check_validation().expect_err("a message");
+        assert!(matches!(&error, Error::Validation(messages) if messages.len() == 1), "{error}");
+        assert!(error.to_string().contains("00117"), "{error}");
+    });
 }
 
 /// A prefix sum of `count` words into a buffer, or into the front of one of `room` + 64 words, where only `room` fit.
@@ -292,21 +293,20 @@ fn spread(device: &Device, count: u32, room: u64, within: bool) -> Result<(), Er
 
 #[test]
 fn one_element_too_far_is_found_with_and_without_robust_access() {
-    if !has_device() {
-        return;
-    }
-    for (robust, within) in [(false, false), (false, true), (true, false), (true, true)] {
-        let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
-        let device = Device::open(&options).expect("a device");
-        for count in [40, 48] {
-            spread(&device, count, 48, within).expect("within bounds");
+    alone(|| {
+        for (robust, within) in [(false, false), (false, true), (true, false), (true, true)] {
+            let options = DeviceOptions { robust, gpu_assisted: false, ..DeviceOptions::validated() };
+            let device = Device::open(&options).expect("a device");
+            for count in [40, 48] {
+                spread(&device, count, 48, within).expect("within bounds");
+            }
+            let error = spread(&device, 49, 48, within).expect_err("49 words in a place for 48").to_string();
+            // The 49th prefix sum of ones.
+            let wanted =
+                "scan/spread: something was written 0 bytes behind the end of offsets (bound as offsets): 0x00000030";
+            assert_eq!(error, wanted);
         }
-        let error = spread(&device, 49, 48, within).expect_err("49 words in a place for 48").to_string();
-        // The 49th prefix sum of ones.
-        let wanted =
-            "scan/spread: something was written 0 bytes behind the end of offsets (bound as offsets): 0x00000030";
-        assert_eq!(error, wanted);
-    }
+    });
 }
 
 #[test]
@@ -358,18 +358,17 @@ fn indirect_arguments_of_fewer_than_three_words_are_refused() {
 #[test]
 #[ignore = "needs validation layers that instrument shaders: 1.4.309 does, Debian 12's 1.3.239 does not"]
 fn gpu_assisted_validation_reports_an_index_out_of_bounds() {
-    if !has_device() {
-        return;
-    }
-    let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
-    let device = Device::open(&options).expect("a device");
-    spread(&device, 48, 48, false).expect("within bounds");
-    assert_eq!(device.validation_messages(), Vec::<String>::new());
-    // Far behind the guard too.
-    let _ = spread(&device, 1000, 48, false);
-    let messages = device.validation_messages();
-    let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
-    assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
+    alone(|| {
+        let options = DeviceOptions { validation: true, gpu_assisted: true, ..DeviceOptions::default() };
+        let device = Device::open(&options).expect("a device");
+        spread(&device, 48, 48, false).expect("within bounds");
+        assert_eq!(device.validation_messages(), Vec::<String>::new());
+        // Far behind the guard too.
+        let _ = spread(&device, 1000, 48, false);
+        let messages = device.validation_messages();
+        let reported = |m: &String| m.contains("scan/spread") && m.contains("out of bounds");
+        assert!(messages.iter().any(reported), "that of Vulkan 1.3.239 reports nothing, 1.4.309 does: {messages:?}");
+    });
 }
 
 #[test]

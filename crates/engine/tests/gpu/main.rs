@@ -1,4 +1,4 @@
-//! What runs on a device: its layer, passes, methods, each against the float64 reference; and the shaders themselves.
+//! Tests on a device: its layer, passes, methods, each against the float64 reference; and the shaders themselves.
 
 mod abuffer;
 mod approximate;

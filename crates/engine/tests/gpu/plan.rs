@@ -95,8 +95,8 @@ fn a_survey_finds_what_a_frame_meets() {
                 let mut cloud = renderer.upload(&points).expect("fits");
                 let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");
                 let met = renderer.render(&mut cloud, &frame).expect("rendered").facts;
-                // What is allocated, how much is peeled, and how many tiles splats meet, is known only afterwards.
-                // What covers a pixel is counted while soft discs are blended.
+                // Allocations, the number of peeled layers, and the tiles of splats are known only afterwards. The
+                // splats of a pixel are counted while soft discs are blended.
                 let counted = !matches!(method, Method::SoftExpress(_));
                 let decided = |facts: &Facts| Facts {
                     fragments: if counted { facts.fragments } else { 0 },

@@ -110,7 +110,7 @@ fn a_point_beside_a_border_of_pixels_falls_on_the_right_side() {
                 let pixel = exact.map(|v| v.floor() as usize);
                 let slot = &mut expected[pixel[1] * 401 + pixel[0]];
                 *slot = slot.min(depth);
-                // What float32 alone would make of it.
+                // The result of float32 alone.
                 let single = (position.as_vec3() - camera.eye.as_vec3()).dot(camera.right.as_vec3()) * scale as f32;
                 wrong_in_f32 += usize::from((f64::from(single) + 200.5).floor() != exact[0].floor());
                 list.push(P { position, color: Vec3::ONE, opacity: 1.0, radius: 0.0, normal: Vec3::ZERO });

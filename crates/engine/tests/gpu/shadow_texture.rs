@@ -2,7 +2,6 @@
 //! they hold all points, `src/methods/shadows/lights.rs` tests by itself; what shadows look like, `crates/engine/tests/gpu/shadows.rs`.
 
 use glam::{DVec3, Vec3};
-use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};
@@ -52,7 +51,7 @@ fn onion(normals: bool) -> Points {
 /// whose axis a point lies deepest where several hold it.
 fn compare(points: &Points, light: Light, shadows: Shadows, seed: u64, found: &[f32]) -> Result<f64, String> {
     let bounds = points.bounds().expect("there are points");
-    let casting = Casting::new(light, &shadows, seed, bounds.diagonal()).expect("it casts");
+    let casting = shadows.casting(light, seed, bounds.diagonal()).expect("it casts");
     let distance = f64::from(casting.min_layer_distance);
     let (mut reached, mut doubtful) = (vec![casting.samples; points.len()], vec![false; points.len()]);
     for i in 0..casting.samples {

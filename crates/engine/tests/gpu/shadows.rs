@@ -53,7 +53,7 @@ fn lid(x: std::ops::Range<f64>, y: std::ops::Range<f64>, depth: f64, step: f64) 
     along(x).flat_map(|x| along(y.clone()).map(move |y| point(x, y, depth, Vec3::ZERO))).collect()
 }
 
-/// What lies at a depth of `near` and more.
+/// A camera that sees depths of `near` and more.
 fn camera(size: [u32; 2], near: f64) -> Camera {
     Camera { near, ..pixel_camera(size) }
 }

@@ -95,7 +95,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     ]
 }
 
-/// What was rendered, and what should have been.
+/// A rendered image, and the expected one.
 struct Case {
     name: String,
     points: Points,

@@ -96,7 +96,7 @@ fn every_sample_is_covered_as_the_host_says() {
     });
 }
 
-/// What float32 may decide otherwise than the reference on a pixel.
+/// The decisions on a pixel that float32 may take differently from the reference.
 struct Doubt {
     /// Relative errors of depths and of opacities.
     depth: f64,
@@ -111,7 +111,7 @@ impl Doubt {
         Self { depth, alpha }
     }
 
-    /// Whether order or masks of some fragments are a matter of rounding.
+    /// True if order or masks of some fragments depend on rounding.
     fn about(&self, list: &[Fragment], pixel: [u32; 2], samples: u32, seed: u64) -> bool {
         let unsure = |f: &Fragment, p: u32| {
             let [low, high] = [1.0 - self.alpha, 1.0 + self.alpha].map(|factor| (f.alpha * factor) as f32);
@@ -250,9 +250,9 @@ fn doubles(image: &Image) -> Vec<[f64; 4]> {
     image.rgba.iter().map(|c| c.map(f64::from)).collect()
 }
 
-/// Whether means over seeds are those of the exact image, by two tests of R, G, B and A: the mean over all pixels lies within
-/// 4 of its standard errors, and so do nearly all pixels by themselves. Of normally distributed means 1 in 5800 would lie
-/// beyond 4 errors that 64 samples tell; those of few skewed samples more often.
+/// Tests that means over seeds agree with the exact image, by two tests of R, G, B and A: the mean over all pixels lies
+/// within 4 of its standard errors, and so does nearly every single pixel. Of normally distributed means 1 in 5800
+/// would lie beyond 4 errors estimated from 64 samples; of means of few skewed samples more.
 fn unbiased(found: &Moments, exact: &[[f64; 4]]) -> Result<(), String> {
     let n = SEEDS as f64;
     let (mut beyond, mut drawn) = (0, 0);
@@ -349,7 +349,7 @@ fn with_correction_alpha_is_exact_and_the_bias_of_color_small() {
                 let found = moments(|seed| doubles(&stage.image(Stochastic { discs, ..corrected(samples) }, seed)));
                 let alpha = found.mean.iter().zip(&exact).map(|(a, b)| (a[3] - b[3]).abs()).fold(0.0, f64::max);
                 assert!(alpha < 1e-5 && found.variance.iter().all(|v| v[3] < 1e-10), "{name}: A off by {alpha}");
-                // What chance leaves in a mean of 64 seeds is taken off.
+                // Subtracts the noise of a mean of 64 seeds.
                 let chance = rms(found.variance.iter().flat_map(|v| (0..3).map(|i| (v[i] / SEEDS as f64).sqrt())));
                 let off = rmse(&found.mean, &exact);
                 let bias = (off * off - chance * chance).max(0.0).sqrt();

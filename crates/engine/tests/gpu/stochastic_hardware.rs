@@ -44,8 +44,8 @@ fn longest(image: &Image) -> u32 {
     image.fragments.iter().flatten().copied().max().expect("counted")
 }
 
-/// What sums of this many fragments and strata in another order may differ by: each sum by n roundings of 2⁻²⁴ of itself,
-/// in color and opacity, in both of two images.
+/// The largest difference of sums of this many fragments and strata in another order: each sum by n roundings of 2⁻²⁴
+/// of itself, in color and opacity, in both of two images.
 fn bound(fragments: u32, samples: u32) -> f64 {
     4.0 * f64::from(fragments + samples.div_ceil(4)) * 0.5f64.powi(24)
 }

@@ -1,4 +1,4 @@
-//! What needs no device: files, scenes, points, camera paths, images and the float64 references.
+//! Tests without a device: files, scenes, points, camera paths, images and the float64 references.
 
 mod camera_paths;
 mod ensembles;
@@ -9,5 +9,6 @@ mod photo;
 mod prepare;
 mod procedural;
 mod reference;
+mod rooms;
 mod scene;
 mod tracked;

@@ -391,7 +391,7 @@ fn surfaces_of_a_volume_are_where_its_values_say() {
 
 #[test]
 fn points_off_a_surface_are_noticed() {
-    // What the test above looks at must be able to fail: the sphere of another value.
+    // The test above must be able to fail: it does for the sphere of another value.
     let (count, center) = (40, DVec3::new(19.2, 19.7, 19.5));
     let made = iso::build_iso(&distances(count, center), &[9.3], &set(&[("points", 1000.0)]), 3).unwrap();
     let far = around(&made.clouds[0].1, count, center);

@@ -283,7 +283,7 @@ fn shadows_are_read_where_there_is_a_light_that_casts_them() {
     let all = Shadows { samples: 30, light_radius: 2.5, resolution: 512, min_layer_distance: Some(0.1) };
     for (keys, wanted) in [("", default), (given, all)] {
         for light in ["[0, -1, 0]", "{ position = [0, 9, 0] }"] {
-            // What `auto` stands for may take shadows, or not: that is seen later.
+            // Only once the points are known does `auto` become a method that may or may not support shadows.
             for method in ["points", "circles", "splats", "auto"] {
                 let head = format!("{}[method]\nname = {method:?}\n", lambert(light));
                 let scene = of(&head, keys);

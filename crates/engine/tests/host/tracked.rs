@@ -74,7 +74,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         14..18 => cloud.field = one_of(r, &fields),
         18..20 => cloud.neighbors = one_of(r, &[None, Some(1), Some(5)]),
         20 => cloud.translate = one_of(r, &[DVec3::ZERO, DVec3::X, DVec3::splat(1e308)]),
-        // What is beyond float64 then is dropped.
+        // Positions beyond float64 are dropped.
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
         _ => scene.method = one_of(r, &methods).into(),
     }
@@ -92,7 +92,7 @@ fn differences(before: &Points, after: &Points) -> Changes {
     }
 }
 
-/// What sequences of settings met.
+/// The events during sequences of settings.
 #[derive(Debug, Default)]
 struct Met {
     followed: usize,

@@ -159,15 +159,15 @@ mod tests {
 
     #[test]
     fn a_window_without_area_has_no_extent() {
-        let of = |width, height| vk::SurfaceCapabilitiesKHR {
+        let capabilities = |width, height| vk::SurfaceCapabilitiesKHR {
             current_extent: vk::Extent2D { width, height },
             min_image_extent: vk::Extent2D { width: 1, height: 1 },
             max_image_extent: vk::Extent2D { width: 100, height: 100 },
             ..Default::default()
         };
-        assert_eq!(extent(&of(30, 20), [31, 21]), Some(vk::Extent2D { width: 30, height: 20 }));
-        assert_eq!(extent(&of(u32::MAX, u32::MAX), [300, 20]), Some(vk::Extent2D { width: 100, height: 20 }));
-        assert_eq!(extent(&of(0, 0), [30, 20]), None);
-        assert_eq!(extent(&of(30, 20), [0, 0]), None);
+        assert_eq!(extent(&capabilities(30, 20), [31, 21]), Some(vk::Extent2D { width: 30, height: 20 }));
+        assert_eq!(extent(&capabilities(u32::MAX, u32::MAX), [300, 20]), Some(vk::Extent2D { width: 100, height: 20 }));
+        assert_eq!(extent(&capabilities(0, 0), [30, 20]), None);
+        assert_eq!(extent(&capabilities(30, 20), [0, 0]), None);
     }
 }

@@ -6,7 +6,7 @@
 //! cargo bench --bench soft -- --frames 20 --path 100              # frames behind a median, frames of the path
 //! ```
 //!
-//! What is written, as Markdown or SVG for people and as CSV for programs:
+//! It writes Markdown or SVG for people and CSV for programs:
 //!
 //! - `table` (Table 1): time of a frame of `splats` of all points (SP), of `one-layer` (OLT) and of `soft-express` (ST), beside
 //!   the paper's.
@@ -47,7 +47,7 @@ struct Args {
     path: usize,
     /// Scene files and clouds that are measured after the built-in scenes.
     inputs: Vec<PathBuf>,
-    /// What cargo passes.
+    /// An argument that cargo passes.
     #[arg(long, hide = true)]
     bench: bool,
 }

@@ -1,4 +1,4 @@
-//! What is rendered.
+//! The scenes.
 
 use std::path::{Path, PathBuf};
 

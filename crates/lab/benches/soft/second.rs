@@ -1,4 +1,4 @@
-//! What the first frame costs, and one after a change.
+//! The cost of the first frame, and of one after a change.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -23,7 +23,7 @@ const MODELS: [(&str, Model); 3] = [
     ("soft-express", Method::SoftExpress),
 ];
 
-/// What is changed.
+/// The changes.
 const CHANGES: [&str; 6] = ["nothing", "threshold", "softness", "modulation", "radius", "view"];
 
 /// A frame that differs from the first one by a change, and from the frames of other rounds by how much of it.

@@ -1,4 +1,4 @@
-//! Approximations of transparency: what each of them does exactly.
+//! Approximations of transparency: the parts that each of them computes exactly.
 
 use glam::{DVec3, Vec3};
 
@@ -13,13 +13,13 @@ use pellucid_engine::reference::abuffer::Fragment;
 use pellucid_engine::reference::approximate;
 use pellucid_engine::scene::{Discs, Hybrid, Method};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const ULP: f64 = 2.0 * HALF_ULP;
 /// Color that has no exact float32.
 const COLOR: Vec3 = Vec3::new(0.1, 0.2, 0.7);
-/// What a compensated sum of any length is off (2 units: Kahan 1965), for color and weight, their quotient (2.5 units) and two
-/// products, relative.
+/// The relative error of a compensated sum of any length (2 units: Kahan 1965), for color and weight, their quotient
+/// (2.5 units) and two products.
 const COMPENSATED: f64 = 9.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -58,7 +58,7 @@ fn times(color: Vec3, alpha: f64) -> [f64; 4] {
     (color.as_dvec3() * alpha).extend(alpha).to_array()
 }
 
-fn equal_colors(stage: &mut Stage, method: Method) -> Found {
+fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(100_000, COLOR, 0.5);
     let wanted = times(COLOR, 1.0);
     let found = stage.pixel(&dots, method)?;
@@ -67,14 +67,14 @@ fn equal_colors(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive: Computed(naive) })
 }
 
-fn weighted_equal(stage: &mut Stage, method: Method) -> Found {
+fn weighted_equal(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(10_000, COLOR, 1e-4);
     let wanted = times(COLOR, composed(&dots)[3]);
     let found = stage.pixel(&dots, method)?;
     Ok(Finding { error: apart(&found, &wanted), bound: COMPENSATED, naive: Computed(apart(&over(&dots), &wanted)) })
 }
 
-fn at_far(stage: &mut Stage, method: Method) -> Found {
+fn at_far(stage: &mut Stage, method: Method) -> CaseResult {
     let far = 1e7;
     let dots = [dot(far, Vec3::X, 0.25), dot(far, Vec3::Y, 0.5), dot(far, Vec3::Z, 0.25)];
     let alpha = 1.0 - 0.75 * 0.5 * 0.75;
@@ -84,7 +84,7 @@ fn at_far(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&stage.pixel(&dots, method)?, &wanted), bound: COMPENSATED, naive: Computed(naive) })
 }
 
-fn large_sums(stage: &mut Stage, method: Method) -> Found {
+fn large_sums(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(200, COLOR, 0.5);
     let found = stage.pixel(&dots, method)?;
     // Sums of 300 000 are infinite in 16 bits, and their quotient is no number.
@@ -92,7 +92,7 @@ fn large_sums(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &times(COLOR, 1.0)), bound: COMPENSATED, naive: Computed(naive) })
 }
 
-fn file_order(stage: &mut Stage, method: Method) -> Found {
+fn file_order(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [dot(2.0, Vec3::X, 0.5), dot(9.0, Vec3::Y, 0.5), dot(5.0, Vec3::Z, 0.5)];
     let found = stage.pixel(&dots, method)?;
     let wanted = [0.125, 0.25, 0.5, 0.875];
@@ -101,7 +101,7 @@ fn file_order(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(apart(&by_depth, &wanted)) })
 }
 
-fn faint(stage: &mut Stage, method: Method) -> Found {
+fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(100_000, Vec3::ONE, 1e-7);
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
@@ -112,7 +112,7 @@ fn faint(stage: &mut Stage, method: Method) -> Found {
     })
 }
 
-fn as_many_as_k(stage: &mut Stage, method: Method) -> Found {
+fn as_many_as_k(stage: &mut Stage, method: Method) -> CaseResult {
     let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 8.0);
     let dots: Vec<Dot> = (0..8).map(|i| dot(1.0 + f64::from(i), color(i), 0.3)).collect();
     let wanted = composed(&dots);
@@ -127,13 +127,13 @@ fn as_many_as_k(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: 32.0 * HALF_ULP, naive: Computed(apart(&mixed, &wanted)) })
 }
 
-fn behind_one(stage: &mut Stage, method: Method) -> Found {
+fn behind_one(stage: &mut Stage, method: Method) -> CaseResult {
     let mut dots = layers(2000, Vec3::Y, 1e-3);
     dots.insert(0, dot(0.75, Vec3::X, 0.999));
     let wanted = composed(&dots);
     let found = stage.pixel(&dots, method)?;
-    // Green alone. Each layer of a run rounds A, which is nearly 1, by half a unit, and what lies behind is that much too bright
-    // or dark; green opacities are 1 in all.
+    // Green alone. Each layer of a run rounds A, which is nearly 1, by half a unit, and changes the brightness of the
+    // layers behind it by as much; green opacities sum to 1.
     let bound = roundings(&method, 2001) / 4.0 * HALF_ULP;
     let error = apart(&found[1..2], &wanted[1..2]);
     // Stopping where an 8-bit step is saturated loses the last of them: behind T of 1/512 nothing is drawn.

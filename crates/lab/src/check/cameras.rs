@@ -1,4 +1,4 @@
-//! Cameras at their ends: angles, ranges of depth, what lies behind.
+//! Cameras at their limits: angles, ranges of depth, points behind the eye.
 
 use glam::{DVec3, Vec3};
 
@@ -13,7 +13,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::{abuffer, coverage};
 use pellucid_engine::scene::{DiscShape, Discs, Family, Method};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
@@ -63,10 +63,10 @@ fn looking(eye: DVec3, target: DVec3, degrees: f64, near: f64, far: f64) -> Came
         .unwrap_or_else(|| unreachable!("no view is along the vertical"))
 }
 
-/// Some discs around a place, as they come of a few multiplications, in a box of these half sides.
+/// Discs around a position, spread by a few multiplications, in a box of these half sides.
 fn some(count: u32, middle: DVec3, half: DVec3, radius: f32) -> Vec<Dot> {
     let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 5) % 4096) / 2048.0 - 1.0;
-    let of = |i: u32| {
+    let dot = |i: u32| {
         let at = DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917));
         Dot {
             position: middle + half * at,
@@ -77,7 +77,7 @@ fn some(count: u32, middle: DVec3, half: DVec3, radius: f32) -> Vec<Dot> {
             ..Dot::default()
         }
     };
-    (1..=count).map(of).collect()
+    (1..=count).map(dot).collect()
 }
 
 /// Discs whose every pixel is clear in float32 against float64; `naive` renders other ones.
@@ -87,7 +87,7 @@ fn against_float64(
     camera: Camera,
     method: Method,
     naive: impl Fn(&Dot) -> Dot,
-) -> Found {
+) -> CaseResult {
     let size = [48, 36];
     let discs = method.discs().copied().unwrap_or_default();
     let margin = |dot: &Dot| coverage::margin_px(&camera, size, &abuffer::splat(&cloud(&[*dot]), 0, discs.shape));
@@ -108,7 +108,7 @@ fn against_float64(
     Ok(Finding { error, bound, naive: Computed(pixels_apart(&other, &wanted.rgba)) })
 }
 
-fn narrow(stage: &mut Stage, method: Method) -> Found {
+fn narrow(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [1, 4096];
     let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 1.0, 1.0, 1000.0);
     let focal = camera.focal_px(size[1]);
@@ -132,7 +132,7 @@ fn narrow(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn wide(stage: &mut Stage, method: Method) -> Found {
+fn wide(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = looking(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, -1.0), 170.0, 1e-3, 1e3);
     let dots = some(200, DVec3::new(0.0, 0.0, -1.0), DVec3::new(12.0, 9.0, 1.0), 0.1);
     // A radius by the distance of the point, and not by its depth, which is a tenth of it here.
@@ -143,7 +143,7 @@ fn wide(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, camera, method, by_distance)
 }
 
-fn through_the_eye(stage: &mut Stage, method: Method) -> Found {
+fn through_the_eye(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 80.0, 0.25, 100.0);
     let tilted = |dot: &Dot| Dot {
         radius: 40.0 * dot.radius,
@@ -152,12 +152,12 @@ fn through_the_eye(stage: &mut Stage, method: Method) -> Found {
         ..*dot
     };
     let dots: Vec<Dot> = some(60, DVec3::NEG_Z * 2.0, DVec3::new(1.0, 1.0, 1.0), 0.1).iter().map(tilted).collect();
-    // An outline from the corners of a box, of which some have a negative depth: as if the discs ended before the eye.
+    // The outline from the corners of a box, some with a negative depth: as if the discs ended before the eye.
     let cut = |dot: &Dot| Dot { radius: dot.radius.min(-dot.position.z as f32), ..*dot };
     against_float64(stage, &dots, camera, method, cut)
 }
 
-fn depth_range(stage: &mut Stage, method: Method) -> Found {
+fn depth_range(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     // Eight depths a unit of float32 apart, at both ends and between.
     let depth = |i: u32| {
@@ -181,7 +181,7 @@ fn depth_range(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: roundings(&method, 40) * HALF_ULP, naive: Computed(naive) })
 }
 
-fn depth_limits(stage: &mut Stage, method: Method) -> Found {
+fn depth_limits(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = Camera { near: 8.0, far: 1000.0, ..pixels([4, 1]) };
     let depths = [8f32.next_down(), 8.0, 1000.0, 1000f32.next_up()];
     let dot = |(x, depth): (u32, &f32)| Dot { position: at(x, 0, f64::from(*depth)), ..Dot::default() };
@@ -194,7 +194,7 @@ fn depth_limits(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
-fn behind(stage: &mut Stage, method: Method) -> Found {
+fn behind(stage: &mut Stage, method: Method) -> CaseResult {
     let camera = looking(DVec3::ZERO, DVec3::NEG_Z, 60.0, 0.5, 100.0);
     let at = |x: f64, z: f64| Dot {
         position: DVec3::new(x, 0.01, z),
@@ -210,7 +210,7 @@ fn behind(stage: &mut Stage, method: Method) -> Found {
     let image = stage.image(&dots, camera, [9, 9], method)?;
     let drawn = image.rgba.iter().flatten().map(|c| if *c == 0.0 { 0.0 } else { 1.0 }).fold(0.0, f64::max);
     let deep = if image.depth.iter().all(|z| *z == f32::INFINITY) { 0.0 } else { 1.0 };
-    // Divided by a negative depth they lie in the image, upside down.
+    // Divided by a negative depth they appear in the image, upside down.
     let focal = camera.focal_px(9) as f32;
     let is_inside = |dot: &Dot| {
         let p = dot.position.as_vec3();

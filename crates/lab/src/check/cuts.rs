@@ -12,7 +12,7 @@ use pellucid_engine::methods::Frame;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
 use pellucid_engine::scene::{Density, DiscShape, Discs, Family, LongLists, Method, Shells, Soft};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };
@@ -40,10 +40,10 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// Discs over an image of 48 × 32 pixels, some of one depth, all of which hold more than a fragment for each pixel.
+/// Discs over an image of 48 × 32 pixels, some at the same depth, in which every pixel holds more than one fragment.
 fn crowd(count: u32, radius: f32) -> Vec<Dot> {
     let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 9) % 4096;
-    let of = |i: u32| {
+    let disc = |i: u32| {
         let [x, y] = [2_654_435_761, 2_246_822_519].map(|factor| f64::from(part(i, factor)) / 4096.0);
         Dot {
             position: DVec3::new(48.0 * x, -32.0 * y, -f64::from(10 + i % 200)),
@@ -54,10 +54,10 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
             field: 1.0,
         }
     };
-    (1..=count).map(of).collect()
+    (1..=count).map(disc).collect()
 }
 
-fn budget(stage: &mut Stage, method: Method) -> Found {
+fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [48, 32];
     // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
     let whole = frame(pixels(size), size, method);
@@ -80,7 +80,7 @@ fn budget(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
-fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
+fn in_place_bytes(stage: &mut Stage, method: Method) -> CaseResult {
     // Discs that might cross, so that no order is made beforehand.
     let discs = |long_lists| Method::ABuffer(Discs { shape: DiscShape::Oriented, long_lists, ..Discs::default() });
     let facing = |dot: &Dot| Dot { normal: Vec3::Z, ..*dot };
@@ -99,7 +99,7 @@ fn in_place_bytes(stage: &mut Stage, method: Method) -> Found {
 /// Layers of [`beyond`].
 const LAYERS: u32 = 24;
 
-fn beyond(stage: &mut Stage, method: Method) -> Found {
+fn beyond(stage: &mut Stage, method: Method) -> CaseResult {
     let binding = stage.device().limits().binding_bytes;
     let side = ((binding / 8 / u64::from(LAYERS)) as f64 * 1.25).sqrt().ceil() as u32;
     if side > 1536 {

@@ -1,4 +1,4 @@
-//! Transparent discs: composition of many, of few, of none, in whatever order they come.
+//! Transparent discs: composition of many, of few, of none, in any order.
 
 use glam::Vec3;
 
@@ -13,7 +13,7 @@ use pellucid_engine::scene::{DiscShape, Discs, Falloff, Hybrid, Method, Peel, St
 /// Transmittance below half a step of 8 bits.
 pub(super) const SATURATED: f32 = 1.0 / 512.0;
 
-/// Methods whose A is exact, whatever they do to colors.
+/// Methods with an exact A, whatever they do to colors.
 fn exact_coverage() -> Vec<Method> {
     let discs = Discs::default();
     let corrected = Stochastic { samples: 4, ..Stochastic::default() };
@@ -52,12 +52,12 @@ pub(super) fn cases() -> Vec<Case> {
 /// Lists around the sizes at which another kernel takes over.
 fn lengths() -> Vec<Case> {
     let about = "a list of so many layers against float64";
-    let of = |n: u32| {
+    let case = |n: u32| {
         let discs = Discs::default();
         let run = move |stage: &mut Stage| layers(stage, Method::ABuffer(discs), n);
         Case { name: format!("abuffer/list-of-{n}"), about, run: Box::new(run) }
     };
-    [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(of).into()
+    [1, 32, 33, 255, 256, 257, 512, 513, 1025].map(case).into()
 }
 
 /// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;
@@ -99,7 +99,7 @@ fn layers(stage: &mut Stage, method: Method, n: u32) -> Result<Finding, Trouble>
     let bound = roundings(&method, dots.len()) * HALF_ULP * wanted.into_iter().fold(0.0, f64::max);
     let naive = match n {
         1 => Stated { why: "one layer is right by any formula; it is here as the shortest list" },
-        // As they came.
+        // In the order of arrival.
         _ => Computed(apart(&over(&shuffled), &wanted)),
     };
     Ok(Finding { error: apart(&found, &wanted), bound, naive })
@@ -114,7 +114,7 @@ fn coincident(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots[..1]), &wanted)) })
 }
 
-/// Dots of the same depth that can be told apart by color alone.
+/// Dots at equal depth that differ in color alone.
 fn tied() -> Vec<Dot> {
     let color = |i: u32| Vec3::new((i % 7) as f32 / 7.0, (i % 5) as f32 / 5.0, (i % 3) as f32 / 3.0);
     let near = (0..40).map(|i| dot(2.0, color(i), 0.3));
@@ -151,7 +151,7 @@ pub(super) fn reversed(stage: &mut Stage, method: Method) -> Result<Finding, Tro
 
 fn extremes(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let red = Vec3::new(1.0, 0.0, 0.0);
-    // What isn't there lies before, between and behind.
+    // Invisible points are in front, between and behind.
     let dots = [
         dot(1.0, Vec3::ONE, 0.0),
         dot(2.0, Vec3::Y, 0.5),
@@ -194,7 +194,7 @@ fn least_opacity(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> 
 }
 
 fn no_radius(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
-    // In the middle of their pixels and beside it: d / r of 0 / 0 and of what is larger than 1.
+    // In the middle of their pixels and beside it: d / r is 0 / 0 or larger than 1.
     let radii = [0.0, 0.0, 1e-45, 1e-3];
     let beside = |x: u32| glam::DVec3::X * if x == 0 { 0.0 } else { 0.25 };
     let dot = |(x, radius): (u32, &f32)| Dot { position: at(x, 0, 3.0) + beside(x), radius: *radius, ..Dot::default() };
@@ -215,7 +215,7 @@ fn edge_on(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let found: Vec<f32> = image.rgba.iter().map(|c| c[3]).collect();
     let wanted: Vec<f64> = (0..25).map(|i| if i == 12 { 0.5 } else { 0.0 }).collect();
     let depth = (f64::from(image.depth[12]) - 3.0).abs();
-    // Where the ray of a pixel's centre meets the disc's plane, without the rule of the always-covered pixel: nowhere.
+    // The ray of a pixel's centre doesn't meet the disc's plane, without the rule of the always-covered pixel.
     let (normal, center) = (disc.normal, disc.position.as_vec3());
     let met = |pixel: u32| {
         let start = at(pixel % 5, pixel / 5, 0.0).as_vec3();

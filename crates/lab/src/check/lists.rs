@@ -1,4 +1,4 @@
-//! Which methods a case is run for, by what they are: a new method of a family joins the cases of that family.
+//! The methods that a case is run for, by their properties: a new method of a family joins the cases of that family.
 
 use pellucid_engine::scene::{Family, Method, Setting, Soft};
 
@@ -12,7 +12,7 @@ pub(super) fn except(names: &[&str], methods: Vec<Method>) -> Vec<Method> {
     methods.into_iter().filter(|method| !names.contains(&method.name())).collect()
 }
 
-/// The same with so many samples of a pixel, where methods take samples.
+/// The same with this many samples per pixel, where methods take samples.
 pub(super) fn with_samples(samples: u32, methods: Vec<Method>) -> Vec<Method> {
     let with = |method: Method| method.with("samples", Setting::Integer(samples)).unwrap_or(method);
     methods.into_iter().map(with).collect()
@@ -23,12 +23,12 @@ pub(super) fn with_peel() -> Vec<Method> {
     Family::Discs.methods().filter(|method| method.is_exact(false)).collect()
 }
 
-/// Those of them that keep every fragment, and don't go through all points once for each layer.
+/// Those that keep every fragment, and don't process all points once for each layer.
 pub(super) fn exact() -> Vec<Method> {
     with_peel().into_iter().filter(|method| method.key("layers").is_none()).collect()
 }
 
-/// The methods of discs that approximate, whatever the order of the points.
+/// The methods of discs that approximate, for any order of the points.
 pub(super) fn approximations() -> Vec<Method> {
     let follows_files = |method: &Method| matches!(method, Method::Unsorted(_));
     Family::Discs.methods().filter(|method| !method.is_exact(false) && !follows_files(method)).collect()
@@ -39,7 +39,7 @@ pub(super) fn with_soft(method: Method, soft: Soft) -> Method {
     if method.family() == Family::Soft { method.with_keys(&soft.keys()) } else { method }
 }
 
-/// A method of discs with discs that lie in tangent planes.
+/// A method of discs, with discs in tangent planes.
 pub(super) fn tilted(method: Method) -> Method {
     method.with("shape", Setting::Word("oriented".to_owned())).unwrap_or(method)
 }

@@ -1,4 +1,4 @@
-//! What the methods are made of: prefix sums and radix sorts. Whole numbers, so exactly.
+//! The building blocks of the methods: prefix sums and radix sorts. Integers, so exact.
 
 use super::verdict::Naive::{Computed, Stated};
 use super::verdict::Trouble;
@@ -9,7 +9,7 @@ use pellucid_engine::passes::radix::Radix;
 use pellucid_engine::passes::scan::Scan;
 use pellucid_engine::reference;
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let about = "prefix sums of zeros, ones, one large number and any numbers: those that are wrong";
@@ -27,7 +27,7 @@ fn any(n: usize) -> impl Iterator<Item = u32> {
     (0..n as u32).map(|i| i.wrapping_mul(2_654_435_761) ^ (i >> 3).wrapping_mul(2_246_822_519))
 }
 
-/// Prefix sums on the device, and whether it says that they overflow.
+/// Prefix sums on the device, and true if it reports an overflow.
 fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool), Trouble> {
     let (device, n) = (stage.device(), values.len() as u64);
     let input = device.upload("values", values)?;
@@ -40,7 +40,7 @@ fn scan(stage: &Stage, values: &[u32]) -> Result<(Vec<u32>, bool), Trouble> {
     Ok((output.read(0, n)?, flag.read(0, 1)?.first() != Some(&0)))
 }
 
-fn sums(stage: &mut Stage, n: usize) -> Found {
+fn sums(stage: &mut Stage, n: usize) -> CaseResult {
     let mut single = vec![0u32; n];
     single[n / 2] = 4_000_000_000;
     let contents = [vec![0; n], vec![1; n], any(n).map(|v| v % 4000).collect(), single];
@@ -61,7 +61,7 @@ fn sums(stage: &mut Stage, n: usize) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn overflow(stage: &mut Stage) -> Found {
+fn overflow(stage: &mut Stage) -> CaseResult {
     let most = u32::MAX;
     let (mut error, mut naive) = (0, 0);
     for n in [2usize, 64, 65, 5000, 70_000] {
@@ -69,7 +69,7 @@ fn overflow(stage: &mut Stage) -> Found {
             let mut values = vec![0u32; n];
             (values[0], values[n - 1]) = (first, last);
             error += usize::from(scan(stage, &values)?.1 != beyond);
-            // A sum that wraps is told by nothing if it is looked at alone.
+            // A sum that wraps looks valid on its own.
             let sum = values.iter().fold(0u32, |sum, value| sum.wrapping_add(*value));
             naive += usize::from((u64::from(sum) > u64::from(most)) != beyond);
         }
@@ -92,7 +92,7 @@ fn sorted(stage: &Stage, records: &[[u32; 2]], bits: u32) -> Result<Vec<[u32; 2]
     Ok([from, to][place].read(0, n)?)
 }
 
-fn sort(stage: &mut Stage, n: usize) -> Found {
+fn sort(stage: &mut Stage, n: usize) -> CaseResult {
     let keys =
         [any(n).collect::<Vec<u32>>(), any(n).map(|k| k % 3).collect(), vec![7; n], (0..n as u32).rev().collect()];
     let (mut error, mut naive) = (0, 0);

@@ -42,7 +42,7 @@ pub use verdict::{Counts, Finding, Lack, Naive, Verdict};
 pub struct Case {
     /// Method and case, as in `abuffer/faint-layers`.
     pub name: String,
-    /// What is rendered or computed, and what is known of the answer.
+    /// A description of the computation, and of the known answer.
     pub about: &'static str,
     run: Run,
 }

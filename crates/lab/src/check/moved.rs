@@ -1,4 +1,4 @@
-//! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the bytes that they give at the
+//! Georeferenced coordinates: a scene and its camera at 500 km east and 4500 km north give the same bytes as at the
 //! origin. Positions lie on a grid of 1/1024, so that float64 moves them without rounding. And scenes in other units.
 
 use glam::{DVec3, Vec3};
@@ -13,7 +13,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::scene::{Density, DiscShape, Discs, Family, ImageSpace, Method, PeelLayers, Shells, Soft};
 
 const SIZE: [u32; 2] = [40, 30];
-/// d̃: what it is by itself depends on the box of all points.
+/// d̃, whose default depends on the box of all points.
 const DISTANCE: f32 = 0.25;
 const LAYERS: u32 = 4;
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
@@ -30,7 +30,7 @@ pub(super) fn cases() -> Vec<Case> {
     methods.insert(1, Method::ABuffer(oriented));
     let about = "moved by (500000, 4500000, 100): no byte changes";
     let scales = "times 2^30 and 2^-30, camera and all: no byte of a color changes";
-    // The others number their random words by points, of which there is one more.
+    // The others number their random words by points, and the scene has one more of them.
     let known = |method: &&Method| !matches!(method, Method::Stochastic(_));
     let others: Vec<Method> = methods.iter().filter(known).copied().collect();
     let outliers = "a point at 1e20 that is not seen: colors as without it";
@@ -48,7 +48,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn dots() -> Vec<Dot> {
     let part = |i: u32, factor: u32| (i.wrapping_mul(factor) >> 7) % 2048;
     let coordinate = |i: u32, factor: u32| f64::from(part(i, factor)) / 1024.0 - 1.0;
-    let of = |i: u32| Dot {
+    let dot = |i: u32| Dot {
         position: DVec3::new(coordinate(i, 2_654_435_761), coordinate(i, 2_246_822_519), coordinate(i, 3_266_489_917)),
         color: Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0),
         opacity: 0.1 + 0.1 * (i % 8) as f32,
@@ -56,7 +56,7 @@ fn dots() -> Vec<Dot> {
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
         field: if i.is_multiple_of(3) { 0.0 } else { 1.0 },
     };
-    (1..400).map(of).collect()
+    (1..400).map(dot).collect()
 }
 
 fn camera() -> Camera {
@@ -98,13 +98,13 @@ fn scaled(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
             |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
         error += plain.iter().zip(&other).map(differ).sum::<usize>() as f64;
     }
-    // A radius below 1e-6 taken for none: nothing is drawn of the small scene.
+    // If a radius below 1e-6 counted as zero, the small scene would be empty.
     let is_drawn = dots().iter().any(|dot| dot.radius * 2f32.powi(-30) > 1e-6);
     let lost = plain.iter().flatten().filter(|c| **c > 0.0 && !is_drawn).count();
     Ok(Finding { error, bound: 0.0, naive: Computed(lost as f64) })
 }
 
-/// With another d̃, if it has one.
+/// With another d̃, for methods that have one.
 fn with_distance(method: Method, distance: f32) -> Method {
     let apart = |filters| ImageSpace { min_layer_distance: Some(distance), ..filters };
     match method {
@@ -126,12 +126,12 @@ fn outlier(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {
     let lost = render(&dots.iter().map(rounded).collect::<Vec<_>>())?;
     let wanted: Vec<[f64; 4]> = alone.iter().map(|pixel| pixel.map(f64::from)).collect();
     let bound = if method.soft().is_some() {
-        // A corner of the box lies behind the camera, so that depths are counted from the eye: two ends of each of ten spheres
-        // on a ray, rounded by half a unit of 8, at an absorption λ r of at most 7 for a unit of length.
+        // A corner of the box lies behind the camera, so that depths are counted from the eye: two ends of each of ten
+        // spheres on a ray, rounded by half a unit of 8, at an absorption λ r of at most 7 for a unit of length.
         10.0 * 2.0 * 8.0 * HALF_ULP * 7.0
     } else if method.filters().is_some() {
-        // What a depth is counted from changes, too: an edge has 8 depths below 8, each with 4 roundings, over 4 d̃; half of it is
-        // the share of the neighbors. Smoothing adds 18 roundings; color and alpha of a layer count in all behind it.
+        // The zero of depths changes, too: an edge has 8 depths below 8, each with 4 roundings, over 4 d̃; half of it
+        // is the share of the neighbors. Smoothing adds 18 roundings; color and alpha of a layer affect all behind it.
         let edge = 8.0 * 4.0 * 8.0 / (4.0 * f64::from(DISTANCE)) / 2.0;
         2.0 * f64::from(LAYERS) * (edge + 18.0) * HALF_ULP
     } else {

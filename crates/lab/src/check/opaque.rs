@@ -10,7 +10,7 @@ use pellucid_engine::reference::coverage::Shape;
 use pellucid_engine::reference::splats;
 use pellucid_engine::scene::{BlendedSplats, Interpolated, Method, ScreenSplats};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const ULP: f64 = 2.0 * HALF_ULP;
 
@@ -62,7 +62,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 const SIZE: [u32; 2] = [32, 24];
 
-/// Two splats of a radius of 8 pixels at one depth, such that no pixel's centre is near the line between them.
+/// Two splats of a radius of 8 pixels at equal depth, placed so that no pixel's centre is near the line between them.
 fn pair() -> [Dot; 2] {
     let splat =
         |x: f64, y: f64, color| Dot { position: DVec3::new(x, -y, -20.0), radius: 8.0, color, ..Dot::default() };
@@ -73,7 +73,7 @@ fn center(pixel: usize) -> DVec3 {
     at(pixel as u32 % SIZE[0], pixel as u32 / SIZE[0], 20.0)
 }
 
-fn bisector(stage: &mut Stage, method: Method) -> Found {
+fn bisector(stage: &mut Stage, method: Method) -> CaseResult {
     let [red, blue] = pair();
     let image = stage.image(&[red, blue], pixels(SIZE), SIZE, method)?;
     let covers = |dot: &Dot, pixel: usize| center(pixel).distance(dot.position) <= 8.0;
@@ -91,7 +91,7 @@ fn bisector(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn blend(stage: &mut Stage, method: Method) -> Found {
+fn blend(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = pair();
     let image = stage.image(&dots, pixels(SIZE), SIZE, method)?;
     let points = cloud(&dots);
@@ -104,7 +104,7 @@ fn blend(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(&naive, &wanted)) })
 }
 
-fn ties(stage: &mut Stage, method: Method) -> Found {
+fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     let color = |i: u32| Vec3::new((i % 7) as f32 / 7.0, (i % 5) as f32 / 5.0, (i % 3) as f32 / 3.0);
     let dots: Vec<Dot> =
         (0..60).map(|i| Dot { position: at(1, 1, 4.0), color: color(i), radius: 1.25, ..Dot::default() }).collect();
@@ -119,7 +119,7 @@ fn ties(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn nearest_wins(stage: &mut Stage, method: Method) -> Found {
+fn nearest_wins(stage: &mut Stage, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 0.75, ..Dot::default() };
     let camera = pellucid_engine::camera::Camera { near: 1.0, far: 1e6, ..pixels([1, 1]) };
     let dots = [dot(500_000.5, Vec3::X), dot(500_000.0, Vec3::Y), dot(500_001.0, Vec3::Z)];
@@ -130,22 +130,22 @@ fn nearest_wins(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &[0.0, 1.0, 0.0, 1.0]), bound: 0.0, naive: Computed(naive) })
 }
 
-fn no_radius(stage: &mut Stage, method: Method) -> Found {
+fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for radius in [0.0, 1e-45, 1e-3] {
         let dot = Dot { position: at(1, 1, 4.0) + DVec3::new(0.25, 0.25, 0.0), radius, ..Dot::default() };
         let image = stage.image(&[dot], pixels([3, 3]), [3, 3], method)?;
         let wanted: Vec<[f64; 4]> = (0..9).map(|i| if i == 4 { [1.0; 4] } else { [0.0; 4] }).collect();
-        // ρ counts as 1 there, so that nothing moves toward the viewer, but for squares.
+        // ρ counts as 1 there, so that only squares move toward the viewer.
         error = error.max(pixels_apart(&image.rgba, &wanted)).max(apart(&image.depth[4..5], &[4.0]));
-        // No pixel's centre lies in it.
+        // It contains no pixel's centre.
         let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&dot, [i % 3, i / 3])).collect();
         naive = naive.max(pixels_apart(&covered, &wanted));
     }
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn huge_radius(stage: &mut Stage, method: Method) -> Found {
+fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [64, 64];
     let dot = Dot { position: at(31, 31, 4.0), radius: f32::MAX, ..Dot::default() };
     let image = stage.image(&[dot], pixels(size), size, method)?;
@@ -159,7 +159,7 @@ fn huge_radius(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn equal_colors(stage: &mut Stage, method: Method) -> Found {
+fn equal_colors(stage: &mut Stage, method: Method) -> CaseResult {
     let color = Vec3::new(0.1, 0.2, 0.7);
     let dot = Dot { position: at(0, 0, 4.0), color, radius: 0.75, ..Dot::default() };
     let found = stage.pixel(&vec![dot; 100_000], method)?;
@@ -173,7 +173,7 @@ fn equal_colors(stage: &mut Stage, method: Method) -> Found {
     })
 }
 
-fn limit(stage: &mut Stage, method: Method) -> Found {
+fn limit(stage: &mut Stage, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
     // All numbers are exact: 4 + 1 ≤ 5.
     let behind = 5.0 + f64::from(f32::EPSILON) * 4.0;
@@ -185,7 +185,7 @@ fn limit(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
-fn no_blending(stage: &mut Stage, method: Method) -> Found {
+fn no_blending(stage: &mut Stage, method: Method) -> CaseResult {
     let dot = |depth: f64, color| Dot { position: at(0, 0, depth), color, radius: 1.0, ..Dot::default() };
     let method = match method {
         Method::Hqs(settings) => Method::Hqs(BlendedSplats { blend_depth: 0.0, ..settings }),

@@ -16,7 +16,7 @@ use pellucid_engine::io;
 use pellucid_engine::prepare::{radius, uncertainty};
 use pellucid_engine::scene::{self, Discs, Method, Scene};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -39,7 +39,7 @@ fn scene() -> Result<Scene, Trouble> {
     Ok(Scene::from_toml(text, Path::new("check"))?)
 }
 
-fn all_equal(stage: &mut Stage) -> Found {
+fn all_equal(stage: &mut Stage) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
     let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
@@ -48,7 +48,7 @@ fn all_equal(stage: &mut Stage) -> Found {
     let wanted = composed(&vec![dot; 500]);
     // Four roundings for each of a run of 256, and for each run.
     let bound = 4.0 * (256.0 + 2.0) * HALF_ULP;
-    // Nothing, where a radius of 0 covers no pixel.
+    // Empty, where a radius of 0 covers no pixel.
     let covering: Vec<Dot> = vec![dot; 500].into_iter().filter(|dot| naive::covers(dot, [0, 0])).collect();
     let naive = apart(&naive::over(&covering), &wanted);
     Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(naive) })
@@ -70,19 +70,21 @@ fn middle_in_float32(positions: &[DVec3]) -> f32 {
     2.0 * near.iter().map(|p| p.as_vec3().distance(own)).fold(0.0, f32::max) / 24f32.sqrt()
 }
 
-fn line() -> Found {
+fn line() -> CaseResult {
     let found = radii(&in_a_row());
     let wanted = 2.0 * 12.0 / 16.0 / 24f64.sqrt();
     let error = apart(&found[12..988], &[wanted; 976]);
     // Rounded once. Twelve neighbors on either side, not 24: the ends of the row have twice the radius.
     let ends = apart(&[found[0], found[999]], &[2.0 * wanted; 2]);
-    // With the point itself as one of K, its neighbors are 23, of which the last is as far, but K is 25 with them all.
+    // With the point itself as one of K, its neighbors are 23, the last at the same distance, but K is 25 with them
+    // all.
     let naive = apart(&[(2.0 * 12.0 / 16.0 / 25f64.sqrt()) as f32], &[wanted]);
     Ok(Finding { error: error.max(ends), bound: 2.0 * wanted * HALF_ULP, naive: Computed(naive) })
 }
 
-fn plane() -> Found {
-    // So far out that a covariance as the mean of products less the product of means has no digit left, in float64.
+fn plane() -> CaseResult {
+    // So far from the origin that a covariance, computed as the mean of products minus the product of means, has no
+    // digit left in float64.
     let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
@@ -91,13 +93,13 @@ fn plane() -> Found {
     let most =
         |normals: &[Vec3]| normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
     let error = most(&surface.normals);
-    // In float32 the rows of the grid fall together: the plane is a line, with any normal across it.
+    // In float32 the rows of the grid coincide: the plane becomes a line, whose normal may be anything across it.
     let rounded: Vec<DVec3> = positions.iter().map(|p| p.as_vec3().as_dvec3()).collect();
     let naive = most(&uncertainty::estimate(&rounded, None, 24, &Progress::hidden()).normals);
     Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
-fn georeferenced() -> Found {
+fn georeferenced() -> CaseResult {
     let here = radii(&in_a_row());
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     // Along y, where float32 knows halves.
@@ -108,7 +110,7 @@ fn georeferenced() -> Found {
     Ok(Finding { error: apart(&radii(&turned), &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
-fn scale() -> Found {
+fn scale() -> CaseResult {
     let here = radii(&in_a_row());
     let large: Vec<DVec3> = in_a_row().iter().map(|p| *p * 1000.0).collect();
     let wanted: Vec<f64> = here.iter().map(|r| f64::from(*r) * 1000.0).collect();
@@ -144,7 +146,7 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 
-fn not_finite(stage: &mut Stage) -> Found {
+fn not_finite(stage: &mut Stage) -> CaseResult {
     let odd = [
         "nan -0.5 -8 1 1 1 1 0 0 1 0.5",
         "0.5 inf -8 1 1 1 1 0 0 1 0.5",
@@ -170,7 +172,7 @@ fn not_finite(stage: &mut Stage) -> Found {
     let (found, wanted) = (picture(stage, &odd)?, picture(stage, &meant)?);
     let drawn = wanted.rgba[1..].iter().all(|pixel| pixel[3] > 0.0) && wanted.rgba[0] == [0.0; 4];
     let error = if drawn { bytes_apart(&found, &wanted) } else { f64::INFINITY };
-    // Blended as it is, what is not finite spreads over its pixel.
+    // Blended without a check, non-finite values spread over their pixel.
     let mut blended = wanted.rgba.clone();
     for dot in odd.iter().filter_map(|row| as_read(row)) {
         if let Some(pixel) = blended.get_mut(dot.position.x.max(0.0) as usize) {

@@ -8,10 +8,10 @@ use super::{Case, Finding, Verdict};
 /// A case and its error in each line, as [`released_table`] writes them; behind `#` a comment.
 const TABLE: &str = include_str!("released.txt");
 
-/// How many times its error of the last release a case may be off on the same driver: other compilers order operations
-/// another way.
+/// The allowed factor on a case's error of the last release, on the same driver: other compilers order operations
+/// differently.
 const FACTOR: f64 = 4.0;
-/// What a case without any error may be off: a few roundings of float32 at 1.
+/// The allowed error of a case that had none: a few roundings of float32 at 1.
 const FLOOR: f64 = 4.0 * f32::EPSILON as f64;
 
 fn lines() -> impl Iterator<Item = (&'static str, f64)> {
@@ -45,7 +45,7 @@ pub struct Regression {
     pub name: String,
     /// The error found.
     pub error: f64,
-    /// That of the last release, if it had the case.
+    /// The error of the last release, if it had the case.
     pub released: Option<f64>,
 }
 
@@ -66,8 +66,8 @@ impl fmt::Display for Regression {
     }
 }
 
-/// Whether the error of a case is out of proportion to that of the last release. On the driver of the table only: others
-/// round in other places.
+/// The regression, if a case's error is out of proportion to that of the last release. Only on the driver of the table:
+/// others round differently.
 pub fn regression(name: &str, finding: &Finding) -> Option<Regression> {
     compare(name, finding.error, released(name))
 }

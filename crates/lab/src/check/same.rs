@@ -1,4 +1,4 @@
-//! Whether two images are the same to the bit, and where not.
+//! Compares two images to the bit, and locates differences.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ pub struct Difference {
     pub bits: [u32; 2],
     /// Pixels that differ in anything.
     pub pixels: usize,
-    /// Pixels that there are.
+    /// The number of pixels.
     pub of: usize,
 }
 

@@ -15,7 +15,7 @@ use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const DOWN: Light = Light::Direction(DVec3::NEG_Z);
 const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
@@ -64,11 +64,11 @@ fn sheet(columns: std::ops::Range<i32>, rows: std::ops::Range<i32>, depth: f64, 
     rows.flat_map(|y| columns.clone().map(move |x| (x, y))).map(point).collect()
 }
 
-fn slanted(stage: &mut Stage) -> Found {
+fn slanted(stage: &mut Stage) -> CaseResult {
     let resolution = 16;
     let across = 1.5 * 48f64.hypot(40.0) / f64::from(resolution - 2);
-    // Over a pixel of the light, from corner to corner, depths of a plane differ by tan θ of its width, and the filter takes them
-    // from the next: two of them. Three pixels over cos θ are more, whatever θ is.
+    // Over a pixel of the light, from corner to corner, depths of a plane differ by tan θ of its width, and the filter
+    // takes them from the next: two of them. Three pixels over cos θ are more, for any θ.
     let shadows = hard(resolution, 3.0 * across as f32);
     let (mut error, mut naive) = (0.0, 0.0);
     for degrees in [0.0, 30.0, 60.0, 80.0f64] {
@@ -80,7 +80,7 @@ fn slanted(stage: &mut Stage) -> Found {
             Ok(wrong(&shares(stage, &points, &lit_frame(light, shadows, 0))?, |_| 1.0))
         };
         error += dark(Vec3::Z)? + dark(Vec3::NEG_Z)?;
-        // The same d̃ whatever the angle: as where there is no normal.
+        // The same d̃ for every angle, as without a normal.
         naive += dark(Vec3::ZERO)?;
     }
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
@@ -92,10 +92,10 @@ fn hit(camera: &Camera, resolution: u32, positions: &[DVec3]) -> Vec<[u32; 2]> {
     positions.iter().map(pixel).collect()
 }
 
-fn behind(stage: &mut Stage) -> Found {
+fn behind(stage: &mut Stage) -> CaseResult {
     let resolution = 44;
-    // Pixels of the light are 32 / 42 units wide: no two columns or rows of them side by side are free. The lid reaches beyond
-    // the floor, so that its border covers none of it.
+    // Pixels of the light are 32 / 42 units wide: two adjacent columns or rows of them are never free. The lid extends
+    // beyond the floor, so that its border covers none of it.
     let lid = sheet(0..32, 0..32, LID, 0.0, Vec3::ZERO);
     let floor = sheet(2..29, 2..29, FLOOR, 0.37, Vec3::ZERO);
     let points = cloud(&[lid, floor].concat());
@@ -114,7 +114,7 @@ fn behind(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn half_a_disc(stage: &mut Stage) -> Found {
+fn half_a_disc(stage: &mut Stage) -> CaseResult {
     let (samples, seeds, resolution, radius) = (100u32, 8, 512, 10.0f64);
     // Right below the border of what covers the left half, at x = 32.
     let below = Dot { position: DVec3::new(32.0, -4.5, -FLOOR), ..Dot::default() };
@@ -130,13 +130,13 @@ fn half_a_disc(stage: &mut Stage) -> Found {
         sum += place.map_or(f64::NAN, |place| f64::from(found[place]));
     }
     let mean = sum / seeds as f64;
-    // As if the lights were independent. The border lies where the last points do, an eighth before 32, to a pixel of the light:
-    // 64 units of 512 (a chord of the disc near its middle is 2 radii long, its area π of their squares).
+    // As if the lights were independent. The border is at the last points, an eighth before 32, to a pixel of the
+    // light: 64 units of 512 (a chord of the disc near its middle is 2 radii long, its area π of their squares).
     let errors = 4.0 * 0.5 / (f64::from(samples) * seeds as f64).sqrt();
     let reach = (FLOOR - LID) * radius.to_radians().tan();
     let border = (0.125 + 65.0 / f64::from(resolution)) / reach * 2.0 / PI;
     let error = if mean.is_nan() { f64::INFINITY } else { (mean - 0.5).abs() };
-    // One light in the middle: all of it or nothing, by whether a point of the lid falls onto its pixel.
+    // One light in the middle: fully lit or dark, depending on a point of the lid on its pixel.
     let is_lid = |p: &&DVec3| p.z == -LID;
     let is_covered = points.bounds().is_some_and(|bounds| {
         let views = lights::views(DOWN, &bounds, resolution);
@@ -159,15 +159,15 @@ fn sphere(radius: f64, count: u32) -> impl Iterator<Item = Dot> {
     })
 }
 
-fn inside(stage: &mut Stage) -> Found {
+fn inside(stage: &mut Stage) -> CaseResult {
     let points = cloud(&sphere(10.0, 20_000).chain(sphere(20.0, 5000)).collect::<Vec<_>>());
     let lamp = DVec3::new(0.3, -0.2, 0.1);
     let found = shares(stage, &points, &lit_frame(Light::Position(lamp), hard(16, 3.0), 0))?;
-    // In a corner of the cube a pixel is an eighth of a radius wide, and depth along its axis, r cos θ, changes by 0.82 of that;
-    // over two of them, less than 3. Spheres are 10 cos 55° = 5.7 apart there, less the 0.4 of the lamp.
+    // In a corner of the cube a pixel is an eighth of a radius wide, and depth along its axis, r cos θ, changes by 0.82
+    // of that; over two of them, less than 3. Spheres are 10 cos 55° = 5.7 apart there, minus the 0.4 of the lamp.
     let is_outer = |i: usize| points.positions[i].length() > 15.0;
     let error = wrong(&found, |i| if is_outer(i) { 0.0 } else { 1.0 });
-    // A single camera toward the middle: what lies behind the lamp is in no image, and lit.
+    // A single camera toward the middle: points behind the lamp are in no image, and lit.
     let forward = -lamp.normalize();
     let unseen = |i: &usize| is_outer(*i) && (points.positions[*i] - lamp).dot(forward) <= 0.0;
     let naive = (0..points.len()).filter(unseen).count();
@@ -177,15 +177,15 @@ fn inside(stage: &mut Stage) -> Found {
 /// Points on a grid of 1/1024 in a cube of side 2.
 fn on_a_grid() -> Vec<Dot> {
     let part = |i: u32, factor: u32| f64::from((i.wrapping_mul(factor) >> 7) % 2048) / 1024.0 - 1.0;
-    let of = |i: u32| Dot {
+    let dot = |i: u32| Dot {
         position: DVec3::new(part(i, 2_654_435_761), part(i, 2_246_822_519), part(i, 3_266_489_917)),
         normal: Vec3::new((i % 9) as f32 - 4.0, (i % 4) as f32 - 1.5, 2.0).normalize(),
         ..Dot::default()
     };
-    (1..2000).map(of).collect()
+    (1..2000).map(dot).collect()
 }
 
-fn georeferenced(stage: &mut Stage) -> Found {
+fn georeferenced(stage: &mut Stage) -> CaseResult {
     // Differences of depths on the grid are no d̃ of this kind, so that no roundings decide.
     let shadows = hard(77, 0.097_31);
     let dots = on_a_grid();
@@ -210,7 +210,7 @@ fn georeferenced(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn along(stage: &mut Stage) -> Found {
+fn along(stage: &mut Stage) -> CaseResult {
     // Each row is a pixel of the light, with the first point's depth. |n·f| is 0 and counts as 0.1: 5.2 units are lit.
     let points = cloud(&sheet(0..48, 0..40, 400.0, 0.0, Vec3::Z));
     let light = Light::Direction(DVec3::X);
@@ -224,7 +224,7 @@ fn along(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn one_pixel(stage: &mut Stage) -> Found {
+fn one_pixel(stage: &mut Stage) -> CaseResult {
     let lid = Dot { position: at(5, 5, LID), ..Dot::default() };
     let floor = sheet(0..16, 0..16, FLOOR, 0.0, Vec3::ZERO);
     let points = cloud(&[vec![lid], floor.clone()].concat());
@@ -236,7 +236,7 @@ fn one_pixel(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
-fn all_equal(stage: &mut Stage) -> Found {
+fn all_equal(stage: &mut Stage) -> CaseResult {
     let place = at(3, 4, 5.0);
     let (mut error, mut naive) = (0.0, 0);
     for count in [1, 500] {

@@ -14,7 +14,7 @@ use super::{Case, Finding, Stage, each, naive};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, Stochastic};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 pub(super) fn cases() -> Vec<Case> {
     let long = [
@@ -59,8 +59,8 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// One point for each 64 pixels of a line of 16384, a little before a border of pixels.
-fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> Found {
+/// One point for each 64 pixels of a line of 16384, slightly before a border of pixels.
+fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVec3) -> CaseResult {
     let along = |i: u32| f64::from(64 * i + 63) - 2f64.powi(-14);
     let dot = |i: u32| Dot { position: place(along(i)) - DVec3::Z * 8.0, ..Dot::default() };
     let dots: Vec<Dot> = (0..256).map(dot).collect();
@@ -71,15 +71,15 @@ fn line(stage: &mut Stage, method: Method, size: [u32; 2], place: fn(f64) -> DVe
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn row(stage: &mut Stage, method: Method) -> Found {
+fn row(stage: &mut Stage, method: Method) -> CaseResult {
     line(stage, method, [16384, 1], |x| DVec3::new(x, -0.5, 0.0))
 }
 
-fn column(stage: &mut Stage, method: Method) -> Found {
+fn column(stage: &mut Stage, method: Method) -> CaseResult {
     line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0))
 }
 
-fn one_sphere(stage: &mut Stage, method: Method) -> Found {
+fn one_sphere(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [16384, 1];
     let position = DVec3::new(8192.0, -0.5, -2e4);
     let dots = [Dot { position, radius: 1e4, field: 1.0, ..Dot::default() }];
@@ -88,14 +88,14 @@ fn one_sphere(stage: &mut Stage, method: Method) -> Found {
     let scene = Scene { camera: &pixels(size), size, points: &points, colors: &[DVec3::ONE], model };
     let wanted = scene.render(|_| Behind::NOTHING).rgba;
     let image = stage.image(&dots, pixels(size), size, method)?;
-    // The quadrature and the distance of the ray, x exp(-x) ≤ 1/e of which are seen; two ends and their roundings for each
-    // shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
+    // The quadrature and the distance of the ray, whose effect is at most x exp(-x) ≤ 1/e; two ends and their roundings
+    // for each shell, of depths of 1e4 at most 1e-3, at an absorption of λ μ' ≤ 1e-6 · 64 / 64 a unit.
     let bound = 1e-5 / E + 24.0 * HALF_ULP * 4.0 + 128.0 * 1e-3 * 1e-6 + 64.0 * 8.0 * HALF_ULP;
     let why = "an invocation that visits all pixels of a sphere ends where a driver allows 65 535 turns of a loop";
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Stated { why } })
 }
 
-fn crowded(stage: &mut Stage, method: Method) -> Found {
+fn crowded(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [64, 64];
     let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 20_000.0);
     let dot =
@@ -110,7 +110,7 @@ fn crowded(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: roundings(&method, dots.len()) * HALF_ULP, naive: Computed(naive) })
 }
 
-fn one_point(stage: &mut Stage, method: Method) -> Found {
+fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     let radius = if method.soft().is_some() { 0.25 } else { 0.0 };
     let dot = Dot { position: at(1, 2, 8.0), color: Vec3::new(0.25, 0.5, 1.0), radius, ..Dot::default() };
     let image = stage.image(&[dot], pixels([4, 4]), [4, 4], method)?;
@@ -119,7 +119,7 @@ fn one_point(stage: &mut Stage, method: Method) -> Found {
     let deep =
         |depths: &[f32]| depths.iter().zip(&depth).filter(|(z, wanted)| f64::from(**z) != **wanted).count() as f64;
     let error = pixels_apart(&image.rgba, &wanted).max(deep(&image.depth));
-    // A disc of a radius of 0 covers no pixel, not even the one in whose centre it lies: 0 / 0 is not at most 1.
+    // A disc of a radius of 0 covers no pixel, not even with its centre in the pixel's: 0 / 0 is not at most 1.
     let covered: Vec<[f32; 4]> = (0..16).map(|i| naive::pixel(&dot, [i % 4, i / 4])).collect();
     let naive = if radius == 0.0 {
         Computed(pixels_apart(&covered, &wanted))
@@ -129,7 +129,7 @@ fn one_point(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 0.0, naive })
 }
 
-fn rim(stage: &mut Stage, method: Method) -> Found {
+fn rim(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [64, 64];
     let dot = Dot { position: at(31, 31, 8.0), radius: 25.0, ..Dot::default() };
     let image = stage.image(&[dot], pixels(size), size, method)?;
@@ -144,7 +144,7 @@ fn rim(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn border(stage: &mut Stage, method: Method) -> Found {
+fn border(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [15, 15];
     let dot = |i: u32| {
         let [x, y] = [3 * (i % 5), 3 * (i / 5)].map(f64::from);

@@ -16,12 +16,12 @@ use pellucid_engine::random::threefry2x32;
 use pellucid_engine::reference::spbr::slanted;
 use pellucid_engine::scene::{Method, Spbr, SpbrSimplified};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;
 const ENSEMBLES: u32 = 20;
-/// Standard errors that are allowed: 1 in 90 000 of normally distributed means lies beyond.
+/// The allowed number of standard errors: 1 in 90 000 of normally distributed means lies beyond.
 const ERRORS: f64 = 4.4;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -50,8 +50,8 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// Points at random on a plane through the middle of the view, tilted around its horizontal, so many over each pixel of its own
-/// area, at a depth.
+/// Random points on a plane through the middle of the view, tilted around its horizontal, at a depth; `density` is
+/// their number per pixel of the plane's own area.
 fn plane(seed: u64, density: f64, degrees: f64, depth: f64, opacity: f32) -> (Points, f64) {
     let (sin, cos) = degrees.to_radians().sin_cos();
     // One pixel more on each side.
@@ -104,10 +104,11 @@ fn variance(values: &[f64]) -> f64 {
 
 /// The variance of A of a pixel whose points are dealt k times to [`ENSEMBLES`] images.
 ///
-/// An image leaves a pixel free with probability 1 − α, so that its A is one of two values, with variance α (1 − α). For k ≤ 1 no
-/// two images share a point, and their mean is binomial. A point that is in k of L images is in none of two of them with
-/// probability (L − k)(L − k − 1) / (L (L − 1)); there are Poisson's number of points over a pixel, −ln(1 − α) L / k in the mean,
-/// which leaves both images free with probability e to the power of that mean times the rest of it.
+/// An image leaves a pixel free with probability 1 − α, so that its A is one of two values, with variance α (1 − α).
+/// For k ≤ 1 no two images share a point, and their mean is binomial. A point that is in k of L images is in neither of
+/// two given ones with probability (L − k)(L − k − 1) / (L (L − 1)). The number of points over a pixel is Poisson
+/// distributed, with a mean of −ln(1 − α) L / k. So both images are free with probability e to the power of that mean
+/// times the remaining probability.
 fn known_variance(alpha: f64, k: f64) -> f64 {
     let count = f64::from(ENSEMBLES);
     let both_free = if k <= 1.0 {
@@ -126,12 +127,12 @@ fn mean_alpha(found: &[f64], wanted: f64, k: f64, naive: f64) -> Finding {
     Finding { error: (mean(found) - wanted).abs(), bound, naive: Computed((naive - wanted).abs()) }
 }
 
-/// Points over a pixel such that the ratio is k: k = L (−ln(1 − α)) / ρ.
+/// Points per pixel that give the ratio k = L (−ln(1 − α)) / ρ.
 fn density(alpha: f64, k: f64) -> f64 {
     f64::from(ENSEMBLES) * -(-alpha).ln_1p() / k
 }
 
-fn white_plane(stage: &mut Stage, k: f64) -> Found {
+fn white_plane(stage: &mut Stage, k: f64) -> CaseResult {
     let list = dealt(vec![plane(10 + k as u64, density(0.5, k), 0.0, 10.0, 0.5)]);
     let found = alphas(stage, &list, Method::Spbr(Spbr { ensembles: ENSEMBLES, ..Spbr::default() }))?;
     let naive = if k > 1.0 {
@@ -144,7 +145,7 @@ fn white_plane(stage: &mut Stage, k: f64) -> Found {
     Ok(mean_alpha(&found, 0.5, k, naive))
 }
 
-fn tilted(stage: &mut Stage, method: Method) -> Found {
+fn tilted(stage: &mut Stage, method: Method) -> CaseResult {
     let list = dealt(vec![plane(2, density(0.3, 0.5), 60.0, 200.0, 0.3)]);
     let both = [slanted(0.3, 0.5), 0.3];
     let [wanted, naive] = match method {
@@ -154,7 +155,7 @@ fn tilted(stage: &mut Stage, method: Method) -> Found {
     Ok(mean_alpha(&alphas(stage, &list, method)?, wanted, 0.5, naive))
 }
 
-fn two_planes(stage: &mut Stage, method: Method) -> Found {
+fn two_planes(stage: &mut Stage, method: Method) -> CaseResult {
     let front = plane(3, density(0.4, 0.5), 0.0, 10.0, 0.4);
     let back = plane(4, density(0.7, 0.5), 0.0, 20.0, 0.7);
     let found = alphas(stage, &dealt(vec![back, front]), method)?;
@@ -162,7 +163,7 @@ fn two_planes(stage: &mut Stage, method: Method) -> Found {
     Ok(mean_alpha(&found, 0.4 + 0.6 * 0.7, 0.5, f64::from((0.4f32 + 0.7).min(1.0))))
 }
 
-fn independent(stage: &mut Stage, method: Method) -> Found {
+fn independent(stage: &mut Stage, method: Method) -> CaseResult {
     let list = dealt(vec![plane(5, density(0.5, 1.0), 0.0, 10.0, 0.5)]);
     let found = variance(&alphas(stage, &list, method)?);
     let wanted = 0.5 * 0.5 / f64::from(ENSEMBLES);
@@ -186,12 +187,12 @@ fn grid(opacity: f32) -> Dealt {
     dealt(vec![(points, 1.0)])
 }
 
-fn extremes(stage: &mut Stage, method: Method) -> Found {
+fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for opacity in [0.0, 1.0] {
         let found = alphas(stage, &grid(opacity), method)?;
         error = found.iter().map(|alpha| (alpha - f64::from(opacity)).abs()).fold(error, f64::max);
-        // ln(1 - α) is infinite, and so are the copies that are wanted: their part that is no whole number is none.
+        // ln(1 - α) is infinite, and so is the number of copies: its fractional part is undefined.
         let copies = ENSEMBLES as f32 * -(1.0 - opacity).ln();
         let part = copies - copies.floor();
         let share = (copies.floor() + part) / ENSEMBLES as f32;
@@ -200,7 +201,7 @@ fn extremes(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn once(stage: &mut Stage, method: Method) -> Found {
+fn once(stage: &mut Stage, method: Method) -> CaseResult {
     let found = alphas(stage, &grid(1.0), method)?;
     let apart = |alpha: &f64| (alpha - 1.0 / 7.0).abs();
     // Each point in each image with probability 1/7.

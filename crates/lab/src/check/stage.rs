@@ -1,4 +1,4 @@
-//! Where cases are rendered: a renderer, small clouds, cameras that make places on the screen exact.
+//! The stage of the cases: a renderer, small clouds, cameras that make positions on the screen exact.
 
 use glam::{DVec3, Vec3};
 
@@ -11,7 +11,7 @@ use pellucid_engine::prepare::order;
 use pellucid_engine::reference::abuffer::{Fragment, composite};
 use pellucid_engine::scene::{ColorSpace, Method, Shading};
 
-/// Half a unit in the last place, relative: what a rounding to float32 takes at most.
+/// Half a unit in the last place, relative: the largest error of a rounding to float32.
 pub const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
 
 /// A device with a renderer.

@@ -12,11 +12,11 @@ use pellucid_engine::reference::abuffer::Fragment;
 use pellucid_engine::reference::stochastic::{estimate, strata};
 use pellucid_engine::scene::{Method, Stochastic};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const SIZE: [u32; 2] = [32, 32];
 const PIXELS: f64 = 1024.0;
-/// Standard errors that are allowed: 1 in 150 000 of normally distributed means lies beyond.
+/// The allowed number of standard errors: 1 in 150 000 of normally distributed means lies beyond.
 const ERRORS: f64 = 4.5;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -84,7 +84,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 const LAYERS: [(Vec3, f32); 5] =
     [(Vec3::X, 0.3), (Vec3::Y, 0.45), (Vec3::Z, 0.2), (Vec3::X, 0.7), (Vec3::new(0.0, 1.0, 1.0), 0.6)];
 
-/// One pixel of layers on the host, with the random words of another rule for a layer and a stratum.
+/// One pixel of layers on the host, with another rule for the random words of a layer and a stratum.
 fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32) -> [f32; 4] {
     let fragment = |i: usize| Fragment { z: 1.0 + i as f64, index: i as u32, alpha: layers[i].1.into() };
     let list: Vec<Fragment> = (0..layers.len()).map(fragment).collect();
@@ -93,18 +93,18 @@ fn on_host(layers: &[(Vec3, f32)], samples: u32, words: impl Fn(u32, u32) -> u32
     found.color.extend(found.alpha).to_array().map(|c| c as f32)
 }
 
-fn unbiased(stage: &mut Stage, method: Method) -> Found {
+fn unbiased(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(&LAYERS);
     let wanted = composed(&dots);
     let seeds: Vec<u64> = (0..8).collect();
     let all = images(stage, &dots, method, &seeds)?.concat();
-    let of = |channel: usize| -> Vec<f64> { all.iter().map(|pixel| f64::from(pixel[channel])).collect() };
+    let values_of = |channel: usize| -> Vec<f64> { all.iter().map(|pixel| f64::from(pixel[channel])).collect() };
     // Each channel in units of its own standard error.
     let off = |values: &[f64], channel: usize| {
         let parts = LAYERS.map(|(color, alpha)| (alpha.into(), f64::from(color.extend(1.0)[channel])));
         (mean(values) - wanted[channel]).abs() / (known_variance(&parts) / values.len() as f64).sqrt()
     };
-    let error = |channel: usize| off(&of(channel), channel);
+    let error = |channel: usize| off(&values_of(channel), channel);
     // Masks that don't know the splat let every fragment of a pixel cover the same samples.
     let correlated: Vec<f64> =
         (0..8192).map(|i| f64::from(on_host(&LAYERS, 4, |_, p| word(0, [i % 64, i / 64], 0, p))[2])).collect();
@@ -112,7 +112,7 @@ fn unbiased(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: (0..4).map(error).fold(0.0, f64::max), bound: ERRORS, naive: Computed(naive) })
 }
 
-fn exact_alpha(stage: &mut Stage, method: Method) -> Found {
+fn exact_alpha(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = layers(&LAYERS);
     let wanted = composed(&dots)[3];
     let image = &images(stage, &dots, method, &[1])?[0];
@@ -125,7 +125,7 @@ fn exact_alpha(stage: &mut Stage, method: Method) -> Found {
 /// rotations alike; two of them are neighbors with probability 11/16.
 fn masks(alpha: f64) -> Vec<(u32, f64)> {
     let (fewer, part) = ((4.0 * alpha).floor() as u32, (4.0 * alpha).fract());
-    let of = |count: u32| -> Vec<(u32, f64)> {
+    let masks_of = |count: u32| -> Vec<(u32, f64)> {
         let turned = |base: u32, share: f64| (0..4).map(move |by| ((base << by | base >> (4 - by)) & 15, share / 4.0));
         match count {
             0 => vec![(0, 1.0)],
@@ -135,7 +135,7 @@ fn masks(alpha: f64) -> Vec<(u32, f64)> {
             _ => vec![(0b1111, 1.0)],
         }
     };
-    let weighted = |count, weight: f64| of(count).into_iter().map(move |(mask, share)| (mask, weight * share));
+    let weighted = |count, weight: f64| masks_of(count).into_iter().map(move |(mask, share)| (mask, weight * share));
     weighted(fewer, 1.0 - part).chain(weighted(fewer + 1, part)).filter(|(_, share)| *share > 0.0).collect()
 }
 
@@ -156,17 +156,17 @@ fn known_variance(layers: &[(f64, f64)]) -> f64 {
     square - mean * mean
 }
 
-/// What shines through a black layer of an opacity, before white: one number for each pixel.
+/// The light that passes a black layer of an opacity, in front of white: one number for each pixel.
 fn through(stage: &mut Stage, method: Method, opacity: f32, seeds: &[u64]) -> Result<Vec<Vec<f64>>, Trouble> {
     let found = images(stage, &layers(&[(Vec3::ZERO, opacity), (Vec3::ONE, 1.0)]), method, seeds)?;
     Ok(found.iter().map(|image| image.iter().map(|pixel| f64::from(pixel[0])).collect()).collect())
 }
 
-fn rounding(stage: &mut Stage, method: Method) -> Found {
+fn rounding(stage: &mut Stage, method: Method) -> CaseResult {
     let found = mean(&through(stage, method, 0.1, &[0])?[0]);
-    // One sample of four with probability 0.4, none else.
+    // One sample of four with probability 0.4, no others.
     let error = (0.4f64 * 0.6 / 16.0 / PIXELS).sqrt();
-    // Rounded to the nearest number, none ever.
+    // Rounded to the nearest number, it is always 0.
     let naive = 1.0 - (4f32 * 0.1).round() / 4.0;
     Ok(Finding { error: (found - 0.9).abs(), bound: ERRORS * error, naive: Computed(apart(&[naive], &[0.9])) })
 }
@@ -179,7 +179,7 @@ fn through_on_host(samples: u32, words: impl Fn([u32; 2], u32, u32) -> u32) -> V
     (0..1024).map(pixel).collect()
 }
 
-/// One or two samples of four, each as often.
+/// One or two samples of four, equally often.
 const OPACITY: f32 = 0.375;
 
 /// The largest correlation of an image with itself some pixels away, in standard errors.
@@ -187,20 +187,20 @@ fn largest_correlation(image: &[f64]) -> f64 {
     let shifted = |by: [usize; 2]| {
         let inside = |i: &usize| i % 32 + by[0] < 32 && i / 32 + by[1] < 32;
         let here: Vec<usize> = (0..1024).filter(inside).collect();
-        let of = |offset: usize| -> Vec<f64> { here.iter().map(|i| image[i + offset]).collect() };
-        correlation(&of(0), &of(by[1] * 32 + by[0])) * (here.len() as f64).sqrt()
+        let at_offset = |offset: usize| -> Vec<f64> { here.iter().map(|i| image[i + offset]).collect() };
+        correlation(&at_offset(0), &at_offset(by[1] * 32 + by[0])) * (here.len() as f64).sqrt()
     };
     [[1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [16, 0], [0, 16]].map(shifted).into_iter().fold(0.0, f64::max)
 }
 
-fn neighbors(stage: &mut Stage, method: Method) -> Found {
+fn neighbors(stage: &mut Stage, method: Method) -> CaseResult {
     let error = largest_correlation(&through(stage, method, OPACITY, &[0])?[0]);
     // A texture of 16 × 16 masks, side by side.
     let tiled = through_on_host(4, |[x, y], index, p| word(0, [x % 16, y % 16], index, p));
     Ok(Finding { error, bound: ERRORS, naive: Computed(largest_correlation(&tiled)) })
 }
 
-fn seeds(stage: &mut Stage, method: Method) -> Found {
+fn seeds(stage: &mut Stage, method: Method) -> CaseResult {
     let seeds = [0, 1, 2, 3, 4, 5, 6, 7, 8, 1 << 32, (1 << 32) + 1];
     let largest = |images: &[Vec<f64>]| {
         let pairs = (0..images.len()).flat_map(|a| (a + 1..images.len()).map(move |b| (a, b)));
@@ -212,7 +212,7 @@ fn seeds(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: largest(&images), bound: ERRORS, naive: Computed(largest(&short)) })
 }
 
-fn samples(stage: &mut Stage, method: Method) -> Found {
+fn samples(stage: &mut Stage, method: Method) -> CaseResult {
     let found = variance(&through(stage, method, OPACITY, &[0])?[0]);
     // A stratum has one sample or two of four; 16 of them.
     let wanted = 0.25 / 16.0 / 16.0;
@@ -235,7 +235,7 @@ mod tests {
         let (found, known) = (variance(&values), known_variance(&channel));
         // The variance of a sample variance is below 2 σ⁴ / n for values that are as bounded as these; 4.5 errors.
         assert!((found / known - 1.0).abs() < ERRORS * (2.0 / f64::from(1 << 16)).sqrt(), "{found}, not {known}");
-        // One layer: 4α is rounded at random, Bernoulli of a quarter of α.
+        // A single layer: 4α is rounded at random, Bernoulli of a quarter of α.
         assert!((known_variance(&[(0.375, 0.0), (1.0, 1.0)]) - 0.25 / 16.0).abs() < 1e-15);
     }
 }

@@ -1,8 +1,8 @@
-//! A small scene for every method, and for the settings that take other ways through the engine: what has to come out to the
-//! same byte whatever runs before, whatever the order of the input, whatever the budget (docs/determinism.md).
+//! A small scene for every method, and for the settings that use other paths of the engine. Their images must have the
+//! same bytes after any earlier frames, for any order of the input and any budget (docs/determinism.md).
 //!
-//! One list serves the tests and the comparison of drivers. Positions and colors follow from counters and need operations
-//! that IEEE 754 defines to the last bit, so that they are the same everywhere.
+//! One list serves the tests and the comparison of drivers. Positions and colors follow from counters and need only
+//! operations that IEEE 754 defines to the last bit, so that they are the same everywhere.
 
 mod clouds;
 
@@ -29,22 +29,22 @@ pub struct Subject {
     pub name: String,
     /// The clouds, each as a file might hold it: in no particular order.
     pub clouds: Vec<Points>,
-    /// What a scene file would ask for.
+    /// The method as a scene file would request it.
     pub choice: MethodChoice,
-    /// What is rendered of them, list lengths and standard errors included. Of `auto` the method that is exact for the points,
-    /// without a look at what is cheaper on the device.
+    /// The frame, including list lengths and standard errors. For `auto`, the method that is exact for the points,
+    /// without considering which one is cheaper on the device.
     pub frame: Frame,
 }
 
 /// Which order of the input an image follows, by the definition of its method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Follows {
-    /// None: points and clouds may be in any order.
+    /// Nothing: points and clouds may be in any order.
     Nothing,
-    /// That of the clouds, not that of the points within: random words that shuffle and deal a cloud's points are told apart
-    /// by its place among the others (`spbr`, `spbr-simplified`).
+    /// The order of the clouds, not that of the points within: the random words that shuffle and deal a cloud's points
+    /// depend on its place among the others (`spbr`, `spbr-simplified`).
     Clouds,
-    /// That of the points, file after file: it is the order of blending (`unsorted`).
+    /// The order of the points, file after file, which is the order of blending (`unsorted`).
     Points,
 }
 
@@ -115,7 +115,7 @@ pub fn subjects() -> Vec<Subject> {
     all
 }
 
-/// What methods without a subject of their own are rendered on.
+/// The clouds for methods without a subject of their own.
 fn clouds_of(family: Family) -> Vec<Points> {
     match family {
         Family::Surfaces | Family::Ensembles => clouds::surfaces(),
@@ -177,7 +177,7 @@ fn shadowed(frame: &mut Frame) {
     frame.shadows = Some(Shadows { samples: 3, light_radius: 0.2, resolution: 48, min_layer_distance: None });
 }
 
-/// Transparent discs, and what approximates them.
+/// Transparent discs, and their approximations.
 fn discs() -> Vec<Subject> {
     let flat = Discs::default();
     let soft_edged = Discs { falloff: Falloff::Gaussian, ..flat };
@@ -210,7 +210,7 @@ fn discs() -> Vec<Subject> {
     ]
 }
 
-/// Splats of which the nearest wins, and those that are blended with what lies close.
+/// Splats where only the nearest one counts, and splats that are blended when close together.
 fn opaque() -> Vec<Subject> {
     let few = clouds::few;
     let splats = ScreenSplats { size: 1.5, ..ScreenSplats::default() };

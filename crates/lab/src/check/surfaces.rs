@@ -12,7 +12,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Frame, Rendered};
 use pellucid_engine::scene::{ImageSpace, MAX_POINT_LAYERS, Method, PeelLayers};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 /// No filter.
 const PLAIN: ImageSpace = ImageSpace {
@@ -83,9 +83,9 @@ fn red(_: u32, _: u32) -> Vec3 {
     Vec3::X
 }
 
-fn holes(stage: &mut Stage) -> Found {
-    // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with it, in
-    // the next iteration, the ends of the sides: what is left of a hole after each is found by hand.
+fn holes(stage: &mut Stage) -> CaseResult {
+    // A side of a hole has five consecutive neighbors of background and stays, a corner has three and goes, and with
+    // it, in the next iteration, the ends of the sides: the remainder of a hole after each was derived by hand.
     let known = [(1u32, 1u32), (2, 1), (3, 2), (4, 3), (5, 5), (6, 6)];
     let mut error = 0;
     for (side, iterations) in known {
@@ -104,7 +104,7 @@ fn holes(stage: &mut Stage) -> Found {
     Ok(Finding { error: error as f64, bound: 0.0, naive: Computed(naive as f64) })
 }
 
-fn silhouette(stage: &mut Stage) -> Found {
+fn silhouette(stage: &mut Stage) -> CaseResult {
     let size = [20, 18];
     let shapes: [fn(u32, u32) -> bool; 5] = [
         |x, _| x >= 7,
@@ -126,10 +126,11 @@ fn silhouette(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64 * PIXEL) })
 }
 
-fn tilted(stage: &mut Stage) -> Found {
+fn tilted(stage: &mut Stage) -> CaseResult {
     let size = [40, 30];
     let (mut error, mut naive) = (0.0, 0);
-    // Along an axis five neighbors are as far or farther, whatever d̃; between, those of one side are nearer by less than it.
+    // Along an axis five neighbors are as far or farther, for any d̃; between, those of one side are nearer by less
+    // than it.
     for (gx, gy, distance) in [(0.0, 0.0, 0.01), (0.5, 0.0, 0.01), (0.0, -0.5, 0.01), (0.125, 0.25, 0.5)] {
         let depth = |x: u32, y: u32| 50.0 + gx * f64::from(x) + gy * f64::from(y);
         let dots = surface(size, mixed, |x, y| Some(depth(x, y)));
@@ -138,27 +139,27 @@ fn tilted(stage: &mut Stage) -> Found {
         for occlusion in [1, 5] {
             error += bytes_apart(&image(stage, &dots, size, ImageSpace { occlusion, ..filters })?, &plain);
         }
-        // One neighbor that is nearer by d̃ hides a pixel.
+        // One neighbor that is nearer by d̃ occludes a pixel.
         let hidden = |x: u32, y: u32| x > 0 && depth(x - 1, y) <= depth(x, y) - f64::from(distance);
         naive += (0..40 * 30).filter(|i| hidden(i % 40, i / 40)).count();
     }
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64 * PIXEL) })
 }
 
-fn tiny(stage: &mut Stage) -> Found {
+fn tiny(stage: &mut Stage) -> CaseResult {
     let size = [16, 12];
     let filters = ImageSpace { min_layer_distance: Some(1e-30), ..PLAIN };
     let sheet = surface(size, mixed, |_, _| Some(4.0));
     let plain = image(stage, &sheet, size, filters)?;
     let left = image(stage, &sheet, size, ImageSpace { occlusion: 3, ..filters })?;
-    // One pixel a unit in the last place behind the others, which all are red.
+    // One pixel a unit in the last place behind the others, which are all red.
     let behind = f64::from(4f32.next_up());
     let dots = surface(size, red, |x, y| Some(if (x, y) == (7, 5) { behind } else { 4.0 }));
     let dots: Vec<Dot> = dots.iter().map(|dot| if dot.position.z == -4.0 { *dot } else { blue(dot) }).collect();
     let replaced = image(stage, &dots, size, ImageSpace { occlusion: 1, ..filters })?;
     let wrong = replaced.rgba.iter().filter(|rgba| **rgba != [1.0, 0.0, 0.0, 1.0]).count();
     let error = bytes_apart(&plain, &left) + wrong as f64;
-    // Not behind 4 - 1e-30, which is 4: the whole sheet is taken for what lies behind it.
+    // Not behind 4 - 1e-30, which is 4: the whole sheet counts as lying behind it.
     let hidden = |dot: &&Dot| (-dot.position.z as f32) <= -dot.position.z as f32 - 1e-30;
     let naive = sheet.iter().filter(hidden).count();
     Ok(Finding { error, bound: 0.0, naive: Computed(naive as f64) })
@@ -168,25 +169,25 @@ fn blue(dot: &Dot) -> Dot {
     Dot { color: Vec3::Z, ..*dot }
 }
 
-fn huge(stage: &mut Stage) -> Found {
+fn huge(stage: &mut Stage) -> CaseResult {
     let size = [16, 12];
     let filters = ImageSpace { min_layer_distance: Some(3e38), ..PLAIN };
     let dots = surface(size, mixed, |x, y| (x != 3 || y > 4).then_some(if x == 7 { 9e6 } else { 1.0 }));
     let plain = image(stage, &dots, size, filters)?;
     let filtered = image(stage, &dots, size, ImageSpace { occlusion: 3, antialias: true, ..filters })?;
-    // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ no number.
+    // With an infinity for background every pixel beside it is an edge, and its share of 4 d̃ = ∞ is NaN.
     let naive = bytes_of(&naive::Filtered::new(&plain).antialiased(3e38, 0.25).rgba, &plain.rgba);
     Ok(Finding { error: bytes_apart(&plain, &filtered), bound: 0.0, naive: Computed(naive) })
 }
 
-fn thresholds(stage: &mut Stage) -> Found {
+fn thresholds(stage: &mut Stage) -> CaseResult {
     let size = [8, 5];
     let color = |x: u32, _: u32| if x < 3 { Vec3::ZERO } else { Vec3::X };
     let dots = surface(size, color, |x, _| (x < 6).then_some(if x < 3 { 4.0 } else { 6.0 }));
     let (mut error, mut naive) = (0f64, 0f64);
     let plain = naive::Filtered::new(&image(stage, &dots, size, PLAIN)?);
-    // With d̃ = 2 the step is a quarter of an edge, and the outline, to far at 1e7, all of one. Red and alpha of the row in the
-    // middle: (1 - t/2) own + (t/2) mean; powers of two, exact.
+    // With d̃ = 2 the step is a quarter of an edge, and the outline, to far at 1e7, a full edge. Red and alpha of the
+    // row in the middle: (1 - t/2) own + (t/2) mean; powers of two, exact.
     for (threshold, step) in [(0.0, [0.03125, 0.96875]), (1.0, [0.0, 1.0])] {
         let filters =
             ImageSpace { antialias: true, antialias_threshold: threshold, min_layer_distance: Some(2.0), ..PLAIN };
@@ -209,7 +210,7 @@ fn thresholds(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn smoothed(stage: &mut Stage) -> Found {
+fn smoothed(stage: &mut Stage) -> CaseResult {
     let size = [6, 5];
     let color = Vec3::new(0.1, 0.2, 0.7);
     let dots = surface(size, |_, _| color, |_, _| Some(4.0));
@@ -228,7 +229,7 @@ fn on_a_ray(stage: &mut Stage, dots: &[Dot], distance: Option<f32>, layers: u32)
     layered(stage, dots, [1, 1], ImageSpace { min_layer_distance: distance, ..PLAIN }, layers)
 }
 
-fn at_distance(stage: &mut Stage) -> Found {
+fn at_distance(stage: &mut Stage) -> CaseResult {
     // Powers of two, so that 4 + 0.25 is exact. Those in the first place are one surface, however many they are.
     let before = f64::from(4.25f32.next_down());
     let mut dots = vec![dot(4.0, Vec3::X, 0.5); 5];
@@ -241,7 +242,7 @@ fn at_distance(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn tiny_layers(stage: &mut Stage) -> Found {
+fn tiny_layers(stage: &mut Stage) -> CaseResult {
     let dots = [dot(4.0, Vec3::X, 0.5), dot(f64::from(4f32.next_up()), Vec3::Y, 0.5)];
     let found = on_a_ray(stage, &dots, Some(1e-30), 4)?;
     let error = apart(&found.image.rgba[0], &[0.5, 0.25, 0.0, 0.75]);
@@ -250,28 +251,28 @@ fn tiny_layers(stage: &mut Stage) -> Found {
     Ok(Finding { error: error.max((f64::from(found.facts.layers) - 2.0).abs()), bound: 0.0, naive: Computed(naive) })
 }
 
-fn huge_layers(stage: &mut Stage) -> Found {
+fn huge_layers(stage: &mut Stage) -> CaseResult {
     let dots = [dot(1.0, Vec3::X, 0.5), dot(9e6, Vec3::Y, 1.0)];
     let found = on_a_ray(stage, &dots, Some(3e38), 9)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
     let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
-    // A distance that is cut to the depth of the scene finds what lies at its end.
+    // A distance clamped to the depth of the scene finds the points at its far end.
     let naive = apart(&peel(&dots, 3e38f32.min(9e6 - 1.0), 0.0, 9).0, &wanted);
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn three_planes(stage: &mut Stage) -> Found {
+fn three_planes(stage: &mut Stage) -> CaseResult {
     let dots = [dot(5.0, Vec3::X, 0.3), dot(6.0, Vec3::Y, 0.6), dot(9.0, Vec3::new(0.1, 0.7, 1.0), 0.9)];
     let wanted = composed(&dots);
     let shuffled = [dots[2], dots[0], dots[1]];
     let found = on_a_ray(stage, &shuffled, Some(0.25), 4)?.image.rgba[0];
     // For each layer: color times alpha, 1 - α, their product and a sum.
     let bound = 4.0 * 3.0 * HALF_ULP;
-    // As they came.
+    // In the order of arrival.
     Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&shuffled), &wanted)) })
 }
 
-fn extremes(stage: &mut Stage) -> Found {
+fn extremes(stage: &mut Stage) -> CaseResult {
     let dots = [
         dot(1.0, Vec3::ONE, 0.0),
         dot(2.0, Vec3::Y, 0.5),
@@ -287,7 +288,7 @@ fn extremes(stage: &mut Stage) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: 0.0, naive: Computed(naive) })
 }
 
-fn ends(stage: &mut Stage) -> Found {
+fn ends(stage: &mut Stage) -> CaseResult {
     let (mut error, mut naive) = (0f64, f64::INFINITY);
     // 8 layers are one submission.
     for count in [0u32, 1, 8, 9, 17] {
@@ -305,28 +306,28 @@ fn ends(stage: &mut Stage) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
 }
 
-fn all_equal(stage: &mut Stage) -> Found {
+fn all_equal(stage: &mut Stage) -> CaseResult {
     let dots = vec![dot(4.0, Vec3::X, 0.5); 500];
     let found = on_a_ray(stage, &dots, None, 4)?;
     let wanted = [0.5, 0.0, 0.0, 0.5];
     let error = apart(&found.image.rgba[0], &wanted).max((f64::from(found.facts.layers) - 1.0).abs());
-    // Nothing behind it: the same point in every layer.
+    // Empty behind it: otherwise the same point would be in every layer.
     Ok(Finding { error, bound: 0.0, naive: Computed(apart(&peel(&dots, 0.0, 0.0, 4).0, &wanted)) })
 }
 
 /// Points over an image, more than one to a pixel, on four depths.
 fn scattered(size: [u32; 2], count: u32) -> Vec<Dot> {
     let part = |i: u32, factor: u32, of: u32| (i.wrapping_mul(factor) >> 9) % of;
-    let of = |i: u32| Dot {
+    let dot = |i: u32| Dot {
         position: at(part(i, 2_654_435_761, size[0]), part(i, 2_246_822_519, size[1]), f64::from(4 + i % 4)),
         color: mixed(i, i / 3),
         opacity: 0.5,
         ..Dot::default()
     };
-    (1..=count).map(of).collect()
+    (1..=count).map(dot).collect()
 }
 
-fn budget(stage: &mut Stage, method: Method) -> Found {
+fn budget(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [160, 120];
     let mut cloud = stage.renderer.upload(&cloud(&scattered(size, 12_000)))?;
     let whole = frame(pixels(size), size, method);
@@ -345,7 +346,7 @@ fn budget(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 0.0, naive: Stated { why } })
 }
 
-fn ties(stage: &mut Stage, method: Method) -> Found {
+fn ties(stage: &mut Stage, method: Method) -> CaseResult {
     let size = [24, 16];
     let dots = scattered(size, 3000);
     let mut shuffled = dots.clone();

@@ -7,11 +7,11 @@ use super::{Case, Finding, Naive, Verdict, released};
 pub struct Group {
     /// The part of the name behind the method's.
     pub case: String,
-    /// What it is about.
+    /// Its description.
     pub about: &'static str,
     /// The methods, in the order of the cases.
     pub methods: Vec<String>,
-    /// Where its cases stand in the list.
+    /// The indices of its cases in the list.
     pub members: Vec<usize>,
 }
 
@@ -70,7 +70,7 @@ fn finding(verdict: &Verdict) -> Option<Finding> {
     }
 }
 
-/// The smallest error that was computed, and what was stated in place of others.
+/// The smallest error that was computed, and the statements in place of others.
 fn naive(found: &[Finding]) -> String {
     let (mut least, mut parts): (Option<f64>, Vec<String>) = (None, Vec::new());
     for finding in found {
@@ -132,9 +132,9 @@ mod tests {
 
     #[test]
     fn a_group_shows_its_least_naive_error_and_each_statement_once() {
-        let of = |naive| Finding { error: 0.0, bound: 0.0, naive };
-        let stated = of(Naive::Stated { why: "it is lost" });
-        let all = [of(Naive::Computed(2.0)), stated, of(Naive::Computed(0.25)), stated];
+        let finding = |naive| Finding { error: 0.0, bound: 0.0, naive };
+        let stated = finding(Naive::Stated { why: "it is lost" });
+        let all = [finding(Naive::Computed(2.0)), stated, finding(Naive::Computed(0.25)), stated];
         assert_eq!(naive(&all), "0.25; stated: it is lost");
     }
 }

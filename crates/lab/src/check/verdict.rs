@@ -1,4 +1,4 @@
-//! How a case came out.
+//! The outcome of a case.
 
 use pellucid_engine::gpu;
 use pellucid_engine::{Error, io, methods, scene};
@@ -6,18 +6,18 @@ use pellucid_engine::{Error, io, methods, scene};
 /// Error of the formula that one writes first, in the place of the case and in its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Naive {
-    /// Computed beside the case, in float32 on the host unless the case says otherwise. Above the bound, or the case would
-    /// notice nothing; NaN and infinity are errors too.
+    /// Computed beside the case, in float32 on the host unless the case states otherwise. It must exceed the bound, or
+    /// the case would notice nothing; NaN and infinity count as errors, too.
     Computed(f64),
     /// No formula was computed.
     Stated {
-        /// What an engine without the precaution does, or why no formula goes wrong here.
+        /// The result of an engine without the precaution, or the reason why no formula fails here.
         why: &'static str,
     },
 }
 
 impl Naive {
-    /// Whether a bound tells the formula from one that is right; `None` where none was computed.
+    /// True if a bound separates the formula from a correct one; `None` where none was computed.
     pub fn is_noticed(&self, bound: f64) -> Option<bool> {
         match self {
             // NaN is beyond any bound.
@@ -27,7 +27,7 @@ impl Naive {
     }
 }
 
-/// Errors of a case, and what they may be.
+/// Errors of a case, and their bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finding {
     /// Largest error found; NaN and infinity are errors too.
@@ -39,7 +39,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Whether the error is within the bound.
+    /// True if the error is within the bound.
     pub fn passes(&self) -> bool {
         // NaN is not.
         self.error <= self.bound
@@ -64,7 +64,7 @@ impl Lack {
     /// All of them, in the order in which counts name them.
     pub const ALL: [Self; 4] = [Self::Subgroups, Self::Rasterizer, Self::Memory, Self::Limits];
 
-    /// What the device lacks if that is why something was refused; `None` for an error of any other kind.
+    /// The missing feature if that is why something was refused; `None` for an error of any other kind.
     pub fn in_error(error: &methods::Error) -> Option<Self> {
         use gpu::Error::{OutOfMemory, TooLarge};
         use methods::Error::{Gpu, NoHardwareRaster, NoSubgroups};
@@ -91,7 +91,7 @@ impl Lack {
 /// Why a case has no finding.
 #[derive(Debug)]
 pub(super) enum Trouble {
-    /// The device lacks something; the text says it in full.
+    /// The device lacks something; the text names it in full.
     Lacks(Lack, String),
     /// It could not be rendered.
     Failed(Error),
@@ -146,7 +146,7 @@ impl From<Result<Finding, Trouble>> for Verdict {
 }
 
 impl Verdict {
-    /// Whether something is wrong; a case that does not apply is neither passed nor wrong.
+    /// True if the case failed; a case that does not apply neither passed nor failed.
     pub fn is_wrong(&self) -> bool {
         match self {
             Self::Found(finding) => !finding.passes(),
@@ -156,7 +156,7 @@ impl Verdict {
     }
 }
 
-/// How many cases came out how.
+/// The number of cases for each outcome.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Counts {
     /// Cases within their bounds.
@@ -182,7 +182,7 @@ impl Counts {
         Self { passed, failed, not_applicable }
     }
 
-    /// Whether a device may be trusted by these: something passed and nothing failed.
+    /// True if they show that a device can be trusted: something passed and nothing failed.
     pub fn is_good(&self) -> bool {
         self.failed == 0 && self.passed > 0
     }

@@ -96,7 +96,8 @@ impl<'a> Trials<'a> {
         let formation = formation(&subject.frame.method, subject.arranged.points())?;
         // Errors are those of every bit, and lists are not counted for the trials.
         let frame = Frame { method: formation.exact(), stop: Stop::Exact, fragments: false, ..subject.frame };
-        let key = identity::of(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
+        let key =
+            identity::hash(subject.arranged, &frame, subject.background, &format!("{formation:?}"), device.info());
         let stored = gpu::cache::load(KIND, &key).filter(|_| !recalibrate);
         let known: Option<CachedRecords> = stored.and_then(|bytes| serde_json::from_slice(&bytes).ok());
         let renderer = Renderer::new(device)?;

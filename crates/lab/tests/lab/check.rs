@@ -1,6 +1,8 @@
 //! The list of hard cases: each passes on the device and notices the naive formula. On llvmpipe, where its results are known,
 //! none may be missing, none get much worse than in the last release, and docs/numerics.md must hold what comes out.
 
+use pellucid_engine::methods::{self, Renderer};
+use pellucid_engine::scene::Method;
 use pellucid_lab::check::{self, Case, Counts, Verdict};
 use pellucid_testing::{is_llvmpipe, root, with_device};
 
@@ -12,7 +14,7 @@ fn run(device: &pellucid_engine::gpu::Device, cases: &[Case]) -> Vec<Verdict> {
     cases.iter().map(|case| case.run(&mut stage)).collect()
 }
 
-/// What is wrong on any device.
+/// Failures on any device.
 fn wrong(results: &[(&Case, Verdict)]) -> Vec<String> {
     let mut wrong = Vec::new();
     for (case, verdict) in results {
@@ -28,7 +30,7 @@ fn wrong(results: &[(&Case, Verdict)]) -> Vec<String> {
     wrong
 }
 
-/// What is wrong on the device of the release.
+/// Regressions on the device of the release.
 fn worse(results: &[(&Case, Verdict)]) -> Vec<String> {
     let mut worse = Vec::new();
     for (case, verdict) in results {
@@ -127,4 +129,27 @@ fn the_page_about_numerics_holds_them_all_with_the_errors_of_the_release() {
         assert_eq!(cells[0], cells[1], "{row}");
     }
     assert_eq!(rows.len(), groups.len());
+}
+
+/// `pellucid devices` says which methods need what tiles of splats need, and the error of a frame does.
+#[test]
+fn methods_that_go_through_tiles_are_listed() {
+    with_device(|device| {
+        let mut renderer = Renderer::new(device).expect("a renderer");
+        let listed = methods::need_subgroups(device.info());
+        // `stochastic` can do without here, and doesn't.
+        let goes = |method: &Method| listed.contains(&method.name()) || matches!(method, Method::Stochastic(_));
+        let error = methods::Error::NoSubgroups { device: String::new() }.to_string();
+        assert!(listed.len() >= 8 && listed.iter().all(|name| error.contains(name)), "{listed:?}");
+        for subject in check::subjects() {
+            let method = subject.frame.method;
+            // An A-buffer does without tiles where it must, and soft points do where there are no solid ones.
+            if matches!(method, Method::ABuffer(_)) || method.soft().is_some() || subject.name != method.name() {
+                continue;
+            }
+            let rendered = subject.render_arranged(&mut renderer, &subject.arranged()).expect("rendered");
+            let through_tiles = rendered.profile.passes.iter().any(|pass| pass.name.starts_with("bin/"));
+            assert_eq!(through_tiles, goes(&method), "{}", subject.name);
+        }
+    });
 }

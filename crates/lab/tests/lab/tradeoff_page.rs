@@ -47,7 +47,7 @@ fn is_true(is: bool, what: &str) -> Result<(), String> {
     if is { Ok(()) } else { Err(what.to_owned()) }
 }
 
-/// What is wrong with a page as it stands after loading.
+/// The faults of a loaded page.
 fn findings(browser: &mut Browser, file: &Path) -> Vec<String> {
     browser.open(file);
     let mut found: Vec<String> = browser.problems().iter().map(|problem| format!("console: {problem}")).collect();
@@ -120,7 +120,7 @@ fn every_fault_of_a_page_is_found() {
     let faults: [(&str, Fault); 9] = [
         ("console: ", Box::new(in_body("<script>throw new Error('broken')</script>"))),
         ("console: ", Box::new(in_body("<script>console.error('broken')</script>"))),
-        // What the policy refuses is told on the console, what it does not is a request.
+        // The console reports requests that the policy refuses; others appear as requests.
         ("console: ", Box::new(outside)),
         ("request: http://127.0.0.1:9/pixel.png", Box::new(move |page| without_policy(&outside(page)))),
         ("plots: 3 of 4", Box::new(move |page| first_plot(page, ""))),

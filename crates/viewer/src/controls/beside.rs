@@ -1,11 +1,12 @@
-//! What else changes when a key does: keys that can't be beside it go, and numbers stop where they would pass one another.
+//! Side effects of changing a key: keys that exclude it are removed, and numbers stop where they would pass one
+//! another.
 
 use pellucid_engine::scene::{Change, Light, Method, Setting, SoftLayout, rounded};
 
-/// How far apart threshold and modulation stay: a step of their sliders.
+/// The smallest difference of threshold and modulation: a step of their sliders.
 const APART: f32 = 0.001;
 
-/// The least modulation above a threshold; 1 if there is none.
+/// The least modulation above a threshold; 1 if none exists.
 pub fn above(threshold: f32) -> f32 {
     (threshold + APART).min(1.0)
 }
@@ -15,8 +16,8 @@ pub fn changes(key: &str, value: Option<Setting>) -> Vec<Change> {
     vec![(key.to_owned(), value)]
 }
 
-/// The changes that a method's key needs to get a value, or to be taken out. `softness` and `lambda` take each other's place,
-/// `modulation` and the paper's layout too, and `threshold` and `modulation` stop at each other.
+/// The changes that set or remove a method's key. `softness` and `lambda` replace each other, so do `modulation` and
+/// the paper's layout, and `threshold` and `modulation` stop at each other.
 pub fn method_changes(method: &Method, key: &str, value: Option<Setting>) -> Vec<Change> {
     let soft = method.soft();
     let modulation = soft.and_then(|soft| soft.modulation);

@@ -4,8 +4,8 @@ use super::{Entry, Extent, Presence, entry, find};
 use pellucid_engine::prepare::DEFAULT_NEIGHBORS;
 use pellucid_engine::scene::{CloudSettings, Setting};
 
-/// The control of a key of a `[[cloud]]`, of those that the panel has. `own_radii`: whether the file has radii, and K that it was
-/// prepared with.
+/// The control of a key of a `[[cloud]]`, for keys in the panel. `own_radii`: true if the file has radii, and the K
+/// that it was prepared with.
 pub fn cloud(
     cloud: &CloudSettings,
     key: &str,

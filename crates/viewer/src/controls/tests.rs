@@ -32,7 +32,7 @@ fn is_on(entry: &Entry) -> bool {
     }
 }
 
-/// The scene that a file with these changes has: what is saved.
+/// The scene of a saved file with these changes.
 fn saved(document: &Document) -> Scene {
     let text = document.to_toml("".as_ref()).unwrap();
     Document::from_toml(&text, "s.toml".as_ref(), &Overrides::default()).unwrap().scene().unwrap()
@@ -154,7 +154,7 @@ fn of_two_keys_that_exclude_each_other_the_last_one_stays() {
         let method = document.scene().unwrap().method.representative();
         document.change(&method_changes(&method, key, Some(value))).unwrap().method.representative()
     };
-    // In whichever order: what the other slider begins with is the same density.
+    // In either order: the other slider starts with the same density.
     let lambda = method(&set("softness", Setting::Number(0.25)), "lambda", EXTENT).unwrap();
     let method = set("lambda", lambda.value);
     assert_eq!(super::method(&method, "softness", EXTENT).unwrap().value, Setting::Number(0.25));

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::*;
 use common::{assert_same, assert_same_clouds, cloud, clouds, document, number, numbers, with_device, words};
-use pellucid_engine::cloud::shadow_texture::{Casting, ShadowTexture};
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::prepare::{self, Request};
 use pellucid_engine::scene::{Document, METHODS, Overrides, Setting};
 
@@ -172,7 +172,7 @@ fn stored_shadows_are_there_for_their_light_only() {
         let mut cloud = prepare::prepared(cloud(1, 60), &Request::default(), &Progress::hidden()).unwrap();
         let scene = document.scene().unwrap();
         let diagonal = cloud.bounds().unwrap().diagonal();
-        let casting = Casting::new(scene.shading.light, &scene.shadows.unwrap(), SEED, diagonal).unwrap();
+        let casting = scene.shadows.unwrap().casting(scene.shading.light, SEED, diagonal).unwrap();
         let lit = (0..60).map(|i| (i % 3) as f32 / 2.0).collect();
         cloud.prepared.as_mut().unwrap().shadows = Some(ShadowTexture { casting, lit });
         let clouds = vec![cloud];

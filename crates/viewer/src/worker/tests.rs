@@ -1,6 +1,6 @@
 //! Rendering, stopping and reading cameras in the worker.
 
-use pellucid_testing::skip::{NO_DEVICE, skip};
+use pellucid_testing::with_device;
 
 use super::*;
 use crate::draft::Effort;
@@ -52,10 +52,10 @@ const SIZE: [u32; 2] = [48, 32];
 
 /// A worker on a device, with a plane of transparent points, and the document of its scene.
 fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
-    let device = match Device::open(&gpu::DeviceOptions::validated()) {
-        Ok(device) => device,
-        Err(error) => return skip(NO_DEVICE, &error.to_string()),
-    };
+    with_device(|device| work(device, test));
+}
+
+fn work(device: &Device, test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     let folder = tempfile::tempdir().unwrap();
     let text: String = (0..300).map(|i| format!("{} {} {} {} 90 20\n", i % 20, i / 20, i % 7, i % 256)).collect();
     let file = folder.path().join("plane.xyz");
@@ -70,10 +70,8 @@ fn working(test: impl FnOnce(&Device, &Worker, Document, &Path)) {
     ];
     keys.into_iter().for_each(|(key, value)| document.put(key, value).unwrap());
     let workload = Workload { clouds: opened.clouds, generated: false, tasks: Vec::new() };
-    let worker = Worker::start(&device, workload, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
-    test(&device, &worker, document, folder.path());
-    drop(worker);
-    assert_eq!(device.validation_messages(), Vec::<String>::new());
+    let worker = Worker::start(device, workload, Setup { seed: 0, memory_budget: None }, || {}).unwrap();
+    test(device, &worker, document, folder.path());
 }
 
 /// The next piece of news other than cloud statistics; repeats `meanwhile` until it arrives.

@@ -8,7 +8,7 @@ use pellucid_engine::progress::Progress;
 
 use super::{CASES, Files, cases, done, files, place, put_old};
 
-/// Whether this is the name of a temporary file.
+/// True if this is the name of a temporary file.
 pub fn is_temporary(path: &Path) -> bool {
     let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
     name.starts_with(".pellucid-") && name.ends_with(".tmp")
@@ -25,7 +25,7 @@ pub enum Allowed {
     Leftovers,
 }
 
-/// What is wrong with a folder after a command that failed in it.
+/// The faults of a folder after a command failed in it.
 pub fn complaints(before: &Files, after: &Files, allowed: Allowed) -> Vec<String> {
     let mut found = Vec::new();
     for path in before.keys().filter(|path| !after.contains_key(*path)) {
@@ -46,7 +46,7 @@ pub fn complaints(before: &Files, after: &Files, allowed: Allowed) -> Vec<String
     found
 }
 
-/// Whether a file is what its name says, to the end.
+/// Checks that a file is complete and has the format of its name.
 pub fn is_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let text = || std::str::from_utf8(bytes).map_err(|error| error.to_string());
     let ends = |end: &str| if text()?.trim_end().ends_with(end) { Ok(()) } else { Err(format!("no {end} at its end")) };

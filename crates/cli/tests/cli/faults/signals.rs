@@ -10,7 +10,7 @@ use super::checker::{Allowed, complaints};
 use super::{CASES, cases, command, files, has_device, place, put_old};
 use pellucid_testing::signals::heeding;
 
-/// What a signal may take on a machine that is busy.
+/// The time a signal may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Starts a command that hangs at a point, and waits until it does.

@@ -56,7 +56,7 @@ impl<'a> Desk<'a> {
     }
 }
 
-/// What is soft, how dense it is, and which classes are.
+/// The threshold, density and classes of soft points.
 #[test]
 fn soft_points_are_chosen_in_the_panel() {
     with_display(|display| {
@@ -94,7 +94,7 @@ fn soft_points_are_chosen_in_the_panel() {
     });
 }
 
-/// What a scene says again is what it said at first, whatever was found for the points in between.
+/// A field that is set back gives the original result, whatever was computed for the points in between.
 #[test]
 fn a_field_that_is_taken_back_is_the_default_again() {
     with_display(|display| {

@@ -1,4 +1,4 @@
-//! What other programs of a desktop do to a window: they drop files onto it and ask for it to be maximized.
+//! Actions of other desktop programs on a window: they drop files onto it and ask for it to be maximized.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -117,7 +117,7 @@ impl Client {
         [place.dst_x, place.dst_y].map(|x| x.try_into().unwrap())
     }
 
-    /// Whether the window is on the screen: what is minimized is not.
+    /// True if the window is mapped; a minimized one is not.
     pub fn is_mapped(&self, window: u32) -> bool {
         let attributes = self.connection.get_window_attributes(window).unwrap().reply().unwrap();
         attributes.map_state != MapState::UNMAPPED

@@ -60,7 +60,7 @@ fn what_is_dropped_is_opened() {
         let two = shoot(display, &mut window);
         assert_shows(folder, &two, &["ground.ply", "grüne Blätter 1.ply"]);
 
-        // What can't be read is said, and what was there stays.
+        // An unreadable file is reported, and the scene stays.
         std::fs::write(folder.join("torn.ply"), "ply\nformat ascii 1.0\nelement vertex 3\n").unwrap();
         drop_files(&["torn.ply"]);
         window.wait_for("reading ");

@@ -13,7 +13,7 @@ const SIZES: [[usize; 2]; 5] = [[940, 660], [900, 640], [860, 600], [920, 620], 
 /// Resizes between the two measurements.
 const RESIZES: usize = 30;
 
-/// What the process holds.
+/// The resources held by the process.
 #[derive(Debug)]
 struct Holdings {
     device_memory: String,

@@ -63,7 +63,7 @@ fn a_window_that_is_minimized_maximized_and_full_screen_shows_what_it_should() {
         let wait_for_screen = |picture: &Path| wait_for_screen_at(display, picture, client.position(id));
         wait_for_screen(&picture(&first));
 
-        // What is opened meanwhile is read, but nothing is rendered before somebody can see it.
+        // Files opened in the meantime are read, but nothing is rendered before the window is visible.
         display.do_it(&format!("windowminimize {name}"));
         wait_until("minimized", || !client.is_mapped(id));
         client.drop_files(id, &[&folder.join("ground.ply")]);

@@ -107,7 +107,7 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The text is not what it should be, at some line and column.
+    /// The text is not valid, at this line and column.
     #[error("{path}:{line}:{column}: {message}", path = path.display())]
     Syntax {
         /// The file.

@@ -61,28 +61,21 @@ impl<R: BufRead + Seek> Decoder<R> {
         if samples.as_buffer(0).as_bytes().len() < layout.complete_len {
             return Err(Error::Malformed("TIFF: more planes than it has pixels for".into()));
         }
-        let (channels, samples) = match (samples, colors) {
-            (DecodingResult::U8(rows), ColorType::Gray(1)) => (1, Samples::U8(expanded(&rows, width as usize))),
-            (DecodingResult::U8(inks), ColorType::CMYK(8)) if layout.planes == 1 => (
-                3,
-                Samples::U8(inks.as_chunks().0.iter().flat_map(|inks| printed(*inks, 255.0, |v| v as u8)).collect()),
-            ),
-            (DecodingResult::U16(inks), ColorType::CMYK(16)) if layout.planes == 1 => {
-                let printed = |inks: &[u16; 4]| printed(*inks, 65535.0, |v| v as u16);
-                (3, Samples::U16(inks.as_chunks().0.iter().flat_map(printed).collect()))
+        let stored = usize::from(colors.num_samples());
+        let samples = match (samples, colors) {
+            (DecodingResult::U8(rows), ColorType::Gray(1)) => Samples::U8(expanded(&rows, width as usize)),
+            (DecodingResult::U8(samples), ColorType::CMYK(8)) => {
+                Samples::U8(printed(&interleaved(samples, stored, &layout), 255.0, |light| light as u8))
             }
-            (_, ColorType::CMYK(_)) => return Err(unknown(colors)),
-            (samples, _) => {
-                let channels = usize::from(colors.num_samples());
-                let samples = match (samples, colors.bit_depth()) {
-                    (DecodingResult::U8(samples), 8) => Samples::U8(interleaved(samples, channels, &layout)),
-                    (DecodingResult::U16(samples), 16) => Samples::U16(interleaved(samples, channels, &layout)),
-                    (DecodingResult::F32(samples), 32) => Samples::F32(interleaved(samples, channels, &layout)),
-                    _ => return Err(unknown(colors)),
-                };
-                (channels, samples)
+            (DecodingResult::U16(samples), ColorType::CMYK(16)) => {
+                Samples::U16(printed(&interleaved(samples, stored, &layout), 65535.0, |light| light as u16))
             }
+            (DecodingResult::U8(samples), _) => Samples::U8(interleaved(samples, stored, &layout)),
+            (DecodingResult::U16(samples), _) => Samples::U16(interleaved(samples, stored, &layout)),
+            (DecodingResult::F32(samples), _) => Samples::F32(interleaved(samples, stored, &layout)),
+            _ => return Err(unknown(colors)),
         };
+        let channels = if matches!(colors, ColorType::CMYK(_)) { 3 } else { stored };
         Ok(Bitmap { width, height, channels, samples })
     }
 }
@@ -107,9 +100,12 @@ fn expanded(rows: &[u8], width: usize) -> Vec<u8> {
 }
 
 /// Red, green and blue that are left of white behind cyan, magenta, yellow and black.
-fn printed<T: Copy + Into<f32>>([c, m, y, k]: [T; 4], white: f32, cut: impl Fn(f32) -> T) -> [T; 3] {
-    let through_black = 1.0 - k.into() / white;
-    [c, m, y].map(|ink| cut((white - ink.into()) * through_black))
+fn printed<T: Copy + Into<f32>>(inks: &[T], white: f32, stored: impl Fn(f32) -> T) -> Vec<T> {
+    let light = |[c, m, y, k]: [T; 4]| {
+        let through_black = 1.0 - k.into() / white;
+        [c, m, y].map(|ink| stored((white - ink.into()) * through_black))
+    };
+    inks.as_chunks().0.iter().flat_map(|inks| light(*inks)).collect()
 }
 
 fn unknown(colors: ColorType) -> Error {
@@ -137,8 +133,8 @@ mod tests {
 
     #[test]
     fn inks_take_light_away() {
-        assert_eq!(printed([0u8, 0, 0, 0], 255.0, |v| v as u8), [255, 255, 255]);
-        assert_eq!(printed([255u8, 0, 51, 0], 255.0, |v| v as u8), [0, 255, 204]);
-        assert_eq!(printed([0u16, 0, 0, 65535], 65535.0, |v| v as u16), [0, 0, 0]);
+        let bytes = [[0, 0, 0, 0], [255, 0, 51, 0]].concat();
+        assert_eq!(printed(&bytes, 255.0, |light| light as u8), [255, 255, 255, 0, 255, 204]);
+        assert_eq!(printed(&[0u16, 0, 0, 65535], 65535.0, |light| light as u16), [0, 0, 0]);
     }
 }

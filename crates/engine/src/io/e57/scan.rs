@@ -147,7 +147,7 @@ pub(super) struct Scan<'a> {
 }
 
 impl<'a> Scan<'a> {
-    /// Fails with what a scan lacks.
+    /// Fails with the missing property of a scan.
     pub fn new(scan: &'a PointCloud, table: &Table) -> Result<Self, String> {
         let at = |at: usize| (at, &scan.prototype[at].data_type);
         let find = |name: &RecordName| scan.prototype.iter().position(|record| record.name == *name).map(at);

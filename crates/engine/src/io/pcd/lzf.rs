@@ -3,7 +3,7 @@
 /// The largest expansion of one input byte: 3 bytes of a long match become 264.
 pub(super) const MAX_EXPANSION: usize = 88;
 
-/// Decompresses a stream that must become exactly `len` bytes. Memory grows with what is decoded.
+/// Decompresses a stream that must become exactly `len` bytes. Memory grows with the decoded part.
 pub(super) fn decompress(input: &[u8], len: usize) -> Result<Vec<u8>, String> {
     if len / MAX_EXPANSION > input.len() {
         return Err(format!("{} compressed bytes can't become the {len} announced", input.len()));
@@ -25,7 +25,7 @@ pub(super) fn decompress(input: &[u8], len: usize) -> Result<Vec<u8>, String> {
             let start = output.len().checked_sub(back).ok_or_else(|| {
                 format!("the item at byte {at} of the compressed data refers to {back} bytes back, of {}", output.len())
             })?;
-            // A match may overlap what it becomes.
+            // A match may overlap its own output.
             for from in start..start + count {
                 output.push(output[from]);
             }

@@ -17,7 +17,7 @@ use crate::scene::{DiscShape, Discs, LongLists};
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
 
-/// How the discs of a cloud become splats.
+/// The conversion of a cloud's discs to splats.
 pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecting {
     frame.projecting(cloud, footprint(discs.shape), UNCLAMPED, Part::All)
 }
@@ -26,7 +26,7 @@ pub fn projecting(frame: &Frame, cloud: &DeviceCloud, discs: &Discs) -> Projecti
 pub(crate) struct ListEngine {
     /// The discs.
     pub discs: Discs,
-    /// Whether fragments go through linked lists.
+    /// True if fragments are stored in linked lists.
     pub linked: bool,
 }
 
@@ -35,8 +35,8 @@ impl ListEngine {
         if self.linked { Storing::Links } else { Storing::Slots }
     }
 
-    /// Whether lists are filled tile by tile from sorted splats: only flat discs come in the order of blending then, and it
-    /// pays where splats are large enough.
+    /// True if lists are filled tile by tile from sorted splats. Only flat discs then arrive in blending order, and it
+    /// only pays for large splats.
     fn in_order(&self, device: &Device, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
         !self.linked
@@ -138,7 +138,8 @@ impl ABuffer {
     }
 }
 
-/// Bytes that a pass over lists must at least move, whatever their lengths; `tilted` if discs lie in their tangent planes.
+/// Least number of bytes that a pass over lists must move, for any lengths; `tilted` if discs lie in their tangent
+/// planes.
 pub(crate) fn list_bytes(pass: &PassRuns<'_>, tilted: bool) -> Option<u64> {
     let (facts, pixels) = (pass.facts, pass.pixels());
     let stored = |fragment: u64| {

@@ -1,4 +1,4 @@
-//! What plans say of lists of fragments.
+//! Plans of methods with lists of fragments.
 
 use super::{CLASSES, LOCAL_LENGTH, lower_bound};
 use crate::methods::explain::{Absent, NOTHING, PassGroup, Plan};
@@ -78,14 +78,15 @@ pub(crate) fn counted_beside(plan: &mut Plan<'_>, others: u64) {
     }
 }
 
-/// The lengths of lists; `visited`: splat by splat. Prefix sums of so many `others` go with theirs.
+/// Explains the counting of list lengths; `visited` means splat by splat. Prefix sums of `others` further elements
+/// share their passes.
 fn count(plan: &mut Plan<'_>, why: &str, visited: bool, others: u64, linked: bool) {
     let facts = plan.facts;
     let counted = if plan.seen() { format!("{why}; by {}", facts.raster) } else { NOTHING.to_owned() };
     plan.add("abuffer/clear", true, "counters start at zero");
     plan.add("abuffer/count", plan.seen(), counted);
     plan.add("abuffer/measure", true, format!("the longest list has {} fragments", facts.max_list));
-    // One element more than pixels: the last prefix sum is the total.
+    // One more element than pixels: the last prefix sum is the total.
     let counts = plan.pixels().div_ceil(facts.windows.max(1)) + 1;
     let tiled = if visited { plan.tiles(facts.large) } else { 0 };
     plan.scan(counts.max(tiled).max(others), "counters of fragments, tiles and digits");

@@ -1,6 +1,7 @@
 //! The engine of `weighted`, `average`, `unsorted` and `hybrid`.
 
 use super::{Kind, WindowJob, least_bytes, pixel_bytes};
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::Plan;
@@ -44,6 +45,10 @@ impl Stage for ApproximateEngine {
 }
 
 impl Engine for ApproximateEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + pixel_bytes(self.kind, self.discs.shape)))
     }

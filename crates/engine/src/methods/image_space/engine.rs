@@ -1,4 +1,4 @@
-//! The engine of `image-space`, and what that of `peel-layers` has in common with it.
+//! The engine of `image-space`, and the parts that `peel-layers` shares with it.
 
 use super::{Filter, WindowJob, halo, least_bytes, windows};
 use crate::methods::bytes::PassRuns;
@@ -32,7 +32,7 @@ impl Engine for ImageSpaceEngine {
         Channels::NONE
     }
 
-    /// What filters have to do only the image tells: a survey renders it, too.
+    /// The filters' work depends on the image, so a survey renders it, too.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
         let job = self.filtering().job(cloud, work, &how);
@@ -151,7 +151,7 @@ impl Filtering {
     }
 }
 
-/// The pass of a filter, how often it was asked for, and what for.
+/// The pass of a filter, the number of its iterations, and its purpose.
 fn asked(filter: Filter, filters: &ImageSpace) -> (&'static str, u32, &'static str) {
     match filter {
         Filter::Fill => ("image-space/fill", filters.fill, "background beside points"),

@@ -1,6 +1,7 @@
 //! The engine of `one-layer`.
 
 use super::record;
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, PassGroup, Plan};
@@ -14,11 +15,15 @@ use crate::scene::OneLayer;
 
 /// The nearest soft points as a transparent layer over everything else.
 pub(crate) struct OneLayerEngine {
-    /// What is soft, and how opaque the layer is.
+    /// The threshold of soft points, and the opacity of the layer.
     pub settings: OneLayer,
 }
 
 impl Engine for OneLayerEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + SOLID_BYTES))
     }
@@ -27,8 +32,8 @@ impl Engine for OneLayerEngine {
         Channels::NONE
     }
 
-    /// Soft points into the layer; then all, but soft ones only behind it, which is laid over them. Where there is no layer, the
-    /// solid points.
+    /// Draws soft points into the layer, then all points, soft ones only behind the layer, and lays the layer over
+    /// them. Without a layer it draws the solid points.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let OneLayer { threshold, softness } = self.settings;
         let mut met = Vec::new();
@@ -69,7 +74,7 @@ impl Engine for OneLayerEngine {
         Ok(Counts::default())
     }
 
-    /// How many splats are solid is not known.
+    /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         pass.projected(false)
     }

@@ -35,7 +35,7 @@ impl Engine for PeelLayersEngine {
         Channels { layers: true, ..Channels::NONE }
     }
 
-    /// How many layers there are only peeling tells: a survey does it, too.
+    /// Only peeling finds the number of layers, so a survey peels, too.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let how = work.frame.projecting_points(cloud);
         let image = self.filtering().job(cloud, work, &how);

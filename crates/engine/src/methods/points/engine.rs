@@ -21,7 +21,7 @@ impl Engine for PointsEngine {
         Channels::NONE
     }
 
-    /// A survey projects points to splats of one pixel: that tells how many are seen without drawing any.
+    /// A survey projects points to splats of one pixel, which yields the number of visible ones without drawing any.
     fn render(
         &self,
         cloud: &mut DeviceCloud,

@@ -17,7 +17,8 @@ impl Renderer {
         }
     }
 
-    /// As [`Renderer::upload_arranged`], with the shadows that were stored with the points, in the order of their files.
+    /// Like [`Renderer::upload_arranged`], with the shadows that were stored with the points, in the order of their
+    /// files.
     ///
     /// # Errors
     /// More points than the device can address, or no memory for them.
@@ -29,8 +30,8 @@ impl Renderer {
         Ok(cloud)
     }
 
-    /// Gives a cloud, uploaded from `arranged`, the shadows that were stored with its points, in the order of their files. Points
-    /// that were dealt take none.
+    /// Gives a cloud, uploaded from `arranged`, the shadows that were stored with its points, in the order of their
+    /// files. Dealt points accept none.
     ///
     /// # Errors
     /// No memory for them.

@@ -31,7 +31,7 @@ pub struct Rendered {
     pub image: Image,
     /// Its times.
     pub profile: FrameProfile,
-    /// What it met.
+    /// Its counts.
     pub facts: Facts,
 }
 
@@ -44,9 +44,9 @@ pub struct Renderer {
     spare: Option<Image>,
     /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
     pub progress: Progress,
-    /// Whether opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
+    /// True if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
-    /// Whether ensembles are drawn in one go where that can be; a test may switch it off.
+    /// True if ensembles are drawn in one go where possible; a test may switch it off.
     pub single_pass: bool,
     /// Most bits of a key for epochs of ensembles; 31 unless a test sets fewer.
     pub epoch_bits: u32,
@@ -85,7 +85,7 @@ impl Renderer {
     /// with the first frame; points that don't fit [`Frame::memory_budget`] go through it while a frame of these methods is
     /// rendered. The list stays in the host's memory.
     pub fn upload_dealt(&self, dealt: &Dealt) -> Result<DeviceCloud, Error> {
-        // Places of points are 32-bit numbers, and all ones is none of them.
+        // Point indices have 32 bits, and all ones marks none of them.
         let (points, limit) = (dealt.points.len() as u64, u64::from(u32::MAX));
         if points > limit {
             return Err(Error::TooManyPoints { points, limit });
@@ -141,8 +141,8 @@ impl Renderer {
         Ok(Rendered { image, profile, facts })
     }
 
-    /// Finds the light of each point for the shadows of a frame, unless it has none or the cloud has them already. Whatever the
-    /// camera and the method, they stay those of the cloud until other ones are cast.
+    /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.
+    /// They stay with the cloud, for any camera and method, until others are cast.
     fn cast_shadows(
         &self,
         engine: &dyn Engine,
@@ -158,8 +158,8 @@ impl Renderer {
         shadows::cast(&self.device, cloud, (&casting, &how), budget, &self.progress, timeline)
     }
 
-    /// Finds the shadow texture that frames like this one take, without rendering any; the cloud then has it
-    /// ([`DeviceCloud::lit`]). What it belongs to, or `None` if such frames have no shadows.
+    /// Computes the shadow texture for frames like this one, without rendering any; the cloud then has it
+    /// ([`DeviceCloud::lit`]). Returns its settings, or `None` if such frames have no shadows.
     ///
     /// # Errors
     /// Those of [`Renderer::render`].
@@ -170,7 +170,7 @@ impl Renderer {
         Ok(shadows::casting(frame, cloud))
     }
 
-    /// Renders the windows of a frame into an image, with so many samples or ensembles.
+    /// Renders the windows of a frame into an image, with this many samples or ensembles.
     fn draw(
         &mut self,
         cloud: &mut DeviceCloud,
@@ -239,7 +239,7 @@ impl Renderer {
         engine.lists(&self.device, cloud, &mut self.buffers, frame, budget)
     }
 
-    /// What the frame would meet, from projecting and counting alone: nothing is stored, sorted or blended.
+    /// The expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or blended.
     pub fn survey(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Facts, Error> {
         frame.check()?;
         let engine = engine_of(&frame.method);
@@ -262,7 +262,7 @@ impl Renderer {
         Ok(facts)
     }
 
-    /// What the cost of a frame of discs depends on, from projecting alone.
+    /// The factors of the cost of a frame of discs, from projecting alone.
     pub fn load(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: &Discs) -> Result<Load, Error> {
         frame.check()?;
         let [width, height] = frame.size;
@@ -272,7 +272,7 @@ impl Renderer {
         Ok(Load { splats, area: Stats::area(&stats), pixels: u64::from(width) * u64::from(height) })
     }
 
-    /// Whether the budget and a binding allow to sort all of a cloud's splats.
+    /// True if the budget and a binding allow sorting all of a cloud's splats.
     pub fn can_sort(&self, cloud: &DeviceCloud, frame: &Frame) -> bool {
         let (needed, engine) = (Bins::most_bytes(&self.device, cloud), engine_of(&frame.method));
         cloud.len() * 16 <= self.device.limits().binding_bytes
@@ -293,7 +293,7 @@ impl Renderer {
     }
 }
 
-/// What is drawn, perhaps several times with ever more samples.
+/// A drawing, perhaps repeated with ever more samples.
 struct Drawing<'a> {
     engine: &'a dyn Engine,
     frame: &'a Frame,
@@ -301,7 +301,7 @@ struct Drawing<'a> {
     budget: Budget,
 }
 
-/// One window of a frame.
+/// A window of a frame.
 struct Part<'a> {
     engine: &'a dyn Engine,
     frame: &'a Frame,

@@ -10,10 +10,11 @@ use crate::cloud::shadow_texture::Casting;
 use crate::random::{key, threefry2x32};
 use crate::scene::Light;
 
-/// The tangent of the widest angle from the middle of a light's image to its border: what needs more gets a cube of images.
+/// The tangent of the widest angle from the middle of a light's image to its border; wider scenes need a cube of
+/// images.
 const WIDEST: f64 = 1.732_050_807_568_877_2;
 
-/// What this module's random numbers are told apart by from others of the same seed.
+/// Separates this module's random numbers from others of the same seed.
 const STREAM: [u32; 2] = [0x7368_6164, 0];
 
 /// The inverse of the golden ratio.
@@ -24,13 +25,13 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 pub struct LightView {
     /// The camera; its depths are those along the light's axis.
     pub camera: Camera,
-    /// Of six images around a position, which one: 2 · axis of the world, plus 1 toward smaller coordinates. A point belongs to
-    /// the one of its largest coordinate from the light, of equal ones to the first axis.
+    /// The index of one of six images around a position: 2 · axis of the world, plus 1 toward smaller coordinates. A
+    /// point belongs to the one of its largest coordinate from the light, of equal ones to the first axis.
     pub face: Option<u32>,
 }
 
-/// Point `i` of `count` in the unit disc: a lattice of the golden ratio, shifted as a whole by `seed` such that each point by
-/// itself is anywhere in the disc alike (Cranley, Patterson 1976).
+/// Point `i` of `count` in the unit disc: a lattice of the golden ratio, shifted as a whole by `seed`, so that each
+/// single point is uniformly distributed in the disc (Cranley, Patterson 1976).
 fn on_disc(i: u32, count: u32, seed: u64) -> DVec2 {
     let shift = threefry2x32(STREAM, key(seed)).map(|word| f64::from(word) / 4_294_967_296.0);
     let area = (f64::from(i) / f64::from(count) + shift[0]).fract();
@@ -96,9 +97,9 @@ fn along(forward: DVec3, bounds: &Bounds, margin: f64) -> LightView {
     let [right, up] = axes(forward);
     let center = bounds.center();
     let corners = seen(center, [right, up], forward, bounds);
-    // The box is symmetric about its middle, whatever direction it is seen from.
+    // The box is symmetric about its middle, seen from any direction.
     let half = corners.iter().fold(DVec3::ZERO, |most, corner| most.max(corner.abs()));
-    // Of a single point, or a line along the light: anything.
+    // For a single point, or a line along the light, any size works.
     let size = if bounds.diagonal() > 0.0 { bounds.diagonal() } else { 1.0 };
     let height = 2.0 * half.x.max(half.y).max(1e-3 * size) * margin;
     let depth = half.z + 0.01 * size;
@@ -118,7 +119,7 @@ fn from(position: DVec3, bounds: &Bounds, margin: f64) -> Option<LightView> {
     if near <= 0.0 {
         return None;
     }
-    // Of a single point, or a line along the light: anything.
+    // For a single point, or a line along the light, any size works.
     let least = 1e-3 * if bounds.diagonal() > 0.0 { bounds.diagonal() / far } else { 1.0 };
     let widest = corners.iter().map(|corner| corner.x.abs().max(corner.y.abs()) / corner.z).fold(least, f64::max);
     let fov_y = 2.0 * (widest * margin).atan();
@@ -134,7 +135,7 @@ fn around(position: DVec3, bounds: &Bounds, margin: f64) -> [LightView; 6] {
     std::array::from_fn(|face| {
         let forward = DVec3::AXES[face / 2] * if face % 2 == 0 { 1.0 } else { -1.0 };
         let [right, up] = axes(forward);
-        // Nothing is too near: a point at the very place of the light is lit.
+        // Points can't be too near: a point at the position of the light is lit.
         let (near, far) = (NEAREST, 1.01 * far.max(2.0 * NEAREST));
         let camera = Camera { eye: position, right, up, forward, projection, near, far };
         LightView { camera, face: Some(face as u32) }
@@ -155,14 +156,14 @@ mod tests {
 
     fn casting(light: Light, samples: u32, light_radius: f32, seed: u64) -> Casting {
         let shadows = Shadows { samples, light_radius, ..Shadows::default() };
-        Casting::new(light, &shadows, seed, 1.0).expect("it casts")
+        shadows.casting(light, seed, 1.0).expect("it casts")
     }
 
     /// Asserts that some image has each corner of the bounds and their middle at least half a pixel from its border.
     fn assert_holds(light: Light, bounds: &Bounds, resolution: u32) -> Vec<LightView> {
         let views = views(light, bounds, resolution);
         let side = f64::from(resolution);
-        // Nothing can be said of a point at the light's own place.
+        // A point at the light's own position has no defined image.
         let points = bounds.corners().into_iter().chain([bounds.center()]).filter(|p| light != Light::Position(*p));
         for point in points {
             let holds = |view: &&LightView| {
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn images_are_no_larger_than_the_points_need() {
-        // The box from above: two units of 64 pixels, but for the margin; so far away that perspective is none.
+        // The box from above: two units of 64 pixels, except for the margin; so far away that perspective vanishes.
         let pixel = |light| {
             let camera = views(light, &unit_box(), 64)[0].camera;
             camera.pixels_per_unit(camera.to_view(DVec3::ZERO).z, 64)

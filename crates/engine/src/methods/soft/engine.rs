@@ -21,15 +21,15 @@ use crate::scene::{Discs, Soft};
 
 /// Soft points as spheres whose interior is integrated.
 pub(crate) struct SpheresEngine {
-    /// What is soft, and how dense.
+    /// The threshold and density of soft points.
     pub soft: Soft,
-    /// What a sphere is made of.
+    /// The interior of a sphere.
     pub interior: Interior,
 }
 
 /// Soft points as discs in an order along an axis.
 pub(crate) struct ExpressEngine {
-    /// What is soft, and how dense.
+    /// The threshold and density of soft points.
     pub soft: Soft,
 }
 
@@ -85,7 +85,7 @@ impl Engine for SpheresEngine {
         Channels::LISTS_WITHIN
     }
 
-    /// Solid points decide how much of a sphere there is to count: a survey draws them, too, if there are spheres.
+    /// Solid points decide how much of a sphere is counted, so a survey draws them, too, if spheres are present.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let parts = cloud.parts(self.soft.threshold);
         let how = Projecting { relative_depth: true, ..solids(work.frame, cloud, &self.soft) };
@@ -106,7 +106,7 @@ impl Engine for SpheresEngine {
         Ok(Counts { fragments, ..Counts::default() })
     }
 
-    /// How many splats are solid is not known.
+    /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         match pass.name {
             "soft/count" => Some(pass.walks(false) + pass.facts.fragments * 8),
@@ -136,7 +136,7 @@ impl ExpressEngine {
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint, window };
         let order = Order::Along(Axis::nearest(frame.camera.forward));
         let counts = if frame.fragments { bands::pixels(window) * COUNT_BYTES } else { 0 };
-        // Solid points are sorted, and what that took is still there.
+        // The memory for sorting solid points is still allocated.
         let counted_bytes = counts + if parts.solid > 0 { bin::sort_bytes(device, cloud.len()) } else { 0 };
         let bin = bin::Job { raster, order, depth_range: frame.depth_range(), budget: work.budget, counted_bytes };
         let outcome = if work.survey {
@@ -199,7 +199,7 @@ impl Engine for ExpressEngine {
         if pass.name == "soft/compose" {
             return Some(pass.pixels() * 3 * 20);
         }
-        // How many splats are solid is not known.
+        // The number of solid splats is unknown.
         let known = pass.facts.solid_points == 0 || ["bin/pick", "bin/place"].contains(&pass.name);
         pass.projected(false).or_else(|| tiled::binned_bytes(pass, false).filter(|_| known))
     }
@@ -213,19 +213,20 @@ fn visible(stats: &[Stats]) -> u64 {
     stats.iter().map(|s| u64::from(s.visible)).sum()
 }
 
-/// How the soft points become splats.
+/// The conversion of soft points to splats.
 fn projecting(frame: &Frame, cloud: &DeviceCloud, soft: &Soft, footprint: Footprint) -> Projecting {
     let part = Part::Soft { threshold: soft.threshold, modulation: soft.modulation };
     frame.projecting(cloud, footprint, UNCLAMPED, part)
 }
 
-/// How the solid points become splats.
+/// The conversion of solid points to splats.
 fn solids(frame: &Frame, cloud: &DeviceCloud, soft: &Soft) -> Projecting {
     solid_projecting(frame, cloud, Part::Solid(soft.threshold))
 }
 
-/// Draws a window's solid points into the layer, or nothing where none is to be seen, without any pass over splats. A survey
-/// decides only how they are binned, unless they are to be `drawn` even so. The window is not counted: soft points follow.
+/// Draws a window's solid points into the layer, or clears it without any pass over splats if none is visible. A survey
+/// only decides how they are binned, unless they must be `drawn` even so. The window is not counted, because soft
+/// points follow.
 fn draw_solids(
     cloud: &mut DeviceCloud,
     buffers: &mut Buffers,

@@ -1,4 +1,4 @@
-//! What plans say of soft points.
+//! Plans of methods with soft points.
 
 use super::{Interior, classes};
 use crate::methods::abuffer::{self, BY_LENGTH, LOCAL_LENGTH, lower_bound};
@@ -7,7 +7,8 @@ use crate::methods::splats::explain_solids;
 use crate::passes::bin;
 use crate::prepare::axes::Axis;
 
-/// Those passes of soft spheres that long lists need; the optical depths of segments only where density varies within a sphere.
+/// Passes of soft spheres that only long lists need; the optical depths of segments only where density varies within a
+/// sphere.
 const LONG: [&str; 4] = ["soft/sum-runs", "soft/carry", "soft/segments", "soft/blend-runs"];
 
 /// The passes of soft spheres, without those that they share.

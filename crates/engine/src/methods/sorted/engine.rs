@@ -1,6 +1,7 @@
 //! The engine of `sorted`.
 
 use super::{WindowJob, render};
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
 use crate::methods::explain::Plan;
@@ -38,6 +39,10 @@ impl Stage for SortedEngine {
 }
 
 impl Engine for SortedEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     /// Splats of a tile are composed in runs of 2048: another tile would group them in another way.
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(bands::tile_windows(frame.size, budget.window_pixels(tiled::counted_bytes(frame))))

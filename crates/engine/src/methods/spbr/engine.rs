@@ -18,7 +18,7 @@ pub(crate) struct EnsembleEngine {
 }
 
 impl EnsembleEngine {
-    /// How the nearest points of an ensemble are found.
+    /// The way the nearest points of an ensemble are found.
     fn form(work: &Work<'_>, cloud: &DeviceCloud, how: &Projecting, streamed: bool) -> Form {
         match Form::of(work.device, cloud, how, work.switches.wide_atomics) {
             // The color of the point that is replaced may not be there.
@@ -129,7 +129,7 @@ impl Engine for EnsembleEngine {
     }
 }
 
-/// The stages that draw ensembles, of which the form takes some.
+/// The stages that draw ensembles; the form decides which of them run.
 fn explain_stages(plan: &mut Plan<'_>, any: bool) {
     let (facts, why) = (plan.facts, plan.why);
     let dealt = format!("{} points dealt to {} ensembles", facts.slots, facts.ensembles);

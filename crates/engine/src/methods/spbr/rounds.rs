@@ -1,4 +1,4 @@
-//! How ensembles come one after the other: rounds of as many as there are planes, and the dispatches of a round.
+//! The sequence of ensembles: rounds of as many as there are planes, and the dispatches of a round.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -8,12 +8,12 @@ use crate::prepare::ensembles::{Deal, Rows};
 /// A first element that any device's offset alignment allows to bind from.
 pub const ALIGNED: u64 = 64;
 
-/// A dispatch: some consecutive slots of one cloud in one round, whose points lie in one binding.
+/// A dispatch: some consecutive slots of one cloud in one round, whose points are in one binding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Piece {
     /// Slots, counted from the cloud's first one of the round.
     pub slots: Range<u64>,
-    /// What is bound of the list.
+    /// The bound part of the list.
     pub bound: Range<u64>,
     /// Place in there, modulo 2³², of the first slot's point, or of the one that those of rows are counted from.
     pub base: u32,
@@ -30,7 +30,7 @@ pub struct Again {
     pub ensemble: u32,
     /// First point of the first row, counted from the piece's base.
     pub start: u32,
-    /// Points after which the cloud begins anew; more than there are where it doesn't.
+    /// The number of points after which the cloud wraps around; more than exist where it doesn't.
     pub around: u32,
 }
 
@@ -89,11 +89,11 @@ impl Cutting<'_> {
         }
     }
 
-    /// Slots of one ensemble, `hand` of its pass, by rows of which none has both the cloud's last and first point.
+    /// Adds slots of one ensemble, `hand` of its pass, by rows; no row has both the cloud's last and first point.
     fn add_by_rows(&mut self, rows: &Rows, hand: u32, slots: Range<u64>, again: Again) {
         let row = u64::from(rows.columns) << rows.block_bits;
         let fit = ((self.longest - ALIGNED) / row).max(1);
-        // The row in which the cloud begins anew.
+        // The row in which the cloud wraps around.
         let turning = (rows.points - rows.first) / row;
         let mut next = 0;
         while next < rows.count {
@@ -106,7 +106,7 @@ impl Cutting<'_> {
             let within = |row: u64| (slots.start + (row << rows.block_bits)).min(slots.end);
             let here = within(next)..within(last);
             if next == turning {
-                // Block by block, the one that is taken, in two where it is that one that turns.
+                // Adds the chosen blocks one by one, in two parts if a block wraps around.
                 let (mut from, start) = (here.start, slots.start);
                 while from < here.end {
                     let point = rows.point(hand, from - start);
@@ -125,7 +125,7 @@ impl Cutting<'_> {
         }
     }
 
-    /// Slots of rows whose points lie within some of the cloud, counted from `from`.
+    /// Adds slots of rows whose points lie within some of the cloud, counted from `from`.
     fn add_bound(&mut self, slots: Range<u64>, from: u64, points: Range<u64>, again: Again) {
         let bound = bound_of(self.first_point + points.start..self.first_point + points.end);
         let base = self.first_point.wrapping_add(from).wrapping_sub(bound.start) as u32;
@@ -156,7 +156,7 @@ pub fn epoch_bits(points: u64) -> u32 {
     points.saturating_sub(1).leading_zeros().saturating_sub(32).min(31)
 }
 
-/// Numbers of epochs, newest last: each more than the one before, and none is 0, which stands for nothing.
+/// Numbers of epochs, newest last: each larger than the one before, and none is 0, which marks an empty pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Epochs {
     bits: u32,
@@ -164,12 +164,12 @@ pub struct Epochs {
 }
 
 impl Epochs {
-    /// Of planes that have just been cleared. Without bits there is one epoch.
+    /// For planes that were just cleared. Without bits there is one epoch.
     pub fn new(bits: u32) -> Self {
         Self { bits, next: 1 }
     }
 
-    /// How many there are.
+    /// The number of epochs.
     pub fn most(bits: u32) -> u32 {
         ((1u32 << bits) - 1).max(1)
     }

@@ -1,4 +1,4 @@
-//! How many points of each cloud are dealt, and how large a point is.
+//! The number of points of each cloud to deal, and the size of a point.
 //!
 //! Tanaka et al. 2016, Eq. 1, without its bias where a cross-section has few pixels: an ensemble needs −ln(1 − α)
 //! points on the area of a pixel for opacity α, if they lie at random.
@@ -12,9 +12,8 @@ use crate::scene::Method;
 
 impl Placed {
     /// Depth at which a point is one pixel wide: that of the middle of the box, or, where the camera's plane cuts the
-    /// box, of the middle of the part before it. Any depth gives the same opacity while there are points enough, but
-    /// none behind the camera has a pixel of positive width, and one close before it asks for more points than there
-    /// are.
+    /// box, of the middle of the part in front of it. With enough points any depth gives the same opacity. But behind
+    /// the camera a pixel has no positive width, and too close to it more points are needed than exist.
     fn depth(&self, camera: &Camera) -> f64 {
         let deepest = self.depths(camera).fold(f64::NEG_INFINITY, f64::max);
         camera.to_view(self.surface.center).z.max(0.5 * deepest).max(camera.near)
@@ -25,7 +24,7 @@ impl Placed {
     }
 }
 
-/// What a frame takes of a cloud.
+/// The share of a cloud in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
     /// Its points in the list.
@@ -34,11 +33,11 @@ pub struct Share {
     pub slots: u64,
     /// Depth at which a point of its own opacity is one pixel wide.
     pub depth: f64,
-    /// −ln(1 − α) of the opacity α for which a point takes the whole of such a pixel; 0 where there is no area.
+    /// −ln(1 − α) of the opacity α for which a point covers the whole of such a pixel; 0 without an area.
     pub unit: f64,
-    /// Whether all of its points have the opacity of their surface.
+    /// True if all of its points have the opacity of their surface.
     pub uniform: bool,
-    /// Whether more points were wanted than L for each there is, so that opacity is lost.
+    /// True if more than L copies of each point were needed, so that opacity is lost.
     pub capped: bool,
     /// Opacity of its surface in the image, of that which was asked for.
     pub opacity: f64,
@@ -46,7 +45,7 @@ pub struct Share {
     pub largest: f64,
 }
 
-/// What a frame asks of all clouds.
+/// A frame's settings for all clouds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted<'a> {
     /// The camera.
@@ -60,7 +59,7 @@ pub struct Wanted<'a> {
 }
 
 impl Share {
-    /// How its points are dealt to so many ensembles; `place` is the cloud's among the others.
+    /// The dealing of its points to this many ensembles; `place` is the cloud's among the others.
     pub fn deal(&self, ensembles: u32, place: u32, seed: u64) -> Deal {
         Deal { points: self.points.end - self.points.start, slots: self.slots, ensembles, place, seed }
     }

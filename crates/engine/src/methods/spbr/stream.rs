@@ -1,7 +1,8 @@
-//! Points that go through the device while a window is rendered: of clouds that have no room there.
+//! Points that pass through the device while a window is rendered, for clouds that don't fit.
 //!
-//! The host keeps all points, the device some of them at a time, column behind column in one buffer. Which ones
-//! follows from the dispatches in their order: as many of them as have all of their points there are one submission.
+//! The host keeps all points, the device some of them at a time, column behind column in one buffer. The order of the
+//! dispatches determines which ones: a submission contains as many dispatches as can have all of their points on the
+//! device.
 
 use std::ops::Range;
 
@@ -13,13 +14,13 @@ use crate::passes::project::{COLUMN_BYTES, Column, DeviceCloud};
 const LEAST_POINTS: u64 = 1 << 16;
 /// Most points on the device at a time: the rows of a later pass, and as many again.
 const MOST_POINTS: u64 = 1 << 23;
-/// One in so many bytes of the budget is for points, and as many for what they come from.
+/// The budget's fraction for points is 1/`PART`, and the same for their source.
 const PART: u64 = 8;
 /// Bytes for the allocator's rounding to blocks, or a quarter of a smaller budget.
 const OVERHEAD_BYTES: u64 = 16 << 20;
 
-/// How many points of a cloud that was dealt are on the device at a time; `None`: all of them, since they fit the
-/// budget, or three quarters of the device's memory, and the largest allocation.
+/// The number of a dealt cloud's points on the device at a time; `None` for all of them, if they fit the budget, or
+/// three quarters of the device's memory, and the largest allocation.
 pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option<u64>) -> Option<u64> {
     let limits = device.limits();
     let budget = memory_budget.unwrap_or(limits.heap_bytes / 4 * 3);
@@ -32,7 +33,7 @@ pub fn window_points(device: &Device, cloud: &DeviceCloud, memory_budget: Option
     Some((budget / PART / point).max(LEAST_POINTS).min(most) / ALIGNED * ALIGNED)
 }
 
-/// What is left of a budget beside so many points at a time.
+/// The rest of a budget beside this many points at a time.
 pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
     let both = 2 * points * cloud.columns().len() as u64 * COLUMN_BYTES;
     budget.saturating_sub(both + OVERHEAD_BYTES.min(budget / 4)).max(budget / PART)
@@ -40,7 +41,7 @@ pub fn rest(budget: u64, cloud: &DeviceCloud, points: u64) -> u64 {
 
 /// Consecutive points, and where the first one is among those on the device.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Held {
+struct Resident {
     points: Range<u64>,
     place: u64,
 }
@@ -48,12 +49,12 @@ struct Held {
 /// Which points are on the device.
 #[derive(Debug, Default)]
 struct Shelf {
-    /// Points that there is room for.
+    /// The number of points that fit.
     capacity: u64,
-    /// One behind the other.
-    held: Vec<Held>,
-    /// What came since [`Self::begin`].
-    fresh: Vec<Held>,
+    /// Ranges of points, one behind the other.
+    resident: Vec<Resident>,
+    /// Ranges added since [`Self::begin`].
+    fresh: Vec<Resident>,
 }
 
 impl Shelf {
@@ -61,29 +62,29 @@ impl Shelf {
         Self { capacity, ..Self::default() }
     }
 
-    /// Where the first of some points is, if all of them are there.
+    /// The place of a range's first point, if the whole range is present.
     fn place(&self, points: &Range<u64>) -> Option<u64> {
-        let around = |held: &&Held| held.points.start <= points.start && points.end <= held.points.end;
-        self.held.iter().rev().find(around).map(|held| held.place + (points.start - held.points.start))
+        let around = |resident: &&Resident| resident.points.start <= points.start && points.end <= resident.points.end;
+        self.resident.iter().rev().find(around).map(|resident| resident.place + (points.start - resident.points.start))
     }
 
-    /// Begins with these points: what was there goes if there is no room beside it.
+    /// Begins with these points: earlier ones are dropped if there is no room beside them.
     fn begin(&mut self, points: &Range<u64>) -> bool {
         self.fresh.clear();
         if self.admit(points) {
             return true;
         }
-        self.held.clear();
+        self.resident.clear();
         self.admit(points)
     }
 
-    /// Finds room for points that are not there; false if there is none.
+    /// Finds room for missing points; false if none is left.
     fn admit(&mut self, points: &Range<u64>) -> bool {
         if self.place(points).is_some() {
             return true;
         }
-        let end = self.held.last().map_or(0, |last| last.place + (last.points.end - last.points.start));
-        if let Some(last) = self.held.last_mut()
+        let end = self.resident.last().map_or(0, |last| last.place + (last.points.end - last.points.start));
+        if let Some(last) = self.resident.last_mut()
             && (last.points.start..=last.points.end).contains(&points.start)
         {
             let more = last.points.end..points.end;
@@ -91,21 +92,21 @@ impl Shelf {
                 return false;
             }
             last.points.end = points.end;
-            self.fresh.push(Held { points: more, place: end });
+            self.fresh.push(Resident { points: more, place: end });
             return true;
         }
         let place = end.next_multiple_of(ALIGNED);
         if place + (points.end - points.start) > self.capacity {
             return false;
         }
-        let held = Held { points: points.clone(), place };
-        self.fresh.push(held.clone());
-        self.held.push(held);
+        let resident = Resident { points: points.clone(), place };
+        self.fresh.push(resident.clone());
+        self.resident.push(resident);
         true
     }
 }
 
-/// Points on the device, and what they come from; kept from frame to frame.
+/// Points on the device, and their source; kept from frame to frame.
 pub struct Stream {
     window: Kept<[f32; 4]>,
     staging: Kept<[f32; 4]>,
@@ -130,7 +131,7 @@ impl Default for Stream {
 }
 
 impl Stream {
-    /// Room for so many points of a cloud, none of them there; without `points` none at all.
+    /// Allocates room for this many points of a cloud, initially empty; without `points` frees it.
     pub fn reserve(&mut self, device: &Device, cloud: &DeviceCloud, points: Option<u64>) -> Result<(), Error> {
         (self.columns, self.uploaded) = (cloud.columns().len() as u64, 0);
         self.shelf = Shelf::new(points.unwrap_or(0));
@@ -151,7 +152,7 @@ impl Stream {
         assert!(fits, "{points:?}: a dispatch binds no more points than there is room for");
     }
 
-    /// Whether a dispatch that binds these points may join the submission.
+    /// True if a dispatch that binds these points may join the submission.
     pub fn admit(&mut self, points: &Range<u64>) -> bool {
         self.shelf.admit(points)
     }
@@ -159,9 +160,9 @@ impl Stream {
     /// Packs what is new, for [`Self::record`].
     pub fn pack(&mut self, cloud: &DeviceCloud) {
         self.packed.clear();
-        for held in &self.shelf.fresh {
+        for resident in &self.shelf.fresh {
             for column in cloud.columns() {
-                cloud.pack(*column, held.points.clone(), &mut self.packed);
+                cloud.pack(*column, resident.points.clone(), &mut self.packed);
             }
         }
         self.staging.get_mut().write(&self.packed);
@@ -171,7 +172,7 @@ impl Stream {
     /// Records the copies of what is new.
     pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         let mut from = 0;
-        for Held { points, place } in &self.shelf.fresh {
+        for Resident { points, place } in &self.shelf.fresh {
             let count = points.end - points.start;
             for column in 0..self.columns {
                 let to = self.window.get().slice(column * self.shelf.capacity + place, count);
@@ -204,7 +205,7 @@ mod tests {
         assert_eq!(shelf.place(&(128..400)), Some(64));
         assert_eq!(shelf.place(&(5120..5200)), Some(512));
         assert_eq!(shelf.place(&(400..501)), None);
-        // What is there stays, and is not fresh.
+        // Ranges already present stay, and are not fresh.
         assert!(shelf.begin(&(5056..5100)) && shelf.fresh.is_empty());
         assert!(shelf.admit(&(0..64)) && !shelf.admit(&(10_048..10_500)));
         assert!(shelf.begin(&(10_048..10_500)));

@@ -14,7 +14,7 @@ pub struct Task {
     pub ensembles: Range<u32>,
     /// The epoch of their keys.
     pub epoch: u32,
-    /// Whether planes must be cleared before it.
+    /// True if planes must be cleared before it.
     pub renews: bool,
     /// The pass.
     pub stage: Stage,
@@ -35,7 +35,7 @@ pub struct Tasks<'a> {
 }
 
 impl<'a> Tasks<'a> {
-    /// Of a window.
+    /// The tasks of a window.
     pub fn new(job: &'a WindowJob<'a>) -> Self {
         Self { job, epochs: Epochs::new(job.epoch_bits()), next: 0, renews: false, round: VecDeque::new() }
     }
@@ -75,7 +75,7 @@ impl Iterator for Tasks<'_> {
             self.begin_round();
         }
         let task = self.round.pop_front()?;
-        // Of a round without slots, the next one that has some does it.
+        // If a round has no slots, the next one that has some clears the planes.
         Some(Task { renews: take(&mut self.renews), ..task })
     }
 }

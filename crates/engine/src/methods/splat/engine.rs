@@ -1,4 +1,4 @@
-//! The engine of opaque splats of which the nearest wins.
+//! The engine of opaque splats where only the nearest one counts.
 
 use super::PIXEL_BYTES;
 use crate::methods::bytes::PassRuns;
@@ -11,13 +11,13 @@ use crate::passes::project::{DeviceCloud, Footprint, Part};
 use crate::passes::raster::{Raster, Walker};
 use crate::scene::{Relief, ScreenSplats};
 
-/// Opaque splats of which the nearest wins.
+/// Opaque splats where only the nearest one counts.
 pub(crate) struct NearestEngine {
     /// Size, clamp and rasteriser.
     pub splats: ScreenSplats,
     /// Which pixels a splat covers.
     pub footprint: Footprint,
-    /// How far its fragments move toward the viewer.
+    /// The displacement of its fragments toward the viewer.
     pub relief: Relief,
 }
 
@@ -77,7 +77,7 @@ impl Engine for NearestEngine {
 /// The passes that find the nearest splats, by 64-bit atomics and without.
 const NEAREST: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
 
-/// Counters that most methods clear, and what the projection finds.
+/// Counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
     PassGroup::new(&COUNTERS, Absent::Always("ensembles have counters of their own"))
 }
@@ -87,7 +87,7 @@ pub(crate) fn tile_group() -> PassGroup {
     PassGroup::new(&TILES, Absent::Always("no stage visits pixels splat by splat"))
 }
 
-/// The passes of opaque splats of which the nearest wins.
+/// The passes of opaque splats where only the nearest one counts.
 pub(crate) fn pass_group() -> PassGroup {
     let names = NEAREST.into_iter().chain(["splat/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no opaque splats") }

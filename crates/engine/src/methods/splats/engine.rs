@@ -1,6 +1,7 @@
 //! The engine of `hqs` and `splats`, and the drawing in three passes that others take for their solid points.
 
 use super::{PASSES, PIXEL_BYTES, WindowJob, least_bytes, survey};
+use crate::gpu::DeviceInfo;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, EACH_PIXEL, NOTHING, PassGroup, Plan};
@@ -21,6 +22,10 @@ pub(crate) struct SplatsEngine {
 }
 
 impl Engine for SplatsEngine {
+    fn needs_subgroups(&self, _device: &DeviceInfo) -> bool {
+        true
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         Ok(windows_of(frame, budget, bin::PIXEL_BYTES + PIXEL_BYTES))
     }
@@ -63,24 +68,24 @@ impl Engine for SplatsEngine {
 
 /// Splats that are drawn in three passes.
 pub(crate) struct Drawing<'a> {
-    /// What their projection found, chunk by chunk.
+    /// The results of their projection, by chunk.
     pub stats: &'a [Stats],
     /// Which pixels a splat covers.
     pub footprint: Footprint,
-    /// What lies up to so many radii behind the nearest is blended with it.
+    /// Fragments up to this many radii behind the nearest are blended with it.
     pub blend_depth: f32,
     /// Bytes per pixel that are in use meanwhile.
     pub used_bytes: u64,
-    /// What they are drawn into.
+    /// Their destination.
     pub onto: Onto,
 }
 
-/// What three-pass splats are drawn into.
+/// The destination of three-pass splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Onto {
     /// The target.
     Target,
-    /// The target; only what is solid or lies behind the layer.
+    /// The target; only solid fragments, and those behind the layer.
     TargetBehindLayer,
     /// The layer.
     Layer,
@@ -111,7 +116,7 @@ pub(crate) fn draw(
     splatter.render(bins, work, &WindowJob { bin, blend_depth, layer: behind }, into)
 }
 
-/// How a part of a cloud's points becomes splats that are drawn in three passes: as those of `splats`, with its defaults.
+/// The conversion of a part of a cloud's points to three-pass splats: like those of `splats`, with its defaults.
 pub(crate) fn solid_projecting(frame: &Frame, cloud: &DeviceCloud, part: Part) -> Projecting {
     frame.projecting(cloud, Footprint::Oriented, ScreenSplats::default(), part)
 }

@@ -2,7 +2,7 @@
 
 use super::hardware::{self, HeldDepths};
 use super::{Kind, WindowJob, batches, least_bytes, pixel_bytes, window_pixels};
-use crate::gpu::Device;
+use crate::gpu::{Device, DeviceInfo};
 use crate::methods::abuffer::counted_beside;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work};
@@ -68,6 +68,11 @@ impl Stage for StochasticEngine {
 }
 
 impl Engine for StochasticEngine {
+    fn needs_subgroups(&self, device: &DeviceInfo) -> bool {
+        // The rasteriser takes the samples where it can.
+        device.multisampled.is_none()
+    }
+
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
         let (listed, spread) = (if frame.fragments { abuffer::PIXEL_BYTES } else { 0 }, frame.wants_spread());
         let bytes = listed + bin::PIXEL_BYTES + pixel_bytes(spread);
@@ -139,7 +144,7 @@ fn correction(settings: &Stochastic) -> &'static str {
     if settings.alpha_correction { "the exact A corrects colors" } else { "no alpha correction" }
 }
 
-/// Splats in tiles, and what goes through them for each few strata of samples.
+/// Splats in tiles, and the passes over them for each few strata of samples.
 fn explain_tiles(plan: &mut Plan<'_>, settings: &Stochastic) {
     let (why, alpha) = (plan.why, correction(settings));
     let counters = if plan.seen() { plan.order(Order::Index, EACH_PIXEL) } else { 0 };

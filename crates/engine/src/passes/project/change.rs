@@ -11,12 +11,12 @@ impl DeviceCloud {
         self.host = None;
     }
 
-    /// Brings the cloud up to what its points are by now: as many as were uploaded, in the same places. What depends on a column
-    /// that changed is found anew; shadows stay, unless points with normals traded places. After an error nothing can be rendered until the
-    /// same changes were brought once more.
+    /// Updates the cloud to its points' current values: the same number in the same places as were uploaded. Data that
+    /// depend on a changed column are recomputed; shadows stay, unless points with normals traded places. After an
+    /// error nothing can be rendered until the same changes are applied again.
     ///
     /// # Errors
-    /// No memory for a field that was not there before, or the device failed.
+    /// No memory for a new field, or the device failed.
     pub fn follow(&mut self, device: &Device, arranged: &Arranged, changes: Changes) -> Result<(), Error> {
         let points = arranged.points();
         if let Arranged::Dealt(dealt) = arranged {
@@ -31,14 +31,14 @@ impl DeviceCloud {
         if changes.fields {
             self.renew_positions(points);
         }
-        // Points that were dealt may not be there yet.
+        // Dealt points may not be uploaded yet.
         if self.points_hi.len() == self.len {
             self.upload_changes(device, points, changes)?;
         }
         Ok(())
     }
 
-    /// What is known of all points, but for their positions.
+    /// Recomputes the properties of all points, except those of their positions.
     fn measure(&mut self, points: &Points, changes: Changes) {
         if changes.opacities {
             self.most_opacity = most(&points.opacities);

@@ -8,11 +8,11 @@ use crate::prepare::ensembles::Surface;
 /// A cloud of a dealt list, with the corners of its box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// What is known of it.
+    /// Properties of the cloud.
     pub surface: Surface,
-    /// Of its points' box, in world coordinates.
+    /// Corners of its points' box, in world coordinates.
     pub corners: [DVec3; 8],
-    /// Whether all of its points have the same opacity.
+    /// True if all of its points have the same opacity.
     pub uniform: bool,
 }
 

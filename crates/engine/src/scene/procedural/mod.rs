@@ -167,7 +167,7 @@ pub enum Error {
         /// The largest allowed number.
         most: usize,
     },
-    /// The memory for the points is not to be had.
+    /// Not enough memory for the points.
     #[error("{points} points need {bytes} bytes, more than can be allocated; ask for fewer points")]
     TooLarge {
         /// Points asked for.

@@ -1,4 +1,4 @@
-//! What is known of a key without reading a scene.
+//! Properties of a key that are known without reading a scene.
 
 use super::Range;
 use crate::scene::Setting;
@@ -9,7 +9,7 @@ use crate::scene::Setting;
 pub struct Key {
     /// Its name inside its table; dotted if it stands in a table of its own there, as `axis.point`.
     pub name: &'static str,
-    /// What it does, in a sentence.
+    /// Its description, in a sentence.
     pub about: &'static str,
     /// Which values it takes.
     pub kind: Kind,
@@ -17,7 +17,7 @@ pub struct Key {
     pub unit: &'static str,
     /// The value in force; `None` if none was given and none stands for it.
     pub value: Option<Setting>,
-    /// What holds without a value, in a few words; empty for a key that always has one.
+    /// The behaviour without a value, in a few words; empty for a key that always has one.
     pub without: &'static str,
     /// Where a control begins when it is switched on, of a key that may have no value. Of [`Slider::Lengths`] a share of the
     /// scene's diagonal.
@@ -28,7 +28,7 @@ pub struct Key {
     pub rival: Option<&'static str>,
     /// The methods that use it, of those that share these settings; empty: all of them.
     pub only: &'static [&'static str],
-    /// Whether larger numbers only make the image better and slower, so that a draft may do with fewer.
+    /// True if larger numbers only make the image better and slower, so that a draft may use fewer.
     pub refines: bool,
     /// The values that `tradeoff` and `--max-error` try.
     pub tried: Option<Ladder>,
@@ -112,7 +112,7 @@ impl std::fmt::Display for Kind {
 pub struct Word {
     /// As the file spells it.
     pub name: &'static str,
-    /// What it stands for, in a sentence.
+    /// Its meaning, in a sentence.
     pub about: &'static str,
 }
 
@@ -134,13 +134,13 @@ pub enum Slider {
 /// Values of a key that are compared, ascending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ladder {
-    /// What a report shows.
+    /// The steps of a report.
     pub full: &'static [u32],
     /// For a first look and for CI.
     pub quick: &'static [u32],
-    /// What is chosen from.
+    /// The steps that a choice considers.
     pub fine: &'static [u32],
-    /// Whether a step that is as large as the longest list of fragments draws all of them, so that larger ones draw the same.
+    /// True if a step as large as the longest list of fragments draws all of them, so that larger ones draw the same.
     pub ends_at_longest_list: bool,
     /// How many are done at once, and so take the time of one.
     pub at_once: u32,

@@ -127,7 +127,7 @@ macro_rules! settings {
     };
 }
 
-/// What is declared to be allowed; `()` if nothing is.
+/// The declared range; `()` without one.
 macro_rules! allowed {
     () => {
         ()

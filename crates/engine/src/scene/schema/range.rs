@@ -5,7 +5,7 @@
 pub struct Range {
     min: f64,
     max: f64,
-    /// Whether the ends themselves are allowed.
+    /// True if the ends themselves are allowed.
     closed: bool,
 }
 
@@ -27,7 +27,7 @@ impl Range {
         Self { min, max, closed: false }
     }
 
-    /// Whether a number lies within.
+    /// True if a number lies within.
     pub fn contains(self, x: f64) -> bool {
         x.is_finite() && if self.closed { self.min <= x && x <= self.max } else { self.min < x && x < self.max }
     }

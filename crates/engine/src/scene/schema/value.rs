@@ -16,7 +16,7 @@ pub(crate) trait Value: Sized {
     /// Which of its values are allowed; `()` if all are.
     type Allowed;
 
-    /// What a file writes for it.
+    /// The form of its value in a file.
     fn kind(allowed: Self::Allowed) -> Kind;
 
     /// The value of a key; `None` if it is not given.

@@ -1,8 +1,8 @@
 //! `[shading]` and its light, and `[shadows]`.
 
-use glam::DVec3;
-
+use crate::cloud::shadow_texture::Casting;
 use crate::image::MAX_SIDE;
+use crate::light::Light;
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::schema::{Kind, Range, Slider, Value, settings, words};
@@ -38,18 +38,6 @@ words! {
         /// Lambert plus specular·max(0, r·v)^shininess.
         Phong = "phong",
     }
-}
-
-/// `[shading] light`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Light {
-    /// At the eye (perspective) or against the viewing direction (orthographic).
-    #[default]
-    Headlight,
-    /// The direction in which the light travels, world space, not zero.
-    Direction(DVec3),
-    /// A position in the world.
-    Position(DVec3),
 }
 
 impl Value for Light {
@@ -110,6 +98,30 @@ settings! {
         /// Points so near to the first lit surface are lit with it.
         min_layer_distance: Option<f32> = None, in Range::POSITIVE, unit "world units",
             without "1% of the scene's diagonal", start 0.01, slider Slider::Lengths(1e-5, 1.0);
+    }
+}
+
+/// Default distance between surfaces, as a share of the scene's diagonal.
+const APART: f64 = 0.01;
+
+impl Shadows {
+    /// The casting of a light onto points whose box has a diagonal of `diagonal` world units; `None` for a headlight, which
+    /// casts no shadows.
+    pub fn casting(&self, light: Light, seed: u64, diagonal: f64) -> Option<Casting> {
+        let light = match light {
+            Light::Headlight => return None,
+            Light::Direction(direction) => Light::Direction(direction.normalize_or_zero()),
+            Light::Position(_) => light,
+        };
+        let hard = self.light_radius == 0.0;
+        Some(Casting {
+            light,
+            samples: if hard { 1 } else { self.samples },
+            light_radius: self.light_radius,
+            resolution: self.resolution,
+            min_layer_distance: self.min_layer_distance.unwrap_or((APART * diagonal) as f32),
+            seed: if hard { 0 } else { seed },
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the motion through key frames keeps to.
+//! Properties of the motion through key frames.
 
 use std::f64::consts::TAU;
 

@@ -27,7 +27,7 @@ fn source(line: &str) -> Option<(&str, &str)> {
     }
 }
 
-/// What a cloud has besides positions.
+/// The attributes of a cloud besides positions.
 fn attributes(cloud: &Cloud) -> String {
     let usual = [
         ("color", cloud.colors.is_some()),

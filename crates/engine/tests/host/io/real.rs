@@ -212,7 +212,7 @@ fn boxes_of_real_files() {
     }
 }
 
-/// What the data's README says of them.
+/// The positions stated by the data's README.
 #[test]
 fn places_of_nasty_files() {
     for clouds in clouds() {
@@ -315,7 +315,7 @@ fn attributes_of_real_files() {
     }
 }
 
-/// What every nth point of a file has, the others have, too.
+/// Every nth point of a file keeps its attributes in the cut files.
 #[test]
 fn attributes_of_cut_files() {
     for clouds in clouds().into_iter().filter(|clouds| clouds.is_subset()) {

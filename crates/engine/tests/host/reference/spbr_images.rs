@@ -255,7 +255,7 @@ fn points_weigh_as_much_as_their_own_opacity() {
     Arc::make_mut(&mut dealt.points).opacities.fill(0.25);
     let (picture, _) = render(&wide(), WIDE, &dealt, &white(&dealt), &rule(40), 2);
     assert_opacity(&picture, 0.25);
-    // What an opaque point asks for is all there is.
+    // An opaque point uses all points.
     Arc::make_mut(&mut dealt.points).opacities.fill(1.0);
     dealt.surfaces[0].opacity = 1.0;
     Arc::make_mut(&mut dealt.points).opacities[..1000].fill(0.25);
@@ -332,8 +332,8 @@ fn ensembles_of_copies_tend_to_the_limit_too() {
     assert!(squares > 3.0 * errors[2], "{squares}, {errors:?}");
 }
 
-/// Whether images of ensembles dealt like this are right: their mean is α, and the mean square of what they are off it
-/// α(1 − α)/L, which the standard error says too.
+/// Tests images of ensembles dealt like this: their mean is α, and the mean square of its error α(1 − α)/L, which the
+/// standard error must equal, too.
 fn judge(hand: impl Fn(&Deal, u32) -> Vec<u64>) -> Result<(), String> {
     let (ensembles, alpha) = (10u32, 0.5f32);
     let dealt = dealt(&[(plane(200.0, 5.0, 11), 200.0, alpha)]);

@@ -2,7 +2,7 @@
 
 use pellucid_engine::image::Image;
 
-/// An image that is filtered; what lies outside is background.
+/// An image to filter; pixels outside count as background.
 #[derive(Debug, Clone)]
 pub struct Filtered {
     /// Columns and rows.

@@ -17,7 +17,7 @@ pub fn over(dots: &[Dot]) -> [f32; 4] {
     over_until(dots, 0.0)
 }
 
-/// As [`over`], until less than a share of the light passes.
+/// Like [`over`], until less than a share of the light passes.
 pub fn over_until(dots: &[Dot], least: f32) -> [f32; 4] {
     let (mut color, mut rest) = (Vec3::ZERO, 1f32);
     for dot in dots {
@@ -35,8 +35,8 @@ pub fn nearest(dots: &[Dot]) -> f32 {
     dots.iter().map(|dot| -dot.position.z as f32).fold(f32::INFINITY, f32::min)
 }
 
-/// Layers of surfaces from near to far (`peel-layers`), each at `distance` behind the last one less a tolerance that is
-/// relative to its depth: the pixel, and how many layers there are.
+/// Layers of surfaces from near to far (`peel-layers`), each at `distance` behind the last one minus a tolerance
+/// relative to its depth: the pixel, and the number of layers.
 pub fn peel(dots: &[Dot], distance: f32, tolerance: f32, most: u32) -> ([f32; 4], u32) {
     let depth = |dot: &Dot| -dot.position.z as f32;
     let (mut layers, mut from) = (Vec::new(), f32::NEG_INFINITY);

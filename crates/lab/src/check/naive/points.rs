@@ -9,7 +9,7 @@ fn place(dot: &Dot) -> [f32; 2] {
     [dot.position.x as f32, -dot.position.y as f32]
 }
 
-/// Whether a disc covers a pixel in the view of [`crate::check::stage::pixels`]: its centre lies at no more than one radius.
+/// True if a disc covers a pixel in the view of [`crate::check::stage::pixels`]: its centre is at most one radius away.
 pub fn covers(dot: &Dot, [x, y]: [u32; 2]) -> bool {
     let [column, row] = place(dot);
     (column - (x as f32 + 0.5)).hypot(row - (y as f32 + 0.5)) / dot.radius <= 1.0
@@ -26,7 +26,7 @@ pub fn gaussian(distance: f32, radius: f32) -> f32 {
     (-2.0 * rho * rho).exp()
 }
 
-/// Whether a depth is drawn by its place between near at 0 and far at 1, both excluded.
+/// True if a depth is drawn, judged by its position between near at 0 and far at 1, both excluded.
 pub fn is_between(z: f32, near: f32, far: f32) -> bool {
     let place = (z - near) / (far - near);
     place > 0.0 && place < 1.0

@@ -8,8 +8,8 @@ use crate::check::stage::Dot;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::Ray;
 
-/// Soft spheres (Seemann et al. 2018) as they are written down: the ray by b² − c, Eq. 5 to 7 with a difference of two
-/// antiderivatives and of their logarithms, sums of colors and weights that are added to and taken from, 1 − exp(−x).
+/// Soft spheres (Seemann et al. 2018) as the paper writes them: the ray by b² − c, Eq. 5 to 7 with a difference of two
+/// antiderivatives and of their logarithms, running sums of colors and weights, 1 − exp(−x).
 #[derive(Debug, Clone, Copy)]
 pub struct Soft {
     /// λ.
@@ -21,7 +21,7 @@ pub struct Soft {
 }
 
 impl Soft {
-    /// With an array that is long enough, and no limits.
+    /// With a sufficiently long array, and no limits.
     pub fn new(lambda: f32) -> Self {
         Self { lambda, limits: [f32::NEG_INFINITY, f32::INFINITY], most_open: usize::MAX }
     }
@@ -32,7 +32,7 @@ impl Soft {
         rows.flat_map(|y| (0..size[0]).map(move |x| [x, y])).map(|at| self.pixel(dots, camera, size, at)).collect()
     }
 
-    /// One pixel.
+    /// A single pixel.
     pub fn pixel(&self, dots: &[Dot], camera: &Camera, size: [u32; 2], at: [u32; 2]) -> [f32; 4] {
         let ray = Ray::new(camera, size, at);
         let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());

@@ -4,7 +4,7 @@ use std::f64::consts::E;
 
 use glam::{DVec3, Vec3};
 
-use super::{DISTANCE, Found, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide, with};
+use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide, with};
 use crate::check::naive::{self, over};
 use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, pixels, pixels_apart};
 use crate::check::verdict::Naive::Computed;
@@ -13,7 +13,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
 use pellucid_engine::scene::{Density, Method};
 
-pub(super) fn inside_one(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn inside_one(stage: &mut Stage, method: Method) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);
     let dots = [Dot { position: DVec3::new(0.2, -0.1, -0.3), ..beside(0, 0.0, 0.0, 1.0) }];
     let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
@@ -22,17 +22,17 @@ pub(super) fn inside_one(stage: &mut Stage, method: Method) -> Found {
 
 /// Spheres that all hold the origin, of radii from 1 to 1.5, within 0.4 of it and before it.
 fn around_the_origin() -> Vec<Dot> {
-    let of = |i: u32| {
+    let sphere = |i: u32| {
         // The golden angle spreads them, and their colors are any.
         let (turn, part) = (2.399_963 * f64::from(i), f64::from(i) / 300.0);
         let position = DVec3::new(0.2 * turn.cos(), 0.2 * turn.sin(), -0.05 - 0.3 * part);
         let color = Vec3::new((i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0);
         Dot { position, radius: 1.0 + (i * 37 % 300) as f32 / 600.0, color, field: 1.0, ..Dot::default() }
     };
-    (0..300).map(of).collect()
+    (0..300).map(sphere).collect()
 }
 
-pub(super) fn inside_many(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn inside_many(stage: &mut Stage, method: Method) -> CaseResult {
     let (camera, size, dots) = (wide(60.0, 0.01), [4, 3], around_the_origin());
     let method = lambda(method, 0.01);
     let naive = naive::Soft { limits: [0.01, f32::INFINITY], most_open: 64, ..naive::Soft::new(0.01) };
@@ -40,7 +40,7 @@ pub(super) fn inside_many(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (camera, size), method, bound(300, 0.01, 1.5), &naive)
 }
 
-pub(super) fn near_plane(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn near_plane(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let camera = Camera { near: 10.0, ..pixels([1, 1]) };
     let image = stage.image(&dots, camera, [1, 1], lambda(method, 0.25))?;
@@ -51,7 +51,7 @@ pub(super) fn near_plane(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &[opacity(half), 10.0]), bound: bound(1, 0.25, 2.0), naive: Computed(naive) })
 }
 
-pub(super) fn solid(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn solid(stage: &mut Stage, method: Method) -> CaseResult {
     // A wall through the sphere's middle, before a wide view: 60 degrees off the axis a ray is twice as long.
     let (camera, size) = (wide(120.0, 0.01), [9, 9]);
     let sphere = Dot { position: DVec3::new(0.0, 0.0, -2.0), ..beside(0, 0.0, 0.0, 8.0) };
@@ -74,7 +74,7 @@ pub(super) fn solid(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: bound(1, 0.01, 8.0), naive: Computed(pixels_apart(&naive, &wanted)) })
 }
 
-pub(super) fn open_300(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn open_300(stage: &mut Stage, method: Method) -> CaseResult {
     let dots: Vec<Dot> = around_the_origin();
     let projection = Projection::Orthographic { height: 0.2 };
     let camera = Camera { projection, eye: DVec3::Z * 5.0, ..wide(90.0, 0.5) };
@@ -82,7 +82,7 @@ pub(super) fn open_300(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (camera, [4, 3]), lambda(method, 0.01), bound(300, 0.01, 1.5), &naive)
 }
 
-pub(super) fn coincident(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn coincident(stage: &mut Stage, method: Method) -> CaseResult {
     let one = beside(0, 0.7, 10.0, 2.0);
     let method = lambda(method, 0.002);
     let single = -(-truth(&[one], &pixels([1, 1]), [1, 1], method)[0][3]).ln_1p();
@@ -94,7 +94,7 @@ pub(super) fn coincident(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound: bound(300, 0.002, 2.0), naive: Computed(apart(&lost, &wanted)) })
 }
 
-pub(super) fn leftover(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn leftover(stage: &mut Stage, method: Method) -> CaseResult {
     // A large red sphere that the ray grazes, and many small blue ones in its first half, all open at once.
     let red = Dot { color: Vec3::X, ..beside(0, 63.5, 100.0, 64.0) };
     let blue = |i: u32| {
@@ -104,8 +104,8 @@ pub(super) fn leftover(stage: &mut Stage, method: Method) -> Found {
     let dots: Vec<Dot> = (0..300).map(blue).chain([red]).collect();
     let (size, method) = ([1, 1], lambda(method, 0.04));
     let naive = naive::Soft::new(0.04).image(&dots, &pixels(size), size);
-    // Where red is alone, its weight cancels. Its own distance from the rim is 1/128 of the radius, so that an error of d
-    // counts 128-fold, to the power 1.5, in an optical depth of 0.2; as its weight among the blue ones it is nothing.
+    // Where red is alone, its weight cancels. Its own distance from the rim is 1/128 of the radius, so that an error of
+    // d counts 128-fold, to the power 1.5, in an optical depth of 0.2; its weight among the blue ones is negligible.
     let own = 1.5 * 128.0 * DISTANCE * 0.2;
     against_float64(
         stage,
@@ -117,7 +117,7 @@ pub(super) fn leftover(stage: &mut Stage, method: Method) -> Found {
     )
 }
 
-pub(super) fn reversed(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn reversed(stage: &mut Stage, method: Method) -> CaseResult {
     // Multiples of the golden ratio, less their whole part: no two sums of them round alike.
     let part = |i: u32, k: f32| (i as f32 * k * 0.618_034).fract();
     let color = |i: u32| Vec3::new(part(i, 1.0), part(i, 3.0), part(i, 7.0));
@@ -136,7 +136,7 @@ pub(super) fn reversed(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(differ as f64) })
 }
 
-pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> CaseResult {
     let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 200.0);
     // Through the middle, so that the opacity is λ itself.
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, opacity: 0.02, ..dot(1.0 + f64::from(i), color(i), 1.0) };
@@ -155,7 +155,7 @@ pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> Found {
     })
 }
 
-pub(super) fn faint_discs(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn faint_discs(stage: &mut Stage, method: Method) -> CaseResult {
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, ..dot(1.0 + f64::from(i), Vec3::ONE, 1e-6) };
     let dots: Vec<Dot> = (0..10_000).map(disc).collect();
     let wanted = composed(&dots);
@@ -164,7 +164,7 @@ pub(super) fn faint_discs(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: apart(&found, &wanted), bound, naive: Computed(apart(&over(&dots), &wanted)) })
 }
 
-pub(super) fn one_layer(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn one_layer(stage: &mut Stage, method: Method) -> CaseResult {
     let soft = |color| Dot { field: 1.0, radius: 0.25, ..dot(2.0, color, 1.0) };
     let blue = Dot { radius: 0.25, ..dot(6.0, Vec3::Z, 1.0) };
     let image = stage.image(&[soft(Vec3::X), soft(Vec3::X), blue], pixels([1, 1]), [1, 1], method)?;

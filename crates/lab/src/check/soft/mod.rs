@@ -1,4 +1,4 @@
-//! Soft spheres and discs: densities, rays and radii at their ends; what cuts spheres; how many of them are open.
+//! Soft spheres and discs: densities, rays and radii at their limits; cuts through spheres; numbers of open spheres.
 
 mod many;
 mod rays;
@@ -15,13 +15,13 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
 use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft};
 
-type Found = Result<Finding, Trouble>;
+type CaseResult = Result<Finding, Trouble>;
 
 const ULP: f64 = 2.0 * HALF_ULP;
-/// Relative, of an optical depth: what shaders/shared/absorb.wgsl promises of its quadrature.
+/// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;
-/// Relative, of the distance of a ray from a centre: place on the screen, world units over a pixel, cross product and root, each
-/// of which Vulkan allows up to 3 units in the last place.
+/// Relative error of a ray's distance from a centre: position on the screen, world units per pixel, cross product and
+/// root, to each of which Vulkan allows up to 3 units in the last place.
 const DISTANCE: f64 = 12.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {
@@ -110,7 +110,7 @@ fn lambda(method: Method, lambda: f32) -> Method {
     with(method, |soft| soft.density = Density::Lambda(lambda))
 }
 
-/// A soft sphere of which the ray of a pixel passes at a distance, above it.
+/// A soft sphere that the ray of a pixel passes at a distance, above its centre.
 fn beside(x: u32, distance: f64, depth: f64, radius: f32) -> Dot {
     let position = at(x, 0, depth) + DVec3::Y * distance;
     Dot { position, radius, color: Vec3::new(0.25, 0.5, 1.0), field: 1.0, ..Dot::default() }
@@ -128,10 +128,10 @@ fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: Method) -> Vec<[
     Scene { camera, size, points: &points, colors: &colors, model }.render(|_| Behind::NOTHING).rgba
 }
 
-/// What an opacity may be off at most: the quadrature, of which x exp(-x) ≤ 1/e is seen; the distance of the ray, on which an
-/// optical depth depends by at most 2 λ r for each sphere (Eq. 5, by d), or 8 λ for each one of three shells (Eq. 15); the
-/// exponential (3 + 2 x units, times exp(-x)); weights of colors, of which the mean is above 0.1; four roundings for each of
-/// two segments of a sphere.
+/// The largest error of an opacity: the quadrature, whose effect is at most x exp(-x) ≤ 1/e; the distance of the ray,
+/// on which an optical depth depends by at most 2 λ r for each sphere (Eq. 5, by d), or 8 λ for each one of three
+/// shells (Eq. 15); the exponential (3 + 2 x units, times exp(-x)); weights of colors, whose mean is above 0.1; four
+/// roundings for each of two segments of a sphere.
 fn bound(spheres: usize, lambda: f64, radius: f64) -> f64 {
     let n = spheres as f64;
     let distance = n * lambda * radius * (2.0 * radius).max(8.0) * DISTANCE;
@@ -146,7 +146,7 @@ fn against_float64(
     method: Method,
     bound: f64,
     naive: &[[f32; 4]],
-) -> Found {
+) -> CaseResult {
     let wanted = truth(dots, &camera, size, method);
     let image = stage.image(dots, camera, size, method)?;
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound, naive: Computed(pixels_apart(naive, &wanted)) })

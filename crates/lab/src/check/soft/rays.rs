@@ -1,10 +1,10 @@
-//! One sphere or one disc: densities, distances of the ray and radii at their ends.
+//! One sphere or one disc: densities, distances of the ray and radii at their limits.
 
 use std::f64::consts::{E, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::{DISTANCE, Found, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide, with};
+use super::{CaseResult, DISTANCE, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide, with};
 use crate::check::stage::{Dot, HALF_ULP, apart, pixels, pixels_apart};
 use crate::check::verdict::Naive::{Computed, Stated};
 use crate::check::{Finding, Stage, naive};
@@ -21,7 +21,7 @@ fn relative(found: f32, wanted: f64) -> f64 {
     apart(&[found], &[wanted]) / wanted
 }
 
-pub(super) fn faint(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [Dot { color: Vec3::ONE, ..beside(0, 0.3, 10.0, 1.0) }];
     let method = lambda(method, 1e-6);
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
@@ -32,7 +32,7 @@ pub(super) fn faint(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(1.0 - (-depth).exp(), wanted)) })
 }
 
-pub(super) fn dense(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn dense(stage: &mut Stage, method: Method) -> CaseResult {
     let edges = [1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5];
     let sphere = |(x, edge): (u32, &f64)| beside(x, 0.25 * (1.0 - edge), 1000.0, 0.25);
     let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
@@ -43,7 +43,7 @@ pub(super) fn dense(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (pixels(size), size), method, bound, &naive)
 }
 
-pub(super) fn through_centre(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn through_centre(stage: &mut Stage, method: Method) -> CaseResult {
     let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
     let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
     let size = [8, 1];
@@ -51,7 +51,7 @@ pub(super) fn through_centre(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), &naive)
 }
 
-pub(super) fn grazing(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn grazing(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [beside(0, 0.25 * (1.0 - 1e-4), 1000.0, 0.25)];
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
     let found = stage.pixel(&dots, method)?[3];
@@ -61,8 +61,9 @@ pub(super) fn grazing(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
-/// A sphere of radius 1, cut by near and a solid point behind it: what is seen of it, and what the naive formula finds.
-fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
+/// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
+/// formula.
+fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> CaseResult {
     let length = 2f64.powi(-17);
     let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
     let wall = Dot { field: 0.0, color: Vec3::ZERO, ..beside(0, 0.0, near + length, 1.0) };
@@ -84,25 +85,25 @@ fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> Found {
     let wanted = opacity(1e5 * density);
     let whole = naive::Soft { limits: [near as f32, (near + length) as f32], ..naive::Soft::new(1e5) };
     let naive = whole.pixel(&[sphere], &camera, [1, 1], [0, 0])[0];
-    // Centre and both ends are binary fractions, exact wherever depths are counted from, and so is the segment's length.
+    // Centre and both ends are binary fractions, exact for any zero of depths, and so is the segment's length.
     let bound = INTEGRAL + 4.0 * DISTANCE + 16.0 * ULP;
     Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
-pub(super) fn thin_segment(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn thin_segment(stage: &mut Stage, method: Method) -> CaseResult {
     segment(stage, method, 8.0, 8.5)
 }
 
-pub(super) fn far_segment(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn far_segment(stage: &mut Stage, method: Method) -> CaseResult {
     segment(stage, method, 65536.0, 65536.5)
 }
 
-pub(super) fn no_radius(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
     let radii = [0.0, 1e-45, 1e-20];
     let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
     let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
     let wanted: Vec<[f64; 4]> = match method {
-        // A disc covers the pixel of its centre, of which it is the middle, unless it has no radius at all.
+        // A disc covers the pixel of its centre, except with a radius of 0.
         Method::SoftExpress(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
         _ => vec![[0.0; 4]; 3],
     };
@@ -115,7 +116,7 @@ pub(super) fn no_radius(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
-pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for radius in [1e3, 1e10, 1e20, f32::MAX] {
         let dots = [beside(0, 0.0, 10.0, radius)];
@@ -127,7 +128,7 @@ pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 4.0 * ULP, naive: Computed(naive) })
 }
 
-pub(super) fn far_away(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn far_away(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [Dot { position: DVec3::new(0.3, 0.1, -1000.0), ..beside(0, 0.0, 0.0, 1.0) }];
     let (camera, size) = (wide(0.25, 1.0), [12, 9]);
     let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
@@ -135,7 +136,7 @@ pub(super) fn far_away(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
 }
 
-pub(super) fn quantised(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn quantised(stage: &mut Stage, method: Method) -> CaseResult {
     let sphere =
         |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
     let dots: Vec<Dot> = (0..32).map(sphere).collect();
@@ -145,7 +146,7 @@ pub(super) fn quantised(stage: &mut Stage, method: Method) -> Found {
     against_float64(stage, &dots, (pixels(size), size), method, bound(1, 16.0, 0.25), &naive)
 }
 
-pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let wanted = [opacity(0.25 * 2.0 * 2.0)];
     let mut error = 0f64;
@@ -160,7 +161,7 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive: Computed(naive) })
 }
 
-pub(super) fn extremes(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 1.0)];
     let none = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(0.0)))?;
     let all = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(1.0)))?;
@@ -176,7 +177,7 @@ pub(super) fn extremes(stage: &mut Stage, method: Method) -> Found {
     Ok(Finding { error, bound: 4.0 * ULP, naive })
 }
 
-pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
+pub(super) fn modulated(stage: &mut Stage, method: Method) -> CaseResult {
     let (radius, distance, peak) = (1.0f64, 0.25, 0.5);
     let dots = [Dot { field: 0.75, color: Vec3::ONE, ..beside(0, distance, 10.0, 1.0) }];
     let change = |soft: &mut Soft| {
@@ -186,7 +187,7 @@ pub(super) fn modulated(stage: &mut Stage, method: Method) -> Found {
     let plain = match method {
         Method::SoftExpress(_) => peak * ((PI * distance / radius).cos() + 1.0) / 2.0,
         Method::SoftBase(_) => opacity(-(-peak).ln_1p() * chord(radius, distance) / (radius * radius)),
-        // One shell: λ μ' and the chord.
+        // A single shell: λ μ' and the chord.
         _ => {
             let length = 2.0 * ((radius - distance) * (radius + distance)).sqrt();
             opacity(-(-peak).ln_1p() / (2.0 * radius) * (1.0 - distance / radius) * length)

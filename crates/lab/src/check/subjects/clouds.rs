@@ -1,4 +1,4 @@
-//! The points of the subjects: whatever makes ties, long lists, full tiles and large splats.
+//! The points of the subjects: they cause ties, long lists, full tiles and large splats.
 
 use glam::{DVec3, Vec3};
 
@@ -19,7 +19,7 @@ fn direction(cloud: u32, point: u32) -> DVec3 {
     found / found.length()
 }
 
-/// What makes a point of its number.
+/// Makes a point from its number.
 struct Recipe {
     count: u32,
     position: fn(u32, u32) -> (DVec3, DVec3),
@@ -30,20 +30,20 @@ struct Recipe {
 
 fn cloud(number: u32, recipe: &Recipe) -> Points {
     let between = |[low, high]: [f64; 2], part: f64| (low + (high - low) * part) as f32;
-    let of = |make: &dyn Fn(u32) -> f32| (0..recipe.count).map(make).collect::<Vec<f32>>();
+    let column = |make: &dyn Fn(u32) -> f32| (0..recipe.count).map(make).collect::<Vec<f32>>();
     let places: Vec<(DVec3, DVec3)> = (0..recipe.count).map(|i| (recipe.position)(number, i)).collect();
     let color = |i: u32| Vec3::from_array([0, 1, 2].map(|channel| part(number, i, channel) as f32));
     Points {
         positions: places.iter().map(|(position, _)| position.as_vec3().as_dvec3()).collect(),
         colors: (0..recipe.count).map(color).collect(),
-        opacities: of(&|i| match i % 50 {
+        opacities: column(&|i| match i % 50 {
             // Both ends, now and then.
             7 => 0.0,
             31 => 1.0,
             _ => between(recipe.opacity, part(number, i, 3)),
         }),
-        radii: of(&|i| if i % 40 == 3 { 0.0 } else { between(recipe.radius, part(number, i, 4)) }),
-        // Some have none.
+        radii: column(&|i| if i % 40 == 3 { 0.0 } else { between(recipe.radius, part(number, i, 4)) }),
+        // Some are missing.
         normals: Some(
             places
                 .iter()
@@ -52,7 +52,7 @@ fn cloud(number: u32, recipe: &Recipe) -> Points {
                 .collect(),
         ),
         file_order: Vec::new(),
-        fields: of(&|i| part(number, i, 5) as f32),
+        fields: column(&|i| part(number, i, 5) as f32),
     }
 }
 
@@ -74,7 +74,7 @@ fn floor(count: u32) -> Points {
     cloud(2, &Recipe { count, position, radius: [0.04, 0.1], opacity: [0.3, 0.3] })
 }
 
-/// So many points within a pixel or two: long lists, and tiles with more splats than a run takes.
+/// `count` points within a pixel or two: long lists, and tiles with more splats than fit one run.
 fn knot(count: u32) -> Points {
     let position = |cloud, i| {
         let normal = direction(cloud, i);
@@ -99,7 +99,7 @@ pub(super) fn many() -> Vec<Points> {
     vec![ball(1500), floor(500), knot(2300), large()]
 }
 
-/// Nothing but soft points; lists beyond 256 events.
+/// Only soft points; lists beyond 256 events.
 pub(super) fn soft_alone() -> Vec<Points> {
     let soft =
         |points: Points| Points { fields: points.fields.iter().map(|f| 0.5 + f / 2.0 + 0.001).collect(), ..points };

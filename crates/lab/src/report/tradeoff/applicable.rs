@@ -8,7 +8,7 @@ use pellucid_engine::scene::{self, Density, Family, Key, Kind, Ladder, Method, S
 
 /// Settings that apply, and those that don't, with the reason.
 #[derive(Default)]
-struct Found {
+struct ApplicableSettings {
     settings: Vec<Setting>,
     skipped: Vec<Skipped>,
 }
@@ -16,7 +16,7 @@ struct Found {
 /// All settings that apply, exact methods first, each ladder ascending; and those that don't, with the reason. Every method is
 /// among the ones or the others.
 pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Skipped>) {
-    let mut found = Found::default();
+    let mut found = ApplicableSettings::default();
     match occasion.formation {
         Formation::Discs(discs) => {
             for method in Family::Discs.methods() {
@@ -44,7 +44,7 @@ pub fn settings(occasion: &Occasion, ladders: &Ladders) -> (Vec<Setting>, Vec<Sk
     (found.settings, found.skipped)
 }
 
-impl Found {
+impl ApplicableSettings {
     fn skip(&mut self, method: Method, reason: &str) {
         self.skipped.push(Setting::single(method, "").skipped(reason));
     }

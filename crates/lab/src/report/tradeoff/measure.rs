@@ -101,7 +101,7 @@ pub fn run(
     // Shadows are measured with the scene's own method.
     let own = frame.shadows.map(|_| subject.frame.method);
     let formed = format!("{formation:?} {own:?}");
-    let identity = identity::of(subject.arranged, &frame, subject.background, &formed, device.info());
+    let identity = identity::hash(subject.arranged, &frame, subject.background, &formed, device.info());
     let partial = Partial::open(folder, identity);
 
     let thinning = if matches!(formation, Formation::Surfaces(_)) { options.ladders.thinning } else { &[1] };

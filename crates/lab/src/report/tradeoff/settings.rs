@@ -45,11 +45,11 @@ impl Formation {
 /// How many values of each key are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// What a report shows.
+    /// The settings of a report.
     Full,
     /// For a first look and for CI.
     Quick,
-    /// What is chosen from.
+    /// The settings that a choice considers.
     Fine,
 }
 
@@ -85,7 +85,7 @@ impl Ladders {
         thinning: &[1, 16],
         shadow_samples: &[1, 5],
     };
-    /// What is chosen from.
+    /// The settings that a choice considers.
     pub const FINE: Self = Self { detail: Detail::Fine, ..Self::FULL };
 
     /// The values of a key that are compared.
@@ -372,7 +372,7 @@ mod tests {
         let exact: Vec<bool> = given.iter().map(|setting| setting.is_exact(&occasion(9))).collect();
         assert_eq!(exact, [true, false, false, false, false, false]);
         assert!(skipped.iter().all(|skipped| skipped.reason.contains("another")), "{skipped:?}");
-        // What the rows were rendered with, where the scene says something else.
+        // The rows show the converted density rather than the scene's own form.
         let (converted, _) = settings_for(Density::Softness(0.25), true);
         assert!(converted.iter().all(|setting| setting.text.ends_with("method.softness=0.25")), "{converted:#?}");
     }

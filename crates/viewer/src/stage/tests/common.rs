@@ -3,24 +3,14 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use pellucid_testing::skip::{NO_DEVICE, skip};
+pub use pellucid_testing::with_device;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
-use pellucid_engine::gpu::{Buffer, DeviceOptions};
+use pellucid_engine::gpu::Buffer;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
 use pellucid_engine::scene::{ColorSpace, Document, Overrides, Setting, Shading};
-
-pub fn with_device(test: impl FnOnce(&Device)) {
-    match Device::open(&DeviceOptions::validated()) {
-        Ok(device) => {
-            test(&device);
-            assert_eq!(device.validation_messages(), Vec::<String>::new());
-        }
-        Err(e) => skip(NO_DEVICE, &e.to_string()),
-    }
-}
 
 /// Points in a flat box, some of them in the same place, with all that settings pick from but radii.
 pub fn cloud(seed: u64, count: usize) -> Cloud {

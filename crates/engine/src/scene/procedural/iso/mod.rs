@@ -18,7 +18,7 @@ use surface::Surface;
 pub const NAME: &str = "iso";
 /// A single line for `--list`.
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
-/// What `--set` can change.
+/// The parameters of `--set`.
 pub const PARAMETERS: &[Parameter] = &[
     Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
     Parameter::count("surfaces", 3.0, 1.0, MAX_SURFACES as f64, "surfaces, if no values are given"),

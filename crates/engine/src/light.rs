@@ -1,0 +1,15 @@
+//! Where light comes from.
+
+use glam::DVec3;
+
+/// A light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Light {
+    /// At the eye (perspective) or against the viewing direction (orthographic).
+    #[default]
+    Headlight,
+    /// The direction in which the light travels, world space, not zero.
+    Direction(DVec3),
+    /// A position in the world.
+    Position(DVec3),
+}
