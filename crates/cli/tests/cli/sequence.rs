@@ -125,7 +125,6 @@ fn a_turntable_goes_around() {
         let (a, b) = (read(format!("a_{}.png", (i + 1) % 4)), read(format!("b_{i}.png")));
         let differ = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
         let other = a.pixels.iter().zip(&read(format!("a_{i}.png")).pixels).filter(|(a, b)| a != b).count();
-        println!("frame {i}: {differ} differ");
         assert!(differ <= 2 && other > 100, "frame {i}: {differ} pixels differ, of the next frame {other}");
     }
     // All of the scene is in every frame: nothing touches the border.
@@ -288,7 +287,6 @@ fn cameras_of_other_programs() {
     let [n, c] = ["n0.exr", "c0.exr"].map(|name| exr(&inside(&folder, name)).0);
     assert_eq!(n["A"].len(), 40 * 30, "as large as the pictures");
     let differ = n["A"].iter().zip(&c["A"]).filter(|(a, b)| a != b).count();
-    println!("cameras {differ}");
     assert!(differ <= 1 && n["A"].iter().any(|a| *a > 0.0), "{differ}");
     let sized = [&base[..], &["--path", "model", "-o", "s%d.exr", "--size", "20x10"]].concat();
     done(&folder, &sized);

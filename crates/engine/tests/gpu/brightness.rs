@@ -77,7 +77,6 @@ fn the_opaque_image_tells_the_factor() {
                 let (reference, ..) = brightened(device, &dealt, &Frame { color, ..opaque });
                 let found = factor(&before.rgba, &reference.rgba, color);
                 assert_eq!(applied, Some(Applied { factor: found.factor, found: Some(found) }));
-                println!("{found:?}");
                 assert!(found.end == End::Met && found.factor > 1.05, "{found:?}");
                 assert_multiplied(&before, &after, found.factor);
                 // So bright that nothing more is to be done.

@@ -100,7 +100,6 @@ fn images_equal_the_reference() {
                     let (wanted, others) = references(&points, &camera, &frame, &filters);
                     let image = render_both(device, &points, &frame).image;
                     let found = compare_steady(&image, &wanted, &others, 2e-4);
-                    println!("share {found:?}");
                     assert!(found.clone().is_ok_and(|share| share < 0.03), "{count} {filters:?}: {found:?}");
                 }
             }

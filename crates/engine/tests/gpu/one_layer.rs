@@ -222,7 +222,6 @@ fn only_what_is_there_is_drawn() {
                 hidden.image.rgba[*pixel].iter().zip(alone.rgba[*pixel]).any(|(a, b)| (a - b).abs() > 1e-4)
             };
             let off: Vec<usize> = (0..alone.rgba.len()).filter(far).collect();
-            println!("{tilted}: {} pixels off", off.len());
             let doubtful = doubtful(&scene(&solid), tilted, &settings);
             assert!(off.iter().all(|pixel| doubtful[*pixel]), "{tilted}: {off:?}");
             assert!(off.len() < 10, "{tilted}: {off:?}");

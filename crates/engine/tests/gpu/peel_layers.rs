@@ -98,7 +98,6 @@ fn layers_equal_the_reference() {
                 let (wanted, others) = references(&points, &frame, &settings);
                 let rendered = render_both(device, &points, &frame);
                 let found = compare(&rendered, &wanted, &others);
-                println!("share {found:?}");
                 // Among random points many lie about d̃ behind others.
                 assert!(found.clone().is_ok_and(|share| share < 0.1), "{settings:?}: {found:?}");
             }

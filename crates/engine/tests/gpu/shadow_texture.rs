@@ -103,7 +103,6 @@ fn shares_equal_the_reference() {
                     let frame = lit_frame(light, shadows);
                     let found = lit(device, &points, &frame);
                     let doubtful = compare(&points, light, shadows, frame.seed, &found);
-                    println!("doubtful {normals} {light:?} {shadows:?}: {doubtful:?}");
                     assert!(doubtful.as_ref().is_ok_and(|share| *share < 0.2), "{light:?}, {shadows:?}: {doubtful:?}");
                     let dark = found.iter().filter(|m| **m == 0.0).count();
                     assert!(dark > 500 && found.contains(&1.0), "{light:?}: {dark}");

@@ -388,7 +388,6 @@ fn the_share_of_each_point_equals_the_reference() {
                     // A point on the border of a pixel, or at the very end of d̃, may fall on its other side: where the reference
                     // changes with points that roundings have moved.
                     let mut off = different(&found, &wanted);
-                    println!("off {}", off.len());
                     assert!(off.len() <= 6, "{light:?} {shadows:?}, normals {normals}: points {off:?}");
                     for seed in 0..16 {
                         if !off.is_empty() {

@@ -201,15 +201,21 @@ fn mixture(seed: u64) -> Dealt {
     dealt(&clouds)
 }
 
-/// Pixels that roundings decide: those that differ between references of points that were moved by a few roundings of float32.
+/// Pixels that roundings decide: those that differ between references of points whose places and opacities are a
+/// few roundings of float32 others.
 fn doubtful(wanted: &Made, list: &Dealt, render: impl Fn(&Dealt) -> Made, camera: &Camera) -> Vec<bool> {
     let mut doubtful = vec![false; wanted.0.rgba.len()];
     for seed in 0..16 {
         let mut r = random(seed);
         let mut unit = || r.random_range(-1.0..1.0);
         let mut moved = list.clone();
-        for position in &mut Arc::make_mut(&mut moved.points).positions {
+        let points = Arc::make_mut(&mut moved.points);
+        for position in &mut points.positions {
             *position += 1e-6 * position.distance(camera.eye) * DVec3::new(unit(), unit(), unit());
+        }
+        // They decide how much of a point is drawn, and so do slant and distance, which are factors of the same area.
+        for opacity in &mut points.opacities {
+            *opacity *= 1.0 + 1e-6 * unit() as f32;
         }
         let other = render(&moved);
         for (pixel, doubtful) in doubtful.iter_mut().enumerate() {

@@ -101,7 +101,6 @@ fn images_equal_the_reference() {
         for camera in [perspective(), orthographic()] {
             for (shape, settings) in SHAPES.into_iter().flat_map(|shape| all.map(|settings| (shape, settings))) {
                 let points = clear(&mixed, &camera, size, shape, &settings.splats);
-                println!("points {}", points.len());
                 assert!(points.len() > 700, "{}", points.len());
                 let lists = splats::lists(&camera, size, &points, shape, &settings.splats, |_| true);
                 let wanted = splats::render(&camera, size, &points, &colors(&points), shape, &settings);
@@ -282,8 +281,6 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
                 splats::lists(&camera, size, &points, shape, &settings.splats, |_| true).iter().map(Vec::len).collect()
             };
             let (fewer, more) = (lengths(1.0 - 1e-5), lengths(1.0 + 1e-5));
-            let unsafe_rims = (0..fewer.len()).filter(|at| fewer[*at] != more[*at]).count();
-            println!("{shape:?}: {} pixels off, {unsafe_rims} with a rim", off.len());
             assert!(off.iter().all(|at| fewer[*at] != more[*at]), "{shape:?}: {off:?}");
             assert!(off.len() < 40, "{shape:?}: {off:?}");
             frame.memory_budget = Some(100 << 10);
@@ -358,7 +355,6 @@ fn devices_that_bind_little_take_chunks() {
             &BlendedSplats::default(),
         );
         let (_, over) = difference(&image, &wanted, 1e-3);
-        println!("over {over}");
         assert!(over < 0.03, "{over}");
     });
 }

@@ -95,11 +95,6 @@ fn samples_are_those_of_the_reference() {
             assert_eq!(image.fragments.as_deref(), Some(&wanted.0.counts[..]));
             // Another seed's samples are others, and the comparison notices.
             let other = sampled(&points, &camera, size, &settings, 8);
-            println!(
-                "other {} covered {}",
-                share_off(image, &other, bound),
-                image.rgba.iter().filter(|c| c[3] > 0.0).count() as f64 / 4800.0
-            );
             assert!(share_off(image, &other, bound) > 0.01, "{settings:?}");
         }
     });

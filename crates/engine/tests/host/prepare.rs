@@ -342,7 +342,6 @@ fn a_plane_is_certain_and_noise_is_not() {
         let mut others: Vec<usize> = (0..cloud.len()).filter(|other| *other != point).collect();
         others.sort_by(|a, b| cloud[*a].distance(cloud[point]).total_cmp(&cloud[*b].distance(cloud[point])));
         let has_noise = others[..24].iter().any(|other| *other >= plane.len());
-        println!("{has_noise} {}", cloud[point]);
         assert!(has_noise, "{}: {}, above {least}", cloud[point], plane[point]);
     }
 }

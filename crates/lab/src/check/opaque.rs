@@ -139,7 +139,7 @@ fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
         // ρ counts as 1 there, so that only squares move toward the viewer.
         error = error.max(pixels_apart(&image.rgba, &wanted)).max(apart(&image.depth[4..5], &[4.0]));
         // It contains no pixel's centre.
-        let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&[dot], [i % 3, i / 3]).0).collect();
+        let covered: Vec<[f32; 4]> = (0..9).map(|i| naive::pixel(&dot, [i % 3, i / 3])).collect();
         naive = naive.max(pixels_apart(&covered, &wanted));
     }
     Ok(Finding { error, bound: 0.0, naive: Computed(naive) })

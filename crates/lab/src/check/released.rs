@@ -104,8 +104,11 @@ mod tests {
 
     #[test]
     fn the_table_knows_every_case_once_and_no_other() {
-        let known: Vec<&str> = lines().map(|(name, _)| name).collect();
-        let cases: Vec<String> = super::super::cases().into_iter().map(|case| case.name).collect();
+        let mut known: Vec<&str> = lines().map(|(name, _)| name).collect();
+        let mut cases: Vec<String> = super::super::cases().into_iter().map(|case| case.name).collect();
+        // The order of methods is the table of methods' own business.
+        known.sort_unstable();
+        cases.sort_unstable();
         assert_eq!(known, cases);
         assert_eq!(lines().count(), TABLE.lines().filter(|line| !line.starts_with('#')).count());
     }

@@ -119,12 +119,14 @@ fn one_point(stage: &mut Stage, method: Method) -> CaseResult {
     let deep =
         |depths: &[f32]| depths.iter().zip(&depth).filter(|(z, wanted)| f64::from(**z) != **wanted).count() as f64;
     let error = pixels_apart(&image.rgba, &wanted).max(deep(&image.depth));
-    // A disc of a radius of 0 covers no pixel, not even with its centre in the pixel's: 0 / 0 is not at most 1. The
-    // depth of one with a radius comes from a buffer between near and far.
-    let (rgba, z): (Vec<[f32; 4]>, Vec<f32>) = (0..16).map(|i| naive::pixel(&[dot], [i % 4, i / 4])).unzip();
-    let z: Vec<f32> = z.iter().map(|z| if z.is_finite() { naive::stored_depth(*z, 0.5, 1e7) } else { *z }).collect();
-    let naive = pixels_apart(&rgba, &wanted).max(deep(&z));
-    Ok(Finding { error, bound: 0.0, naive: Computed(naive) })
+    // A disc of a radius of 0 covers no pixel, not even with its centre in the pixel's: 0 / 0 is not at most 1.
+    let covered: Vec<[f32; 4]> = (0..16).map(|i| naive::pixel(&dot, [i % 4, i / 4])).collect();
+    let naive = if radius == 0.0 {
+        Computed(pixels_apart(&covered, &wanted))
+    } else {
+        Stated { why: "a disc that has a radius covers the pixel in whose centre it lies by any formula" }
+    };
+    Ok(Finding { error, bound: 0.0, naive })
 }
 
 fn rim(stage: &mut Stage, method: Method) -> CaseResult {

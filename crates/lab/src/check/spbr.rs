@@ -21,12 +21,12 @@ type CaseResult = Result<Finding, Trouble>;
 const SIZE: [u32; 2] = [64, 64];
 const PIXELS: f64 = 4096.0;
 const ENSEMBLES: u32 = 20;
-/// The allowed number of standard errors: 1 in 150 000 of normally distributed means lies beyond.
-const ERRORS: f64 = 4.5;
+/// The allowed number of standard errors: 1 in 90 000 of normally distributed means lies beyond.
+const ERRORS: f64 = 4.4;
 
 pub(super) fn cases() -> Vec<Case> {
     let plane = |k: f64, name: &str| {
-        one(name, "a white plane of opacity 0.5 shows 0.5, in 4.5 standard errors", move |stage| white_plane(stage, k))
+        one(name, "a white plane of opacity 0.5 shows 0.5, in 4.4 standard errors", move |stage| white_plane(stage, k))
     };
     let white = vec![
         plane(0.3, "spbr/white-plane-k-0.3"),

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::stage::Dot;
 
 pub use filters::Filtered;
-pub use points::{blended, covers, gaussian, half, is_between, pixel, stored_depth, weighted};
+pub use points::{blended, covers, gaussian, half, is_between, pixel, weighted};
 pub use soft::{Soft, disc};
 
 /// Over with the product of 1 − α.

@@ -15,23 +15,15 @@ pub fn covers(dot: &Dot, [x, y]: [u32; 2]) -> bool {
     (column - (x as f32 + 0.5)).hypot(row - (y as f32 + 0.5)) / dot.radius <= 1.0
 }
 
-/// A pixel of opaque discs in that view: the nearest one that covers it, and its depth.
-pub fn pixel(dots: &[Dot], at: [u32; 2]) -> ([f32; 4], f32) {
-    let there = dots.iter().filter(|dot| covers(dot, at));
-    let nearest = there.max_by(|a, b| a.position.z.total_cmp(&b.position.z));
-    nearest.map_or(([0.0; 4], f32::INFINITY), |dot| (dot.color.extend(1.0).to_array(), -dot.position.z as f32))
+/// A pixel of an opaque disc in that view.
+pub fn pixel(dot: &Dot, at: [u32; 2]) -> [f32; 4] {
+    if covers(dot, at) { dot.color.extend(1.0).to_array() } else { [0.0; 4] }
 }
 
 /// The Gaussian of a disc's falloff at a distance from its centre.
 pub fn gaussian(distance: f32, radius: f32) -> f32 {
     let rho = distance / radius;
     (-2.0 * rho * rho).exp()
-}
-
-/// A depth as it comes back from a depth buffer of 32 bits.
-pub fn stored_depth(z: f32, near: f32, far: f32) -> f32 {
-    let stored = far * (z - near) / (z * (far - near));
-    near * far / (far - stored * (far - near))
 }
 
 /// True if a depth is drawn, judged by its position between near at 0 and far at 1, both excluded.
