@@ -191,7 +191,7 @@ fn now(picture: &Picture) -> String {
             let suffix = standard_error.map(|error| format!(", {}", labelled(error))).unwrap_or_default();
             format!("draft: {}{suffix}", picture.draft)
         }
-        (Some(Standing::Exact), ..) => format!("exact: {} rounds, and nothing else", picture.method),
+        (Some(Standing::Exact), ..) => format!("exact: {} differs by rounding alone", picture.method),
         (Some(Standing::Approximation(_)), Some(Reference::Exact(exact)), _) if rmse.is_some() => {
             format!("RMSE {:.5} against {exact}, which is exact", rmse.unwrap_or_default())
         }

@@ -26,7 +26,8 @@ pub struct InfoArgs {
     columns: Option<String>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
     /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
-    /// where quantiles has the F that so many points don't exceed, and `shadows` in it if they are stored. Several files: an array of these, each with `file`.
+    /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
+    /// Several files: an array of these, each with `file`.
     #[arg(long)]
     json: bool,
 }

@@ -20,7 +20,7 @@ use super::console::Console;
 #[derive(Debug, Args)]
 pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
-    /// that stand for clouds; nothing: the built-in scene `garden`.
+    /// that stand for clouds. Without any: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     // The help lists all methods.

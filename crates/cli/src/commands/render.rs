@@ -63,13 +63,13 @@ pub struct RenderArgs {
 /// The method by what it must keep to.
 #[derive(Debug, Args)]
 struct ChoiceArgs {
-    /// Take the fastest method and setting of which the RMSE on this image was measured to be at most E: on linear R, G, B
-    /// over the background, against abuffer, against soft-base for soft spheres, or against what ever more ensembles of spbr
-    /// tend to. With --method only its settings. A scene file's method says only which discs.
+    /// Take the fastest method and setting whose RMSE on this image is at most E, as measured: on linear R, G, B over the
+    /// background, against abuffer, against soft-base for soft spheres, or against the limit of ever more ensembles of spbr.
+    /// With --method only its settings. A scene file's method says only which discs.
     #[arg(long, value_name = "E", value_parser = not_negative)]
     max_error: Option<f64>,
-    /// Take the most accurate method and setting of which a frame was measured to take at most so many milliseconds on the
-    /// device (the median, as in `tradeoff`). If none does, the fastest. With --max-error the error counts, and a warning
+    /// Take the most accurate method and setting whose frame takes at most MS milliseconds on the device, as measured (the
+    /// median, as in `tradeoff`). If none does, the fastest. With --max-error the error counts, and a warning
     /// says if the time does not fit.
     #[arg(long, value_name = "MS", value_parser = not_negative)]
     budget: Option<f64>,

@@ -23,7 +23,7 @@ const ABOUT: &str = "\
 What is compared: all methods that draw the scene's transparent discs, with the scene's shape and falloff. The exact ones; \
 peel with 1 to 64 layers; hybrid with k = 1 to 32; stochastic with 1 to 1024 samples, with and without alpha correction, and with \
 the rasteriser; weighted, average and unsorted. Where every point is opaque, circles too. A method that does not apply, a step beyond the \
-longest list, and a setting of which a frame would take too long are listed with the reason.
+longest list, and a setting whose frames would take too long are listed with the reason.
 
 If the scene's method is a soft one, the models of soft spheres are compared instead, with its threshold, softness and \
 modulation: soft-base with both layouts, soft-concentric with 1 to 8 shells and adaptive ones, soft-express. A lambda counts \

@@ -53,8 +53,8 @@ impl PassRuns<'_> {
         (self.name == "splat/project").then(|| points + facts.visible * (self.splat(tilted) + 16))
     }
 
-    /// Bytes of what every engine has: empty pixels, the copy to the host, and shadows.
-    fn everyone_s(&self) -> Option<u64> {
+    /// Bytes of passes that every engine has: empty pixels, the copy to the host, and shadows.
+    fn common(&self) -> Option<u64> {
         match self.name {
             "image/clear" => Some(self.pixels() * 20),
             "image/read-back" => Some(self.pixels() * 20 * 2),
@@ -87,7 +87,7 @@ pub(super) fn aggregate(
         }
         let runs = timeline.iter().filter(|(other, _)| other.name == time.name).count() as u64;
         let pass = PassRuns { name: time.name, runs, facts, frame, cloud, lengths };
-        let bytes = pass.everyone_s().or_else(|| engine.least_bytes(&pass));
+        let bytes = pass.common().or_else(|| engine.least_bytes(&pass));
         passes.push(PassProfile { name: time.name, gpu: time.gpu, invocations: time.invocations, bytes });
     }
     passes

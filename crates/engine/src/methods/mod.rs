@@ -47,7 +47,7 @@ use crate::gpu::Device;
 use crate::passes::bin::Bins;
 use crate::passes::project::Footprint;
 use crate::passes::tiles::Tiles;
-use crate::scene::{Hybrid, Method, Relief};
+use crate::scene::{Hybrid, Interpolated, Method};
 use engine::Engine;
 use explain::{Absent, CLEAR, PassGroup, SCAN};
 
@@ -55,18 +55,17 @@ use explain::{Absent, CLEAR, PassGroup, SCAN};
 pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     use approximate::{ApproximateEngine, Kind};
     use soft::{ExpressEngine, Interior, SpheresEngine};
-    let nearest = |splats, footprint, relief| Box::new(splat::NearestEngine { splats, footprint, relief });
-    let outlined = |settings, relief| Box::new(splat::NearestEngine::outlined(settings, relief));
+    let relief = method.relief();
+    let nearest = |splats, footprint| Box::new(splat::NearestEngine { splats, footprint, relief });
+    let outlined = |of: Interpolated| nearest(of.splats, projecting::outlined(of.shape));
     let three_pass = |settings, footprint| Box::new(splats::SplatsEngine { settings, footprint });
     let approximate = |discs, kind| Box::new(ApproximateEngine { discs, kind });
     let ensembles = |ensembles| Box::new(spbr::EnsembleEngine { ensembles });
     match *method {
         Method::Points => Box::new(points::PointsEngine),
-        Method::Squares(splats) => nearest(splats, Footprint::Square, Relief::Flat),
-        Method::Circles(splats) => nearest(splats, Footprint::Disc, Relief::Flat),
-        Method::Paraboloid(settings) => outlined(settings, Relief::Paraboloid),
-        Method::Cone(settings) => outlined(settings, Relief::Cone),
-        Method::Sphere(splats) => nearest(splats, Footprint::Disc, Relief::Sphere),
+        Method::Squares(splats) => nearest(splats, Footprint::Square),
+        Method::Circles(splats) | Method::Sphere(splats) => nearest(splats, Footprint::Disc),
+        Method::Paraboloid(settings) | Method::Cone(settings) => outlined(settings),
         Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false }),
         Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true }),
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),

@@ -79,7 +79,9 @@ fn is_foreign(key: &str, words: &[Word], found: &str) -> bool {
 }
 
 fn warn_of_raster(table: &Table<'_>, method: &Method, node: &Node) {
-    let in_vain = method.raster() == Raster::Hardware && method.is_tiled() && !matches!(method, Method::Stochastic(_));
+    let follows =
+        matches!(method, Method::ABuffer(_) | Method::LinkedList(_) | Method::Peel(_) | Method::Stochastic(_));
+    let in_vain = method.discs().is_some_and(|discs| discs.raster == Raster::Hardware) && !follows;
     if in_vain {
         let (place, name) = (&node.place, method.name());
         table.warn(format!("{place}: method {name:?} always works in compute shaders: `raster` has no effect"));

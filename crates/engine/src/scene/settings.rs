@@ -73,32 +73,6 @@ impl Method {
         self.part()
     }
 
-    /// The settings of a method that collects each pixel's fragments in a list.
-    pub fn lists(&self) -> Option<&Discs> {
-        match self {
-            Self::ABuffer(discs) | Self::LinkedList(discs) => Some(discs),
-            _ => None,
-        }
-    }
-
-    /// The splats of which the nearest one wins on each pixel; `None` for other methods.
-    pub fn nearest_splats(&self) -> Option<&ScreenSplats> {
-        match self {
-            Self::Squares(splats)
-            | Self::Circles(splats)
-            | Self::Sphere(splats)
-            | Self::Paraboloid(Interpolated { splats, .. })
-            | Self::Cone(Interpolated { splats, .. }) => Some(splats),
-            _ => None,
-        }
-    }
-
-    /// Who shall visit the pixels of its splats.
-    pub fn raster(&self) -> Raster {
-        let nearest = self.nearest_splats().map(|splats| splats.raster);
-        nearest.or(self.discs().map(|discs| discs.raster)).unwrap_or_default()
-    }
-
     /// How far its fragments move toward the viewer.
     pub fn relief(&self) -> Relief {
         match self {
@@ -109,11 +83,6 @@ impl Method {
         }
     }
 
-    /// Whether it goes through tiles of splats, and needs no lists of fragments.
-    pub fn is_tiled(&self) -> bool {
-        self.discs().is_some() && self.lists().is_none() && !matches!(self, Self::Peel(_))
-    }
-
     /// The settings of soft transparency; `None` for other methods.
     pub fn soft(&self) -> Option<&Soft> {
         self.part()
@@ -121,10 +90,8 @@ impl Method {
 
     /// The field above which points are soft, if the method tells them from solid ones.
     pub fn threshold(&self) -> Option<f32> {
-        match self {
-            Self::OneLayer(settings) => Some(settings.threshold),
-            _ => self.soft().map(|soft| soft.threshold),
-        }
+        let one_layer = self.part().map(|settings: &OneLayer| settings.threshold);
+        one_layer.or(self.soft().map(|soft| soft.threshold))
     }
 
     /// Whether the image depends on the points' scalar field.
@@ -134,7 +101,11 @@ impl Method {
 
     /// Whether the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
-        !matches!(self, Self::Points | Self::ImageSpace(_) | Self::PeelLayers(_)) && !self.is_dealt()
+        match self.family() {
+            Family::Opaque => !matches!(self, Self::Points),
+            Family::Discs | Family::Soft | Family::OneLayer => true,
+            Family::Surfaces | Family::Ensembles => false,
+        }
     }
 
     /// The filters of the image, of methods that have some.
@@ -144,7 +115,10 @@ impl Method {
 
     /// Whether `[shadows]` applies to it.
     pub fn takes_shadows(&self) -> bool {
-        matches!(self.family(), Family::Opaque | Family::Surfaces)
+        match self.family() {
+            Family::Opaque | Family::Surfaces => true,
+            Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
+        }
     }
 
     /// Whether it wants points in random order, cloud after cloud ([`Dealt`](crate::prepare::ensembles::Dealt)).
@@ -154,11 +128,7 @@ impl Method {
 
     /// L of the methods that deal points to ensembles; `None` for other methods.
     pub fn ensembles(&self) -> Option<u32> {
-        match self {
-            Self::Spbr(Spbr { ensembles, .. }) | Self::SpbrSimplified(SpbrSimplified { ensembles, .. }) => {
-                Some(*ensembles)
-            }
-            _ => None,
-        }
+        let spbr = self.part().map(|settings: &Spbr| settings.ensembles);
+        spbr.or(self.part().map(|settings: &SpbrSimplified| settings.ensembles))
     }
 }

@@ -30,14 +30,14 @@ fn render_both(device: &Device, points: &Points, frame: &Frame) -> Image {
 
 /// The same method with the rasteriser to visit its splats' pixels; `None` where there are no splats.
 fn rasterised(method: Method) -> Option<Method> {
-    let splats = ScreenSplats { raster: Raster::Hardware, ..*method.nearest_splats()? };
+    let drawn = |splats| ScreenSplats { raster: Raster::Hardware, ..splats };
     Some(match method {
-        Method::Squares(_) => Method::Squares(splats),
-        Method::Circles(_) => Method::Circles(splats),
-        Method::Sphere(_) => Method::Sphere(splats),
-        Method::Paraboloid(of) => Method::Paraboloid(Interpolated { splats, ..of }),
-        Method::Cone(of) => Method::Cone(Interpolated { splats, ..of }),
-        method => unreachable!("{method:?} has no splats of which the nearest wins"),
+        Method::Squares(splats) => Method::Squares(drawn(splats)),
+        Method::Circles(splats) => Method::Circles(drawn(splats)),
+        Method::Sphere(splats) => Method::Sphere(drawn(splats)),
+        Method::Paraboloid(of) => Method::Paraboloid(Interpolated { splats: drawn(of.splats), ..of }),
+        Method::Cone(of) => Method::Cone(Interpolated { splats: drawn(of.splats), ..of }),
+        _ => return None,
     })
 }
 

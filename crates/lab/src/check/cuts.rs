@@ -60,9 +60,9 @@ fn crowd(count: u32, radius: f32) -> Vec<Dot> {
 fn budget(stage: &mut Stage, method: Method) -> Found {
     let size = [48, 32];
     // Without lists of fragments there is less to cut: what tiles of more than 2048 splats leave to their next run.
-    let tiled = method.is_tiled() && !matches!(method, Method::Stochastic(_));
-    let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
     let whole = frame(pixels(size), size, method);
+    let tiled = whole.counts_on_demand() && !matches!(method, Method::Stochastic(_));
+    let dots = if tiled { crowd(2500, 60.0) } else { crowd(600, 6.0) };
     let points = cloud(&dots);
     let free = stage.render(&points, &whole)?;
     // Half as much again each time, from what is too little for anything until it does.

@@ -63,7 +63,8 @@ fn lengths() -> Vec<Case> {
 /// Roundings that a pixel of n layers meets on its way at most: the layers of a run are composed one by one, and then the runs;
 /// each takes two products and two sums. A list's runs have up to 256 layers, a tile's up to 2048.
 pub(super) fn roundings(method: &Method, n: usize) -> f64 {
-    let run = n.min(if method.lists().is_some() { 256 } else { 2048 });
+    let lists = matches!(method, Method::ABuffer(_) | Method::LinkedList(_));
+    let run = n.min(if lists { 256 } else { 2048 });
     4.0 * (run + n.div_ceil(run)) as f64
 }
 

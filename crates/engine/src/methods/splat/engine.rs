@@ -4,13 +4,12 @@ use super::PIXEL_BYTES;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, COUNTERS, NOTHING, PassGroup, Plan, TILES};
-use crate::methods::projecting::outlined;
 use crate::methods::walker::walker;
 use crate::methods::{Buffers, Error, Frame, Outcome};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::{DeviceCloud, Footprint, Part};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{Interpolated, Relief, ScreenSplats};
+use crate::scene::{Relief, ScreenSplats};
 
 /// Opaque splats of which the nearest wins.
 pub(crate) struct NearestEngine {
@@ -20,13 +19,6 @@ pub(crate) struct NearestEngine {
     pub footprint: Footprint,
     /// How far its fragments move toward the viewer.
     pub relief: Relief,
-}
-
-impl NearestEngine {
-    /// Of splats with an outline.
-    pub fn outlined(Interpolated { splats, shape }: Interpolated, relief: Relief) -> Self {
-        Self { splats, footprint: outlined(shape), relief }
-    }
 }
 
 impl Engine for NearestEngine {

@@ -247,8 +247,8 @@ fn method(report: &Report<'_>) -> Markup {
             "random sample of 256 pixels. (In " code { "stack" } " all pixels are alike.) RMSE is over linear R, G, B."
         }
         p {
-            b { "Skipped. " } "A cell with more fragments than the limit; a method of which a frame would take longer than "
-            "the limit, as its own two cells before predict; and what a method says it can't do."
+            b { "Skipped. " } "A cell with more fragments than the limit; a method whose frame would take longer than "
+            "the limit, by a prediction from its own two cells before; and what a method says it can't do."
         }
     }
 }
