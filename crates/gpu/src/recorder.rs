@@ -722,7 +722,7 @@ impl Drop for Recorder<'_> {
                 }
             }
         }
-        // Kept and not freed: validation layers before 1.3.243 race with whoever frees one (CONTRIBUTING.md).
+        // Kept and not freed: old validation layers race with whoever frees one (CONTRIBUTING.md).
         self.context.give_commands_back(self.taken);
     }
 }
