@@ -92,15 +92,13 @@ pub mod progress;
 pub mod random;
 pub mod reference;
 pub mod scene;
+mod shaders;
 mod words;
 
 pub use error::{Error, Result};
 pub use pellucid_gpu as gpu;
-pub use pellucid_gpu::{gpu_struct, group};
-
-/// The WGSL files under shaders/.
-pub static SHADERS: gpu::shader::Sources =
-    gpu::shader::Sources(include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"));
+pub use pellucid_gpu::{choices, gpu_struct, group};
+pub use shaders::{SHADERS, shaders};
 
 /// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].
 #[macro_export]

@@ -47,8 +47,14 @@ pass! {
     }
 }
 
-/// Differences whose words are kept; `TOLD` in WGSL.
+/// Differences whose words are kept.
 const TOLD: usize = 8;
+/// How words are compared: with others, with what is so much below others, with a number.
+const WORDS: u32 = 0;
+const BELOW: u32 = 1;
+const VALUE: u32 = 2;
+/// The constants of debug/agree.
+pub const CONSTANTS: [(&str, u32); 2] = [("TOLD", TOLD as u32), ("BELOW", BELOW)];
 
 /// A comparison whose outcome the device writes: number of differences, and element, stored and counted of some of them.
 pub struct Agreement {
@@ -103,9 +109,9 @@ impl<'a> Recorder<'a> {
             return Ok(());
         }
         let (ends, counts, mode, value) = match expected {
-            Expected::Words(words) => (words, words, 0, 0),
-            Expected::Below { ends, counts } => (ends, counts, 1, 0),
-            Expected::Value(value) => (stored, stored, 2, value),
+            Expected::Words(words) => (words, words, WORDS, 0),
+            Expected::Below { ends, counts } => (ends, counts, BELOW, 0),
+            Expected::Value(value) => (stored, stored, VALUE, value),
         };
         assert!(stored.len() == ends.len() && stored.len() == counts.len(), "{pass}: slices of different length");
         let limits = &self.context().limits;

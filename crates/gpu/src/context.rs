@@ -11,7 +11,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::device::{DeviceInfo, Limits, queue_family};
 use super::instance::Instance;
 use super::pipeline::{Pipeline, PipelineKey};
-use super::{Error, cache, guard};
+use super::{Error, Variant, cache, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -109,6 +109,11 @@ impl Context {
             pipelines: Mutex::default(),
             cache_key,
         })
+    }
+
+    /// Shaders and variants of all pipelines.
+    pub fn variants(&self) -> Vec<(&'static str, Variant)> {
+        lock(&self.pipelines).values().map(|pipeline| pipeline.made_from.clone()).collect()
     }
 
     /// Runs `f` with the allocator and then notes the peak.

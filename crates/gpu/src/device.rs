@@ -344,6 +344,11 @@ impl Device {
         self.0.live_allocations()
     }
 
+    /// Every shader that ran so far by its stem, with the variant; in no order.
+    pub fn variants(&self) -> Vec<(&'static str, super::Variant)> {
+        self.0.variants()
+    }
+
     /// Everything that the validation layers said so far.
     pub fn validation_messages(&self) -> Vec<String> {
         self.0.instance.messages.snapshot()

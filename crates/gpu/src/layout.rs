@@ -1,19 +1,65 @@
 //! Types shared by Rust and WGSL, with enough of their shape to compare the two.
 
+use std::fmt;
+
 use bytemuck::Pod;
 
 /// How a type lies in memory, as far as a shader sees it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Shape {
-    /// A scalar, vector or matrix by its WGSL name, as `vec2<f32>`; an atomic counts as its scalar.
+    /// A scalar, vector, matrix or texture by its WGSL name, as `vec2<f32>`; an atomic counts as its scalar.
     Plain(&'static str),
-    /// A struct: size in bytes and each member's name and byte offset.
-    Struct {
-        /// Size of the Rust type, equal to the WGSL stride.
-        size: usize,
-        /// Name and offset of each member.
-        members: Vec<(&'static str, usize)>,
+    /// An array of fixed length.
+    Array {
+        /// What it holds.
+        element: Box<Shape>,
+        /// How many.
+        count: usize,
+        /// Bytes from one to the next.
+        stride: usize,
     },
+    /// A struct.
+    Struct {
+        /// Size of the Rust type in bytes, equal to the WGSL stride.
+        size: usize,
+        /// Its members in order.
+        members: Vec<Member>,
+    },
+}
+
+/// A member of a struct.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Member {
+    /// Name in Rust and WGSL.
+    pub name: &'static str,
+    /// Offset in bytes.
+    pub offset: usize,
+    /// Its type.
+    pub shape: Shape,
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plain(name) => f.write_str(name),
+            Self::Array { element, count, stride } => f.write_str(&array_text(&element.to_string(), *count, *stride)),
+            Self::Struct { size, members } => {
+                let members = members.iter().map(|m| (m.name, m.offset, m.shape.to_string()));
+                f.write_str(&struct_text(members, *size))
+            }
+        }
+    }
+}
+
+/// An array in words: element, length, and bytes from one to the next.
+pub(crate) fn array_text(element: &str, count: usize, stride: usize) -> String {
+    format!("array<{element}, {count}> every {stride} bytes")
+}
+
+/// A struct in words, from names, offsets and types of its members.
+pub(crate) fn struct_text<'a>(members: impl Iterator<Item = (&'a str, usize, String)>, size: usize) -> String {
+    let members: Vec<String> = members.map(|(name, offset, shape)| format!("{name}: {shape} at {offset}")).collect();
+    format!("{{ {} }} of {size} bytes", members.join(", "))
 }
 
 /// A type that can lie in a buffer.
@@ -35,13 +81,23 @@ macro_rules! plain {
 plain! {
     u32 => "u32",
     u64 => "u64",
+    i32 => "i32",
     f32 => "f32",
     [u32; 2] => "vec2<u32>",
     [u32; 4] => "vec4<u32>",
+    [f32; 2] => "vec2<f32>",
     [f32; 4] => "vec4<f32>",
+    [[f32; 4]; 4] => "mat4x4<f32>",
 }
 
-/// Declares a struct that lies in a buffer, without padding, with its members' offsets.
+/// WGSL aligns a vector of three as one of four: three numbers are an array.
+impl GpuType for [u32; 3] {
+    fn shape() -> Shape {
+        Shape::Array { element: Box::new(u32::shape()), count: 3, stride: size_of::<u32>() }
+    }
+}
+
+/// Declares a struct that lies in a buffer, without padding. Its members are types that lie there themselves.
 #[macro_export]
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* $vis:vis struct $name:ident { $($(#[$member_doc:meta])* $member:ident : $type:ty),* $(,)? }) => {
@@ -56,7 +112,11 @@ macro_rules! gpu_struct {
             fn shape() -> $crate::Shape {
                 $crate::Shape::Struct {
                     size: std::mem::size_of::<$name>(),
-                    members: vec![$((stringify!($member), std::mem::offset_of!($name, $member))),*],
+                    members: vec![$($crate::layout::Member {
+                        name: stringify!($member),
+                        offset: std::mem::offset_of!($name, $member),
+                        shape: <$type as $crate::GpuType>::shape(),
+                    }),*],
                 }
             }
         }

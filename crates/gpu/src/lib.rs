@@ -30,7 +30,7 @@ pub use error::Error;
 pub use guard::BYTES as GUARD_BYTES;
 pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples, Pixels, SAMPLES, Texture};
 pub use kept::Kept;
-pub use layout::{GpuType, Shape};
+pub use layout::{GpuType, Member, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
 pub use pipeline::{Blend, Outputs};
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
@@ -39,4 +39,12 @@ pub use shader::Variant;
 pub(crate) use context::Context;
 
 /// The WGSL files of the device layer's own passes.
-pub static SHADERS: shader::Sources = shader::Sources(include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"));
+pub static SHADERS: shader::Sources = shader::Sources {
+    files: include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"),
+    constants: &[&[("WG_SIZE", shader::WORKGROUP)], &agree::CONSTANTS],
+};
+
+/// The device layer's own passes, with all their variants.
+pub fn shaders() -> Vec<shader::Shader> {
+    vec![shader::Shader::plain::<Agree>()]
+}

@@ -69,6 +69,8 @@ pub trait Pass {
     const NAME: &'static str;
     /// Stem of the shader file under shaders/.
     const SHADER: &'static str;
+    /// The shared piece that stands in for `#piece` in that file.
+    const PIECE: Option<&'static str>;
     /// The shader files of the crate that declares the pass.
     fn sources() -> &'static Sources;
     /// The push constants that every run and draw takes.
@@ -93,7 +95,7 @@ pub trait Group {
 pub const PARTS: usize = 4;
 
 /// Declares a pass: after `@from` the crate's [`Sources`], which a crate's own macro of this name puts there; then the name of the
-/// timing label, the shader file if it is called otherwise, push constants, bindings.
+/// timing label, the shader file if it is called otherwise, the shared piece that it takes, push constants, bindings.
 /// A field is `Uniform<T>`, `Read<T>`, `ReadWrite<T>`, `Parts<T>`: [`PARTS`] read bindings `name_0`, `name_1`, …,
 /// `Texture<T>`: an attachment, read as the type of WGSL that `T` stands for, or `Shared<G>`: all bindings of a [`Group`].
 ///
@@ -108,7 +110,7 @@ pub const PARTS: usize = 4;
 /// ```
 #[macro_export]
 macro_rules! pass {
-    (@from $sources:path; $(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? = $label:literal $(in $shader:literal)? {
+    (@from $sources:path; $(#[$doc:meta])* $vis:vis $name:ident $(($push:ty))? = $label:literal $(in $shader:literal)? $(with $piece:literal)? {
         $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
     }) => {
         $(#[$doc])*
@@ -119,6 +121,7 @@ macro_rules! pass {
         impl $crate::Pass for $name<'_> {
             const NAME: &'static str = $label;
             const SHADER: &'static str = $crate::pass!(@first $($shader,)? $label);
+            const PIECE: Option<&'static str> = $crate::pass!(@option $($piece)?);
             type Push = $crate::pass!(@push $($push)?);
             fn sources() -> &'static $crate::shader::Sources {
                 &$sources
@@ -134,6 +137,8 @@ macro_rules! pass {
     (@type Shared $life:lifetime, $type:ty) => { <$type as $crate::Group>::At<$life> };
     (@bind $field:ident, Shared, $type:ty) => { <$type as $crate::Group>::bindings() };
     (@resource $buffers:expr, Shared, $type:ty) => { <$type as $crate::Group>::resources(&$buffers) };
+    (@option) => { None };
+    (@option $value:literal) => { Some($value) };
     (@push) => { () };
     (@push $push:ty) => { $push };
     (@first $first:literal $(, $rest:literal)*) => { $first };

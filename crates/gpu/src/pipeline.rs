@@ -6,8 +6,8 @@ use ash::vk;
 
 use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader};
 
-/// Pass, variant, and what a draw has for outputs; `None` for compute.
-pub type PipelineKey = (&'static str, String, Option<Outputs>);
+/// Shader, the piece that it takes, variant, and what a draw has for outputs; `None` for compute.
+pub type PipelineKey = (&'static str, Option<&'static str>, String, Option<Outputs>);
 
 /// What a fragment's color does to the one that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -40,6 +40,8 @@ impl Outputs {
 const PUSH_BYTES: usize = 128;
 
 pub struct Pipeline {
+    /// Stem of the shader, and the variant.
+    pub made_from: (&'static str, Variant),
     pub raw: vk::Pipeline,
     pub layout: vk::PipelineLayout,
     pub set_layout: vk::DescriptorSetLayout,
@@ -50,9 +52,9 @@ pub struct Pipeline {
 impl Pipeline {
     /// The compute pipeline of a pass.
     pub fn compute<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), None), || {
+        context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
-            Self::build::<P>(context, vk::ShaderStageFlags::COMPUTE, |layout| {
+            Self::build::<P>(context, variant, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
                 let mut stage = module.stage(vk::ShaderStageFlags::COMPUTE);
                 let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
@@ -71,10 +73,10 @@ impl Pipeline {
 
     /// The graphics pipeline of a pass that draws triangles.
     pub fn draw<P: Pass>(context: &Context, variant: &Variant, outputs: Outputs) -> Result<Arc<Self>, Error> {
-        context.pipeline((P::SHADER, variant.key(), Some(outputs)), || {
+        context.pipeline((P::SHADER, P::PIECE, variant.key(), Some(outputs)), || {
             let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-            Self::build::<P>(context, stages, |layout| {
+            Self::build::<P>(context, variant, stages, |layout| {
                 let modules = [Module::new(context, &vertex)?, Module::new(context, &fragment)?];
                 let stages =
                     [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
@@ -119,6 +121,7 @@ impl Pipeline {
 
     fn build<P: Pass>(
         context: &Context,
+        variant: &Variant,
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
@@ -157,7 +160,14 @@ impl Pipeline {
         let layout =
             unsafe { device.create_pipeline_layout(&layout_info, None) }.map_err(Error::call("vkCreatePipelineLayout"));
         let made = layout.and_then(|layout| match make(layout) {
-            Ok(raw) => Ok(Self { raw, layout, set_layout, descriptor_types, push_stages }),
+            Ok(raw) => Ok(Self {
+                made_from: (P::SHADER, variant.clone()),
+                raw,
+                layout,
+                set_layout,
+                descriptor_types,
+                push_stages,
+            }),
             Err(e) => {
                 // SAFETY: just made, used by nothing.
                 unsafe { device.destroy_pipeline_layout(layout, None) };

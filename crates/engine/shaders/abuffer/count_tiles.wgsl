@@ -5,14 +5,14 @@
 
 fn begin(pixel: vec2<u32>) -> u32 {
     let p = band_pixel(pixel);
-    return select(0u, counts[min(p, arrayLength(&counts) - 1u)], push.segment > 0u);
+    return select(0u, counts[min(p, arrayLength(&counts) - 1u)], push.walk.segment > 0u);
 }
 
 fn visit(count: u32, hit: bool, rank: u32) -> u32 {
     return count + select(0u, 1u, hit);
 }
 
-fn end_pixel(count: u32, pixel: vec2<u32>) {
+fn finish(count: u32, pixel: vec2<u32>) {
     let p = band_pixel(pixel);
     if p < arrayLength(&counts) {
         counts[p] = count;

@@ -31,7 +31,6 @@ struct Push {
 @group(0) @binding(7) var<storage, read_write> depths: array<f32>;
 var<immediate> push: Push;
 
-const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 override TAKEN: u32 = 1u;
 // Splats between two looks at what may stop.

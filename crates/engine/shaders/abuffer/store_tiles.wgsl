@@ -21,7 +21,7 @@ fn visit(slot: u32, hit: bool, rank: u32) -> u32 {
     return slot;
 }
 
-fn end_pixel(slot: u32, pixel: vec2<u32>) {
+fn finish(slot: u32, pixel: vec2<u32>) {
     let p = band_pixel(pixel);
     if p < arrayLength(&cursors) {
         cursors[p] = slot + push.first_fragment;

@@ -6,11 +6,7 @@
 #import tile_state
 
 struct Push {
-    columns: u32,
-    tiles: u32,
-    runs: u32,
-    nearest: u32,
-    segment: u32,
+    walk: TileWalk,
 }
 
 // Rank of the last fragment that earlier rounds composed.

@@ -4,11 +4,7 @@
 #import accumulate
 
 struct Push {
-    columns: u32,
-    tiles: u32,
-    runs: u32,
-    nearest: u32,
-    segment: u32,
+    walk: TileWalk,
 }
 
 var<immediate> push: Push;

@@ -19,8 +19,6 @@ struct Push {
 @group(0) @binding(3) var<storage, read_write> records: array<vec2<u32>>;
 var<immediate> push: Push;
 
-const ORDER_DEPTH = 0u;
-const ORDER_INDEX = 1u;
 override ORDER: u32 = 0u;
 
 fn key(i: u32) -> u32 {

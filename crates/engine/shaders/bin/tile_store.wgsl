@@ -9,9 +9,6 @@
 @group(0) @binding(2) var<storage, read_write> cursors: array<u32>;
 @group(0) @binding(3) var<storage, read_write> entries: array<u32>;
 
-const LANE_COLUMNS = select(2u, select(4u, 8u, SUBGROUP == 32u), SUBGROUP >= 8u);
-const LANE_ROWS = SUBGROUP / LANE_COLUMNS;
-
 // The first tile at or after `low` that has this place in the pattern.
 fn own(low: u32, place: u32, period: u32) -> u32 {
     return low + (place + period - low % period) % period;

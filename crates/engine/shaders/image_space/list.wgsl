@@ -3,13 +3,7 @@
 #import tiled
 #import dispatch
 
-const FILL = 0u;
-const OCCLUSION = 1u;
-const SMOOTH = 2u;
-const ANTIALIAS = 3u;
-// Not filters: what has to be shaded, and what has to be put into the window.
-const RESOLVE = 4u;
-const DELIVER = 5u;
+// Whose list it is: a filter's, or that of what has to be shaded (LIST_RESOLVE) or put into the window (LIST_DELIVER).
 override FILTER: u32 = 0u;
 
 struct Push {
@@ -43,11 +37,11 @@ fn is_listed(own: Tile, around: Around) -> bool {
     let any_own = bitcast<u32>(own.x) != INFINITY_BITS;
     let any_around = bitcast<u32>(around.low) != INFINITY_BITS;
     switch FILTER {
-        case FILL: { return (own.z & HAS_BACKGROUND) != 0u && any_around; }
-        case OCCLUSION: { return any_own && bitcast<f32>(own.y) - push.distance >= around.low; }
-        case SMOOTH, RESOLVE: { return any_own; }
+        case LIST_FILL: { return (own.z & HAS_BACKGROUND) != 0u && any_around; }
+        case LIST_OCCLUSION: { return any_own && bitcast<f32>(own.y) - push.distance >= around.low; }
+        case LIST_SMOOTH, LIST_RESOLVE: { return any_own; }
         // Antialiasing gives colors to tiles of background alone.
-        case DELIVER: { return any_own || (own.z & COLOR_SIDE) != 0u; }
+        case LIST_DELIVER: { return any_own || (own.z & COLOR_SIDE) != 0u; }
         default: {
             // |4 d - sum| is at most four times the range; the rest stands for rounding.
             let range = around.high - around.low + 2e-6 * max(abs(around.low), abs(around.high));
@@ -93,7 +87,7 @@ fn main(
     }
     if is_listed(own, around) && (push.before == 0u || around.changed) {
         entries[atomicAdd(&arguments[slot], 1u)] = Entry(t, bits);
-        if FILTER <= ANTIALIAS {
+        if FILTER <= LIST_ANTIALIAS {
             atomicAdd(&totals[FILTER], 1u);
         }
     }

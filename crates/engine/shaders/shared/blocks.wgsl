@@ -3,19 +3,18 @@
 // all invocations one by one by shuffles. The stage binds `view`.
 #import splat
 
-// Side of a block, pixels of a block that an invocation holds, blocks of a tile in x and y.
-const SIDE = 8u;
-const HELD = SIDE * SIDE / SUBGROUP;
-const BLOCKS = TILE_SIDE / SIDE;
+// Pixels of a block that an invocation holds, blocks of a tile in x and y.
+const HELD = BLOCK_SIDE * BLOCK_SIDE / SUBGROUP;
+const BLOCKS = TILE_SIDE / BLOCK_SIDE;
 
 fn block_corner(block: u32) -> vec2<u32> {
-    return vec2<u32>(block % BLOCKS, block / BLOCKS) * SIDE;
+    return vec2<u32>(block % BLOCKS, block / BLOCKS) * BLOCK_SIDE;
 }
 
 // Where in the tile the i-th pixel lies that this invocation holds.
 fn place(lane: u32, i: u32) -> vec2<u32> {
     let within = lane + SUBGROUP * (i % HELD);
-    return vec2<u32>(within % SIDE, within / SIDE) + block_corner(i / HELD);
+    return vec2<u32>(within % BLOCK_SIDE, within / BLOCK_SIDE) + block_corner(i / HELD);
 }
 
 // How far a splat may reach from its centre, in pixels: a disc its radius. An oriented one lies within a ball of that radius,
@@ -43,7 +42,7 @@ fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
 
 // Whether a splat may touch a block, give or take rounding.
 fn touches(splat: Splat, low: vec2<u32>) -> bool {
-    let half = 0.5 * f32(SIDE - 1u);
+    let half = 0.5 * f32(BLOCK_SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;
     let outside = max(abs(middle) - half, vec2<f32>(0.0));
     let radius = reach_of(splat, view);

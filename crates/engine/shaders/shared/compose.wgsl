@@ -21,8 +21,6 @@
 
 override PARTS: u32 = 1u;
 override PART_LENGTH: u32 = 1u;
-const FALLOFF_FLAT = 0u;
-const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 
 fn color_at(i: u32) -> vec4<f32> {

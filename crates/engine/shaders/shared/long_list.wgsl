@@ -1,5 +1,4 @@
 // Lists of more than RUN_LENGTH fragments are worked on in runs of that length by many invocations.
-const RUN_LENGTH = 256u;
 
 // One run of one long list.
 struct ListRun {

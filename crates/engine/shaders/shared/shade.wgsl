@@ -2,9 +2,6 @@
 #import elementary
 #import camera
 
-const SHADING_NONE = 0u;
-const SHADING_LAMBERT = 1u;
-const SHADING_PHONG = 2u;
 override SHADING: u32 = 0u;
 // 1: points have shares of light.
 override LIT: u32 = 0u;

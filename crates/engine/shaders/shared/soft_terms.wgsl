@@ -4,8 +4,7 @@
 #import absorb
 #import packed
 
-const MODEL_BASE = 0u;
-const MODEL_CONCENTRIC = 1u;
+// MODEL_BASE: a sphere of which density falls off; MODEL_CONCENTRIC: shells of constant density.
 override MODEL: u32 = 0u;
 // 1: some points are modulated (Eq. 22).
 override MODULATED: u32 = 0u;

@@ -64,7 +64,7 @@ struct Counters {
 // A single one if there are none.
 @group(0) @binding(3) var<storage, read> normals: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> counters: array<Counters>;
-// Two vectors for each square of more than SMALL pixels: place, plane and depth key of its point; columns and rows.
+// Two vectors for each square of more than SMALL_SQUARE pixels: place, plane and depth key of its point; columns and rows.
 @group(0) @binding(5) var<storage, read_write> large: array<vec4<u32>>;
 var<immediate> push: Push;
 
@@ -80,8 +80,6 @@ override AGAIN: u32 = 0u;
 override PLANES: u32 = 1u;
 // 0: no point is wider than a pixel.
 override SQUARES: u32 = 1u;
-// Squares of at most this many pixels are walked by one invocation.
-const SMALL = 64u;
 
 // What float32 leaves in doubt on the screen, as in shared/points.wgsl.
 const ERROR = 12.0 / 16777216.0;

@@ -1,4 +1,4 @@
-// Goes through slots: WG_SIZE * RUN of them per workgroup. Large squares are put on a list.
+// Goes through slots: WG_SIZE * RUN of them per workgroup. Squares of more than SMALL_SQUARE pixels are put on a list.
 
 // Slots of one invocation, at most 32.
 override RUN: u32 = 8u;
@@ -10,7 +10,7 @@ fn cover_pixels(slot: Slot, hit: Hit) {
         return;
     }
     let size = vec2<u32>(hit.high - hit.low);
-    if size.x * size.y > SMALL {
+    if size.x * size.y > SMALL_SQUARE {
         let place = 2u * atomicAdd(&counters[0].large, 1u);
         // The host took room for every slot, or said that there is no such square.
         if place + 1u < arrayLength(&large) {

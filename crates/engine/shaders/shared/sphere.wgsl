@@ -8,7 +8,6 @@
 // 0: as many shells as the radius in pixels over PIXELS_PER_SHELL; 1 is a whole sphere.
 override SHELLS: u32 = 1u;
 override PIXELS_PER_SHELL: f32 = 4.0;
-const MOST_SHELLS = 64.0;
 // Bits of a shell's number in a fragment's second word, above the bit that tells its exit from its entry.
 override SHELL_BITS: u32 = 0u;
 // 1: events carry what the paper stores of them, and a fragment's second word is their slot.
@@ -106,7 +105,7 @@ fn shells_of(splat: Splat) -> u32 {
         return SHELLS;
     }
     let pixels = splat.radius * view.focal.x / select(splat.depth + depth_origin(), 1.0, view.orthographic != 0u);
-    return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, MOST_SHELLS));
+    return u32(clamp(ceil(pixels / PIXELS_PER_SHELL), 1.0, f32(MOST_SHELLS)));
 }
 
 // How many of a sphere's shells the ray meets between two depths, from the outermost on; 0 if it misses the sphere there.

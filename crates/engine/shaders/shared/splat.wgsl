@@ -2,21 +2,12 @@
 #import elementary
 #import view
 
-const SHAPE_DISC = 0u;
-const SHAPE_ORIENTED = 1u;
-const SHAPE_SQUARE = 2u;
-const SHAPE_POINT = 3u;
-// A soft sphere (shared/sphere.wgsl): no pixel is always covered.
-const SHAPE_SPHERE = 4u;
-// The same where it is so dense that float32 would show: its tilt holds the rest of its place.
-const SHAPE_EXACT_SPHERE = 5u;
+// A value of Footprint in src/passes/project.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel is always covered.
+// SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
 override SHAPE: u32 = 0u;
 
 // How far the fragments of a flat splat move toward the viewer, in its radii (Schütz and Wimmer 2015): not at all, or by
 // 1 - rho^2, 1 - rho, sqrt(1 - rho^2).
-const RELIEF_FLAT = 0u;
-const RELIEF_PARABOLOID = 1u;
-const RELIEF_CONE = 2u;
 override RELIEF: u32 = 0u;
 
 struct Splat {
@@ -158,8 +149,7 @@ fn key_depth(key: u32) -> f32 {
 
 // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
 const SMALL_AREA = 1024u;
-// Side of a tile in pixels. Tiles start at the corner of the rectangle in work.
-const TILE = 16u;
+// Tiles of TILE x TILE pixels start at the corner of the rectangle in work.
 // Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that
 // lavapipe allows. A stage that loops for each pixel takes fewer.
 override SEGMENT: u32 = 4096u;

@@ -1,12 +1,7 @@
 // Opaque splats in three passes (Botsch et al. 2004): what visibility and attributes share. One subgroup per block of a tile;
 // splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
 struct Push {
-    // Those of tile_fold.
-    columns: u32,
-    tiles: u32,
-    runs: u32,
-    nearest: u32,
-    segment: u32,
+    walk: TileWalk,
     // What lies up to so many radii behind the nearest is blended with it.
     blend_depth: f32,
 }

@@ -3,12 +3,7 @@
 #import random
 
 struct Push {
-    // Those of tile_fold.
-    columns: u32,
-    tiles: u32,
-    runs: u32,
-    nearest: u32,
-    segment: u32,
+    walk: TileWalk,
     // Pixels of the window.
     pixels: u32,
     // Samples of the strata before this run's, and those to take from its first one on.

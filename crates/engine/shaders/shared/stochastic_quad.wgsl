@@ -23,7 +23,6 @@ struct Push {
 @group(0) @binding(4) var<storage, read> colors: array<vec4<f32>>;
 var<immediate> push: Push;
 
-const FALLOFF_GAUSSIAN = 1u;
 override FALLOFF: u32 = 0u;
 
 struct QuadFragment {

@@ -1,11 +1,8 @@
 // When what lies behind can be left out.
 #import over
 
-// What may be left out: 0 nothing, 1 only what changes no bit, 2 what changes no 8-bit sRGB value by more than a quarter
-// step, 3 the same for values blended as they are.
-const STOP_NEVER = 0u;
-const STOP_EXACT = 1u;
-const STOP_SRGB = 2u;
+// STOP_NEVER: nothing is left out; STOP_EXACT: only what changes no bit; STOP_SRGB: what changes no 8-bit sRGB value by more
+// than a quarter step; STOP_ENCODED: the same for values blended as they are.
 override STOP: u32 = 1u;
 
 // Whether what lies behind cannot change a pixel's output, given the largest opacity and the largest color component,

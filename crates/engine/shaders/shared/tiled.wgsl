@@ -5,7 +5,7 @@
 // lies one pixel more, which is background: all that is outside.
 #import splat
 
-const AREA = 256u;
+const AREA = TILE * TILE;
 // Rows of a tile that an invocation takes, one after the other, such that what it has loaded serves again.
 const STRIP = 4u;
 const INFINITY_BITS = 0x7f800000u;

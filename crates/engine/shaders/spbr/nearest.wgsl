@@ -1,9 +1,10 @@
-// spbr/nearest: the nearest point of each pixel and ensemble, by one 64-bit atomic maximum.
+// spbr/nearest, spbr/nearest-depth, spbr/nearest-id: the nearest point of each pixel and ensemble. The largest key is the
+// nearest one's: its complement is what the minimum is taken of.
 #import spbr
+#piece
 #walker
-@group(0) @binding(6) var<storage, read_write> nearest: array<atomic<u64>>;
 
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
-    let words = key_words(point, depth);
-    atomicMax(&nearest[plane * push.pixels + pixel], (u64(words.y) << 32u) | u64(words.x));
+    let words = ~key_words(point, depth);
+    offer(plane * push.pixels + pixel, words.y, words.x);
 }

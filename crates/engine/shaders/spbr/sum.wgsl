@@ -3,7 +3,7 @@
 #import shade
 #import spbr_color
 #walker
-// Index and depth, as words of one 64-bit number.
+// Index and depth as spbr/nearest left them: complements of a key's words.
 @group(0) @binding(6) var<storage, read> nearest: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read> point_colors: array<vec4<f32>>;
 // Of each pixel eight words: two spare ones; sums of green, red, number, blue; complement of the nearest depth's key.
@@ -36,7 +36,7 @@ fn add_square(place: u32, value: u32) {
 }
 
 fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
-    if all(nearest[plane * push.pixels + pixel] == key_words(point, depth)) {
+    if all(nearest[plane * push.pixels + pixel] == ~key_words(point, depth)) {
         let color = whole_color(color_of(point));
         atomicAdd(&pixels[8u * pixel + 2u], color.g);
         atomicAdd(&pixels[8u * pixel + 3u], color.r);

@@ -1,12 +1,11 @@
-// splat/nearest: depth and index of each pixel's nearest splat by one 64-bit atomic minimum; all ones at the start.
+// splat/nearest, splat/nearest-depth, splat/nearest-id: depth and index of each pixel's nearest splat.
 #import raster
-@group(0) @binding(6) var<storage, read_write> nearest: array<atomic<u64>>;
+#piece
 
 fn visit(i: u32, splat: Splat, tilt: Tilt, pixel: vec2<u32>) {
     let coverage = cover(splat, tilt, pixel, view);
     if coverage.hit {
-        let packed = (u64(depth_key(coverage.depth)) << 32u) | u64(push.first + i);
-        atomicMin(&nearest[window_index(pixel, view.window)], packed);
+        offer(window_index(pixel, view.window), depth_key(coverage.depth), push.first + i);
     }
 }
 #walker

@@ -31,10 +31,6 @@ var<immediate> push: Push;
 override NORMALS: u32 = 0u;
 
 // Which points: all, those whose field is at most the threshold, or those above; or all, with a mark on the former.
-const PART_ALL = 0u;
-const PART_SOLID = 1u;
-const PART_SOFT = 2u;
-const PART_MARKED = 3u;
 override PART: u32 = 0u;
 
 // Points of one invocation, at most 32.

@@ -9,9 +9,10 @@
 //! Measured on lavapipe: nodes of 16 bytes, read and written at once, are stored no faster and gathered 0 to 40% faster, for
 //! four bytes more of the budget; a counter of nodes for every 64 pixels in place of one for all made the store no faster.
 
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::Band;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::{gpu_struct, pass};
 
 /// Bytes of a node's link to the next.
@@ -55,7 +56,7 @@ pass! {
 }
 
 /// The variant of `linked-list/gather`; `counted` if heads are to say how long their lists were.
-pub fn gather_variant(counted: bool) -> Variant {
+fn gather_variant(counted: bool) -> Variant {
     Variant::plain().with("STEP", GATHER_STEP).with("COUNTED", u32::from(counted))
 }
 
@@ -122,4 +123,9 @@ impl LinkedList {
         let lengths = Expected::Below { ends: of_band(offsets.skip(1)), counts: of_band(offsets) };
         recorder.agree("linked-list/gather", "pixel", of_band(heads), lengths)
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::new::<Store>(raster::flat_variants()), Shader::new::<Gather>([false, true].map(gather_variant))]
 }

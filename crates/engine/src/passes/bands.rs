@@ -1,5 +1,7 @@
 //! Cutting the image so that any scene fits: windows of pixels whose counters fit, bands of pixels whose fragments fit.
 
+use crate::passes::tiles;
+
 /// A rectangle of pixels: first column, first row, one past the last column and row.
 pub type Window = [u32; 4];
 
@@ -23,7 +25,7 @@ pub fn windows(size: [u32; 2], capacity: u64) -> Vec<Window> {
 }
 
 /// Side of a tile in pixels.
-const TILE: u32 = 16;
+const TILE: u32 = tiles::TILE;
 
 /// As [`windows`], but of whole tiles of the image as long as there is room for one: tiles are then the same however the image
 /// is cut.

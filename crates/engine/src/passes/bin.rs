@@ -11,6 +11,7 @@ use super::radix::{Radix, Runs};
 use super::raster::Raster;
 use super::scan::Scan;
 use super::timeline::Timeline;
+use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Expected, Kept, Memory, Pass, Recorder, Run, Slice, Variant};
 use crate::prepare::axes::Axis;
 use crate::scene::Falloff;
@@ -151,13 +152,22 @@ pass! {
 }
 
 gpu_struct! {
-    /// Push constants of stages that go through ordered tiles; shaders/shared/tile_gather.wgsl says what the members are.
-    pub struct TilesPush {
+    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl says
+    /// what the members are.
+    pub struct TileWalk {
         columns: u32,
         first_tile: u32,
         tiles: u32,
         runs: u32,
+        nearest: u32,
         segment: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl says what the members are.
+    pub struct TilesPush {
+        walk: TileWalk,
         band_start: u32,
         band_end: u32,
         first_fragment: u32,
@@ -176,22 +186,6 @@ group! {
         /// Place, pixel and radius, by rank.
         footprints: Read<[u32; 4]>,
     }
-}
-
-/// The first members of the push constants of a stage that goes through tiles with whole splats; shaders/shared/tile_fold.wgsl
-/// says what they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FoldPush {
-    /// Tiles of the window in x.
-    pub columns: u32,
-    /// Tiles of the window.
-    pub tiles: u32,
-    /// Cells of a tile.
-    pub runs: u32,
-    /// Key of the nearest depth.
-    pub nearest: u32,
-    /// Which part of each tile's splats.
-    pub segment: u32,
 }
 
 group! {
@@ -218,7 +212,7 @@ group! {
 pub const PIXEL_BYTES: u64 = 4;
 /// Side of a tile in pixels.
 const TILE_SIDE: u32 = 16;
-/// Side of a block of pixels, `SIDE` in WGSL.
+/// Side of a block of pixels.
 const BLOCK_SIDE: u32 = 8;
 /// Blocks of a tile.
 const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
@@ -296,10 +290,11 @@ pub struct Binned {
 }
 
 impl Binned {
-    /// The first members of the push constants of a stage that goes through all tiles; see shaders/shared/tile_fold.wgsl.
-    pub fn fold_push(&self, segment: u32) -> FoldPush {
-        FoldPush {
+    /// The part `segment` of each tile's splats, of all tiles.
+    pub fn walk(&self, segment: u32) -> TileWalk {
+        TileWalk {
             columns: self.binning.columns,
+            first_tile: 0,
             tiles: self.tiles(),
             runs: self.binning.runs.runs,
             nearest: self.nearest,
@@ -403,11 +398,7 @@ impl<'a> OrderedTiles<'a> {
         let tiles = (last - first + 1) * binning.columns;
         for segment in 0..binned.segments() {
             let push = TilesPush {
-                columns: binning.columns,
-                first_tile: first * binning.columns,
-                tiles,
-                runs: binning.runs.runs,
-                segment,
+                walk: TileWalk { first_tile: first * binning.columns, tiles, ..binned.walk(segment) },
                 band_start: band.pixels[0],
                 band_end: band.pixels[1],
                 first_fragment: band.first_fragment,
@@ -508,7 +499,7 @@ fn steps(tiles: [u32; 2], subgroup: u32) -> u64 {
     u64::from(tiles[0].div_ceil(columns)) * u64::from(tiles[1].div_ceil(rows))
 }
 
-/// Columns and rows of the pattern of tiles that the invocations of a subgroup own; as in shaders/shared/tile_push.wgsl.
+/// Columns and rows of the pattern of tiles that the invocations of a subgroup own.
 fn pattern(subgroup: u32) -> [u32; 2] {
     let columns = match subgroup {
         32 => 8,
@@ -727,7 +718,7 @@ impl Bins {
         recorder.fill("bin/clear", counts, 0)?;
         recorder.fill("bin/clear", self.overflow.all(), 0)?;
         let rectangles = self.rectangles.get().all();
-        let run = Run::new(Dispatch::Invocations(binning.drawn)).variant(tile_variant());
+        let run = Run::new(Dispatch::Invocations(binning.drawn));
         recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, binning.push(), &run)?;
         scan.record(recorder, counts, cursors, self.overflow.all())?;
         let (tiles, longest) = (binning.tiles(), self.longest.all());
@@ -754,7 +745,7 @@ impl Bins {
             entries: self.entries.get().all(),
         };
         let run = Run::new(Dispatch::Groups(binning.groups()));
-        recorder.run(&store, binning.push(), &run.variant(tile_variant().subgroup(binning.subgroup)))?;
+        recorder.run(&store, binning.push(), &run.variant(store_variant(binning.subgroup)))?;
         // Each cell ends where the next one began; the last one is empty and has kept its cursor, the total.
         let inner = binning.cells() - 1;
         let (cursors, counts) = (self.cursors.get(), self.counts.get().slice(1, inner));
@@ -809,18 +800,40 @@ pub fn key_bits(order: Order, depth_range: [f32; 2], points: u64) -> u32 {
     (u32::BITS - keys(order, depth_range, points)[1].leading_zeros()).max(1)
 }
 
+const ORDER_DEPTH: u32 = 0;
+const ORDER_INDEX: u32 = 1;
+const ORDER_FILE: u32 = 2;
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 4] =
+    [("TILE_SIDE", TILE_SIDE), ("BLOCK_SIDE", BLOCK_SIDE), ("ORDER_DEPTH", ORDER_DEPTH), ("ORDER_INDEX", ORDER_INDEX)];
+
 /// The variant of `bin/keys`.
-pub fn keys_variant(order: Order) -> Variant {
+fn keys_variant(order: Order) -> Variant {
     let value = match order {
-        Order::Depth | Order::Along(_) => 0u32,
-        Order::Index => 1,
-        Order::File => 2,
+        Order::Depth | Order::Along(_) => ORDER_DEPTH,
+        Order::Index => ORDER_INDEX,
+        Order::File => ORDER_FILE,
     };
     Variant::plain().with("ORDER", value)
 }
 
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let presorted = || SUBGROUPS.map(presorted_variant);
+    vec![
+        Shader::new::<Keys>([Order::Depth, Order::Index, Order::File].map(keys_variant)),
+        Shader::new::<Gather>(compose::variants()),
+        Shader::new::<Pick>(presorted()),
+        Shader::new::<Place>(presorted()),
+        Shader::plain::<TileCount>(),
+        Shader::plain::<Measure>(),
+        Shader::new::<TileStore>(SUBGROUPS.map(store_variant)),
+    ]
+}
+
 /// The variant of `bin/pick` and `bin/place`.
-pub fn presorted_variant(subgroup: u32) -> Variant {
+fn presorted_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup)
 }
 
@@ -830,25 +843,26 @@ fn depth_key(depth: f32) -> u32 {
     if bits >> 31 != 0 { !bits } else { bits | 1 << 31 }
 }
 
-/// The variant of the passes that meet splats with tiles.
-pub fn tile_variant() -> Variant {
-    Variant::plain().constant("TILE_SIDE", TILE_SIDE)
+/// The variant of `bin/tile-store`.
+fn store_variant(subgroup: u32) -> Variant {
+    let [columns, rows] = pattern(subgroup);
+    Variant::plain().subgroup(subgroup).constant("LANE_COLUMNS", columns).constant("LANE_ROWS", rows)
 }
 
 /// The variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a run that goes on
 /// from what earlier ones left.
-pub fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+pub(crate) fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     blocks(shape, subgroup).with("LATER", u32::from(later))
 }
 
 /// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
-pub fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+pub(crate) fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     let columns = pattern(subgroup)[0];
     fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
 }
 
 /// The same where each block of a tile has a subgroup of its own ([`Binned::blocks`]): for stages that hold much for each pixel.
-pub fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     let mut variant = fold_variant(shape, later, subgroup).with("SHARED", BLOCKS);
     for (_, count) in &mut variant.counts {
         *count /= BLOCKS;
@@ -857,7 +871,7 @@ pub fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Varian
 }
 
 /// The variant of stages that go through ordered tiles.
-pub fn gather_variant(subgroup: u32) -> Variant {
+pub(crate) fn gather_variant(subgroup: u32) -> Variant {
     blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
 }
 
@@ -865,7 +879,6 @@ pub fn gather_variant(subgroup: u32) -> Variant {
 fn blocks(variant: Variant, subgroup: u32) -> Variant {
     variant
         .with("TAKEN", SEGMENT)
-        .constant("TILE_SIDE", TILE_SIDE)
         .subgroup(subgroup)
         .each("block", BLOCKS)
         .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)

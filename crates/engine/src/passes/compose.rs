@@ -1,10 +1,11 @@
 //! Composing: how stages that blend reach every splat by its index, however many there are.
 
 use super::Error;
+use crate::gpu::shader::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
-use crate::group;
-use crate::passes::project::{DeviceCloud, Footprint, Splat, Tilt, View};
+use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
 use crate::scene::Falloff;
+use crate::{choices, group};
 
 /// How per-splat buffers are cut so that one pass reaches every splat: 1 or 4 parts of `len` splats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,5 +67,34 @@ pub fn variant(cut: Cut, footprint: Footprint, falloff: Falloff) -> Variant {
 
 /// The variant of a stage that composes splats which it reaches by itself.
 pub fn shape_variant(footprint: Footprint, falloff: Falloff) -> Variant {
-    Variant::plain().with("SHAPE", footprint as u32).with("FALLOFF", u32::from(falloff == Falloff::Gaussian))
+    Variant::plain().with("SHAPE", footprint as u32).with("FALLOFF", falloff as u32)
+}
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 1] = [("FALLOFF_GAUSSIAN", Falloff::Gaussian as u32)];
+
+choices!(
+    enum Falloff {
+        Flat,
+        Gaussian,
+    }
+);
+
+/// The cuts, of which a device may want either.
+impl Choices for Cut {
+    fn all() -> Vec<Self> {
+        [1, PARTS as u32].map(|parts| Self { parts, len: 1 << 20 }).to_vec()
+    }
+}
+
+/// The discs, and all falloffs, as [`shape_variant`] has them.
+pub(crate) fn shape_variants() -> Vec<Variant> {
+    let falloffs = || Falloff::all().into_iter();
+    DISCS.iter().flat_map(|disc| falloffs().map(move |falloff| shape_variant(*disc, falloff))).collect()
+}
+
+/// The discs, all falloffs and cuts, as [`variant`] has them.
+pub(crate) fn variants() -> Vec<Variant> {
+    let choices = || <(Cut, Falloff)>::all().into_iter();
+    DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()
 }

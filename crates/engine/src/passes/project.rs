@@ -14,12 +14,14 @@ use rayon::prelude::*;
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds as Box3;
 use crate::cloud::shadow_texture::Casting;
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, GpuType, Memory, Recorder, Run, Slice, Variant};
+use crate::passes::compose::Cut;
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
 use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
-use crate::{gpu_struct, group, pass};
+use crate::{choices, gpu_struct, group, pass};
 
 gpu_struct! {
     /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
@@ -143,6 +145,20 @@ pub enum Footprint {
     ExactSphere = 5,
 }
 
+choices!(
+    enum Footprint {
+        Disc,
+        Oriented,
+        Square,
+        Point,
+        Sphere,
+        ExactSphere,
+    }
+);
+
+/// The footprints that are composed.
+pub const DISCS: [Footprint; 2] = [Footprint::Disc, Footprint::Oriented];
+
 impl Footprint {
     /// Whether splats of this shape have tilts.
     pub fn has_tilts(self) -> bool {
@@ -172,10 +188,10 @@ impl Part {
     /// The value of `PART` in WGSL.
     fn value(self) -> u32 {
         match self {
-            Self::All => 0,
-            Self::Solid(_) => 1,
-            Self::Soft { .. } => 2,
-            Self::Marked(_) => 3,
+            Self::All => PART_ALL,
+            Self::Solid(_) => PART_SOLID,
+            Self::Soft { .. } => PART_SOFT,
+            Self::Marked(_) => PART_MARKED,
         }
     }
 
@@ -193,6 +209,25 @@ impl Part {
         }
     }
 }
+
+const PART_ALL: u32 = 0;
+const PART_SOLID: u32 = 1;
+const PART_SOFT: u32 = 2;
+const PART_MARKED: u32 = 3;
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 10] = [
+    ("SHAPE_ORIENTED", Footprint::Oriented as u32),
+    ("SHAPE_SQUARE", Footprint::Square as u32),
+    ("SHAPE_POINT", Footprint::Point as u32),
+    ("SHAPE_SPHERE", Footprint::Sphere as u32),
+    ("SHAPE_EXACT_SPHERE", Footprint::ExactSphere as u32),
+    ("PART_SOLID", PART_SOLID),
+    ("PART_SOFT", PART_SOFT),
+    ("PART_MARKED", PART_MARKED),
+    ("SHADING_NONE", ShadingModel::None as u32),
+    ("SHADING_PHONG", ShadingModel::Phong as u32),
+];
 
 /// What a threshold makes of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -274,17 +309,53 @@ pub struct Projecting {
 }
 
 impl Projecting {
-    /// The variant of shaders/shared/shade.wgsl for a cloud with or without normals.
-    pub fn shaded(&self, normals: bool) -> Variant {
-        let shading = match self.shading.model {
-            // Without a normal there is still a share of light.
-            _ if !normals && !self.lit => 0u32,
-            ShadingModel::None => 0,
-            ShadingModel::Lambert => 1,
-            ShadingModel::Phong => 2,
-        };
-        let variant = Variant::plain().with("SHADING", shading).with("LIT", u32::from(self.lit));
-        variant.with("ENCODED", u32::from(self.color == ColorSpace::Encoded))
+    /// How points of a cloud with or without normals are shaded.
+    pub(crate) fn shaded(&self, normals: bool) -> Shaded {
+        Shaded { model: self.shading.model, color: self.color, lit: self.lit, normals }
+    }
+}
+
+/// What shaders depend on that shade points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shaded {
+    model: ShadingModel,
+    color: ColorSpace,
+    lit: bool,
+    normals: bool,
+}
+
+choices!(
+    enum ShadingModel {
+        None,
+        Lambert,
+        Phong,
+    }
+);
+choices!(
+    enum ColorSpace {
+        Linear,
+        Encoded,
+    }
+);
+choices!(struct Shaded { model, color, lit, normals });
+
+impl Shaded {
+    /// The variant of shaders/shared/shade.wgsl.
+    pub(crate) fn variant(self) -> Variant {
+        // Without a normal there is still a share of light.
+        let model = if self.normals || self.lit { self.model } else { ShadingModel::None };
+        let variant = Variant::plain().with("SHADING", model as u32).with("LIT", u32::from(self.lit));
+        variant.with("ENCODED", self.color as u32)
+    }
+
+    /// That variant of a shader that reads points in parts.
+    pub(crate) fn cut(self, cut: Cut) -> Variant {
+        self.variant().with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+    }
+
+    /// The variants of such a shader.
+    pub(crate) fn cut_variants() -> Vec<Variant> {
+        <(Self, Cut)>::all().into_iter().map(|(shaded, cut)| shaded.cut(cut)).collect()
     }
 }
 
@@ -853,13 +924,27 @@ impl DeviceCloud {
 const PROJECT_RUN: u64 = 8;
 
 /// The variant of `splat/project` for a cloud with or without normals.
-pub fn project_variant(how: &Projecting, normals: bool) -> Variant {
-    let used = used_normals(how, normals);
-    how.shaded(used)
-        .with("SHAPE", how.footprint as u32)
-        .with("NORMALS", u32::from(used))
-        .with("PART", how.part.value())
-        .with("RUN", PROJECT_RUN as u32)
+fn project_variant(how: &Projecting, normals: bool) -> Variant {
+    how.shaded(used_normals(how, normals)).project(how.footprint, how.part)
+}
+
+impl Shaded {
+    fn project(self, footprint: Footprint, part: Part) -> Variant {
+        self.variant()
+            .with("SHAPE", footprint as u32)
+            .with("NORMALS", u32::from(self.normals))
+            .with("PART", part.value())
+            .with("RUN", PROJECT_RUN as u32)
+    }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let soft = Part::Soft { threshold: 0.5, modulation: None };
+    let parts = [Part::All, Part::Solid(0.5), soft, Part::Marked(0.5)];
+    let choices = <(Shaded, Footprint)>::all();
+    let variants = choices.iter().flat_map(|(shaded, shape)| parts.map(|part| shaded.project(*shape, part)));
+    vec![Shader::new::<Project>(variants)]
 }
 
 /// Whether the buffer of normals is read, for the normals of a cloud that has some or for shares of light.

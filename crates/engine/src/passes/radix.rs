@@ -4,6 +4,7 @@
 //! shuffles. No barrier, no shared memory, no forward progress between workgroups.
 
 use super::scan::Scan;
+use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::{gpu_struct, pass};
 
@@ -185,4 +186,9 @@ fn counters(device: &Device, records: u64) -> u64 {
 /// The variant of `radix/scatter`.
 pub fn scatter_variant(subgroup: u32) -> Variant {
     Variant::plain().subgroup(subgroup).network(subgroup)
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::plain::<Count>(), Shader::new::<Scatter>(SUBGROUPS.map(scatter_variant))]
 }

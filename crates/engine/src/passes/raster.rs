@@ -265,9 +265,21 @@ impl<'a> Raster<'a> {
 }
 
 /// The variant of a stage for a footprint and a walker.
-pub fn variant(footprint: Footprint, walker: &'static str) -> Variant {
+fn variant(footprint: Footprint, walker: &'static str) -> Variant {
     Variant::plain().with("SHAPE", footprint as u32).walker(walker)
 }
 
-/// The walkers by the names of their shared pieces.
-pub const WALKERS: [&str; 3] = ["walk_small", "walk_tiles", "walk_fragment"];
+/// The variants of a stage for some footprints; `hardware`: the rasteriser may visit their pixels, too.
+pub(crate) fn variants(footprints: &[Footprint], hardware: bool) -> Vec<Variant> {
+    let walkers = ["walk_small", "walk_tiles", "walk_fragment"];
+    let walkers = if hardware { &walkers[..] } else { &walkers[..2] };
+    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, *walker))).collect()
+}
+
+/// Footprints whose pixels are visited one by one, spheres apart.
+pub(crate) const FLAT: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, Footprint::Square, Footprint::Point];
+
+/// The variants of a stage that visits whatever is flat.
+pub(crate) fn flat_variants() -> Vec<Variant> {
+    variants(&FLAT, true)
+}

@@ -1,5 +1,6 @@
 //! Exclusive prefix sums of any length by reduce-then-scan; sums over 32 bits are detected.
 
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
 use crate::{gpu_struct, pass};
 
@@ -114,4 +115,9 @@ impl Scan {
         }
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::new::<Reduce>([Variant::plain().with("RUN", RUN as f64)]), Shader::new::<Spread>(variants())]
 }

@@ -3,10 +3,11 @@
 use super::bands::Window;
 use super::project::{Bounds, DeviceCloud, Stats, View};
 use super::scan::Scan;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice};
 use crate::{gpu_struct, pass};
 
-/// Side of a tile in pixels; `TILE` in WGSL.
+/// Side of a tile in pixels.
 pub const TILE: u32 = 16;
 /// Large splats of a tile that one workgroup walks; `SEGMENT` in WGSL.
 pub const SEGMENT: u32 = 4096;
@@ -165,3 +166,11 @@ fn stride(window: Window) -> u64 {
 fn aligned(elements: u64) -> u64 {
     elements.next_multiple_of(64)
 }
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::plain::<TileCount>(), Shader::plain::<TileStore>()]
+}
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 1] = [("TILE", TILE)];

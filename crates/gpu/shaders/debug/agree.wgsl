@@ -2,17 +2,13 @@
 // words that aren't, and place, word and count of up to TOLD of them. Recorded in debug builds alone.
 #import dispatch
 
-const WORDS = 0u;
-const BELOW = 1u;
-const TOLD = 8u;
-
 struct Push {
     count: u32,
     // Where the words of each binding begin.
     stored_first: u32,
     ends_first: u32,
     counts_first: u32,
-    // WORDS: the same as ends; BELOW: as much below ends as counts says; else: value.
+    // Below BELOW: the same as ends; BELOW: as much below ends as counts says; above: value.
     mode: u32,
     value: u32,
     // Words from one that counts to the next.

@@ -2,9 +2,11 @@
 
 use super::passes::*;
 use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
+use crate::methods::sorted::STOPS;
 use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
@@ -28,11 +30,14 @@ pub const CLASSES: [(u32, &str); 8] = [
     (128, "abuffer/resolve-128"),
     (LOCAL_LENGTH, "abuffer/resolve-256"),
 ];
-/// Words of a class in the table of classes (shaders/shared/classes.wgsl).
+/// Words of a class in the table of classes: workgroups x, y, z; number of pixels; where its pixels begin in the work list; how
+/// many of them are in place; two unused.
 const CLASS_WORDS: u64 = 8;
-/// Places of a class's words: pixels that were counted, and those that were put on its list.
+/// Place of the number of pixels among a class's words.
 const CLASS_TOTAL: u64 = 3;
-/// See [`CLASS_TOTAL`].
+/// Place of where its pixels begin.
+const CLASS_START: u64 = 4;
+/// Place of how many of them are in place.
 const CLASS_PLACED: u64 = 5;
 /// Place of the number of long lists among the words of [`LongWork`].
 const LIST_COUNT: u64 = 7;
@@ -367,7 +372,7 @@ pub fn lower_bound(class: usize) -> u32 {
 }
 
 /// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
-pub fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
+pub(crate) fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
     let classified = compose.text(&class_text());
     if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
 }
@@ -378,17 +383,17 @@ pub fn is_network(capacity: u32) -> bool {
 }
 
 /// The variant of `abuffer/resolve-ordered`.
-pub fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
+fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
     compose::shape_variant(Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
 }
 
 /// The variant of the passes that know the classes.
-pub fn class_variant() -> Variant {
+fn class_variant() -> Variant {
     Variant::plain().text(&class_text())
 }
 
 /// The variant of `abuffer/sort-runs`.
-pub fn sort_runs_variant() -> Variant {
+fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain(), LOCAL_LENGTH)
 }
 
@@ -440,6 +445,43 @@ pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, windo
     let pixels = bands::pixels(window);
     recorder.fill("image/clear", target.image().first(pixels), 0)?;
     recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())
+}
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 6] = [
+    ("CLASS_WORDS", CLASS_WORDS as u32),
+    ("CLASS_TOTAL", CLASS_TOTAL as u32),
+    ("CLASS_START", CLASS_START as u32),
+    ("CLASS_PLACED", CLASS_PLACED as u32),
+    ("CLASSIFY_RUN", CLASSIFY_RUN as u32),
+    ("RUN_LENGTH", LOCAL_LENGTH),
+];
+
+/// The variants of kernels for the lengths of lists that `wanted` picks, from those of what they compose.
+pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) -> bool) -> Vec<Variant> {
+    CLASSES.iter().filter(|(capacity, _)| wanted(*capacity)).flat_map(|(capacity, _)| composed(*capacity)).collect()
+}
+
+/// The passes of sorting and blending with their variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let stopping = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
+    let composed = |capacity: u32| stopping().map(|v| resolve_variant(v, capacity)).collect::<Vec<_>>();
+    let ordered = Falloff::all().into_iter().flat_map(|falloff| STOPS.map(|stop| ordered_variant(falloff, stop)));
+    vec![
+        Shader::new::<Classify>([class_variant()]),
+        Shader::new::<Groups>([class_variant()]),
+        Shader::new::<Order>([class_variant()]),
+        Shader::new::<ResolveNetwork>(kernels(composed, is_network)),
+        Shader::new::<ResolveMerge>(kernels(composed, |capacity| !is_network(capacity))),
+        Shader::new::<ResolveOrdered>(ordered),
+        Shader::new::<Split>([class_variant()]),
+        Shader::plain::<RunGroups>(),
+        Shader::new::<SortRuns>([sort_runs_variant()]),
+        Shader::plain::<Merge>(),
+        Shader::plain::<MergeInPlace>(),
+        Shader::new::<BlendRuns>(compose::variants()),
+        Shader::plain::<Combine>(),
+    ]
 }
 
 #[cfg(test)]

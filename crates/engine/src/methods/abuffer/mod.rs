@@ -13,10 +13,8 @@ mod engine;
 mod explain;
 mod passes;
 
-pub use blend::{
-    CLASSES, class_variant, in_place_length, is_network, least_bytes, lower_bound, ordered_variant, record_nothing,
-    resolve_variant, sort_runs_variant,
-};
+pub use blend::{CLASSES, in_place_length, is_network, least_bytes, lower_bound, record_nothing};
+pub(crate) use blend::{CONSTANTS, kernels, resolve_variant};
 pub use engine::projecting;
 pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
 pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, list_group, list_passes};
@@ -27,12 +25,13 @@ use super::engine::Work;
 use super::linked_list::{self, LinkedList};
 use super::soft::{self, Interior, Spheres};
 use super::{Error, Facts, Outcome, Timeline};
+use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{self, Buffer, Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Variant};
 use crate::passes::bands::{self, Band, Budget, Window};
-use crate::passes::bin::OrderedTiles;
+use crate::passes::bin::{self, OrderedTiles};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, Raster};
+use crate::passes::raster::{self, Chunk, Raster};
 use crate::passes::scan::Scan;
 use crate::scene::{DiscShape, Discs, LongLists};
 use blend::{Blender, Stored};
@@ -478,6 +477,20 @@ impl Need {
 }
 
 /// The variant of `abuffer/measure`: lists longer than `long` are long.
-pub fn measure_variant(long: u32) -> Variant {
+fn measure_variant(long: u32) -> Variant {
     Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let gather = || SUBGROUPS.map(bin::gather_variant);
+    let mut all = vec![
+        Shader::new::<Count>(raster::flat_variants()),
+        Shader::new::<Store>(raster::flat_variants()),
+        Shader::new::<Measure>([0, LOCAL_LENGTH].map(measure_variant)),
+        Shader::new::<CountTiles>(gather()),
+        Shader::new::<StoreTiles>(gather()),
+    ];
+    all.extend(blend::shaders());
+    all
 }

@@ -9,33 +9,26 @@ pub(crate) use engine::ApproximateEngine;
 use super::abuffer::record_nothing;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Target};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Pass, Recorder, Run, Variant};
 use crate::passes::bands::{self, Budget};
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
-use crate::passes::project::Footprint;
-use crate::scene::{DiscShape, Discs};
+use crate::passes::project::{DISCS, Footprint};
+use crate::scene::{DiscShape, Discs, Falloff};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants of the stages; shaders/shared/tile_fold.wgsl says what the members are.
     pub struct SumPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
     }
 }
 
 gpu_struct! {
     /// The same for `hybrid`, and how many fragments are composed exactly.
     pub struct HybridPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         k: u32,
     }
 }
@@ -93,12 +86,6 @@ pass! {
         sums: Shared<SumsGroup>,
         lasts: ReadWrite<[u32; 2]>,
         slots: ReadWrite<[u32; 4]>,
-    }
-}
-
-impl From<FoldPush> for SumPush {
-    fn from(FoldPush { columns, tiles, runs, nearest, segment }: FoldPush) -> Self {
-        Self { columns, tiles, runs, nearest, segment }
     }
 }
 
@@ -265,8 +252,7 @@ impl Approximations {
             Kind::Average => stage.record(recorder, &Average { tiles, sums }),
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
-                let FoldPush { columns, tiles: count, runs, nearest, segment } = binned.fold_push(run.number);
-                let push = HybridPush { columns, tiles: count, runs, nearest, segment, k };
+                let push = HybridPush { walk: binned.walk(run.number), k };
                 let over = Run::new(Dispatch::Groups(binned.tiles().into()));
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
@@ -319,7 +305,7 @@ impl Stage {
 
     fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
-            let push = SumPush::from(self.binned.fold_push(run.number));
+            let push = SumPush { walk: self.binned.walk(run.number) };
             let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
             Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
@@ -334,7 +320,7 @@ impl Stage {
         rounds.iter().enumerate().try_for_each(|(i, slots)| {
             let round = Round { slots: *slots, behind: i > 0, tail: i + 1 == rounds.len() };
             self.each_run(|run| {
-                let push = SumPush::from(self.binned.fold_push(run.number));
+                let push = SumPush { walk: self.binned.walk(run.number) };
                 let over = Run::new(Dispatch::Groups(self.binned.blocks()));
                 Ok(recorder.run(pass, push, &over.variant(round_variant(self.shape.clone(), run, round)))?)
             })
@@ -343,12 +329,12 @@ impl Stage {
 }
 
 /// A variant of the stages, from that of shape and falloff.
-pub fn sum_variant(shape: Variant, run: OneRun) -> Variant {
+fn sum_variant(shape: Variant, run: OneRun) -> Variant {
     bin::fold_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
 }
 
 /// A variant of `hybrid` over oriented discs.
-pub fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
+fn round_variant(shape: Variant, run: OneRun, round: Round) -> Variant {
     bin::fold_blocks_variant(shape, run.number > 0, run.subgroup)
         .with("KEPT", u32::from(run.of > 1))
         .with("BEHIND", u32::from(round.behind))
@@ -370,6 +356,41 @@ pub fn least_bytes(name: &str, facts: &Facts, kind: Kind, tilted: bool, pixels: 
     // Rank, then record, footprint and color.
     let splat = 4 + 8 + 16 + 16 + if tilted { 16 } else { 0 };
     Some(rounds * (facts.tile_entries * splat + pixels * 20))
+}
+
+/// The variants of a pass: a footprint and all falloffs with one run, and the first and second of two.
+fn variants(footprint: Footprint, of: impl Fn(Variant, OneRun) -> Vec<Variant>) -> Vec<Variant> {
+    let runs: Vec<OneRun> = [(0, 1), (0, 2), (1, 2)]
+        .into_iter()
+        .flat_map(|(number, of)| SUBGROUPS.map(|subgroup| OneRun { number, of, subgroup }))
+        .collect();
+    let mut all = Vec::new();
+    for falloff in Falloff::all() {
+        let shape = compose::shape_variant(footprint, falloff);
+        runs.iter().for_each(|run| all.extend(of(shape.clone(), *run)));
+    }
+    all
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let sums = |footprint| variants(footprint, |shape, run| vec![sum_variant(shape, run)]);
+    let both = || DISCS.iter().flat_map(|disc| sums(*disc)).collect::<Vec<_>>();
+    // One round; the first and the middle ones of several, and the last one, which has the slots that are left.
+    let round = |slots, behind, tail| Round { slots, behind, tail };
+    let last = (1..=MOST_SLOTS).flat_map(|slots| [round(slots, false, true), round(slots, true, true)]);
+    let rounds: Vec<Round> =
+        [round(MOST_SLOTS, false, false), round(MOST_SLOTS, true, false)].into_iter().chain(last).collect();
+    let oriented = variants(Footprint::Oriented, |shape, run| {
+        rounds.iter().map(|round| round_variant(shape.clone(), run, *round)).collect()
+    });
+    vec![
+        Shader::new::<Weighted>(both()),
+        Shader::new::<Average>(both()),
+        Shader::new::<Unsorted>(both()),
+        Shader::new::<HybridFlat>(sums(Footprint::Disc)),
+        Shader::new::<HybridOriented>(oriented),
+    ]
 }
 
 #[cfg(test)]

@@ -11,10 +11,12 @@ mod passes;
 pub mod windows;
 
 pub(crate) use engine::{Filtering, ImageSpaceEngine, finish, pass_group};
+pub(crate) use passes::CONSTANTS;
+use passes::resolve_variant;
 
 pub use passes::{
     Antialias, Deliver, DeliverPush, Fill, Filter, FilterPush, List, ListPush, Listed, Measure, Occlusion, Resolve,
-    ResolvePush, Smooth, Tiled, TiledGroup, resolve_variant,
+    ResolvePush, Smooth, Tiled, TiledGroup, shaders,
 };
 
 use super::engine::Work;
@@ -308,7 +310,7 @@ impl Filterer {
             depths: self.depths(job),
             colors: self.colors(job),
         };
-        let variant = resolve_variant(cut, job.how, cloud.has_normals(), job.transparent);
+        let variant = resolve_variant(job.how.shaded(cloud.has_normals()).cut(cut), job.transparent);
         let run = Run::new(self.listed_dispatch(0)).variant(variant);
         recorder.run(&resolve, Self::resolve_push(job), &run)?;
         Ok(())

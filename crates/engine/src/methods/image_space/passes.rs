@@ -1,9 +1,9 @@
 //! The passes of image-space rendering.
 
 use crate::gpu::Variant;
+use crate::gpu::shader::Shader;
 use crate::methods::peel::PeelWork;
-use crate::passes::compose::Cut;
-use crate::passes::project::{Projecting, View};
+use crate::passes::project::{Shaded, View};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -170,31 +170,60 @@ impl Filter {
     }
 }
 
-/// What goes through a work list; the values of `FILTER` in WGSL.
+/// Whose work list it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Listed {
-    /// A filter.
+    /// A filter's.
     Filter(Filter),
-    /// Shading.
+    /// That of shading.
     Resolve,
-    /// What puts a finished image into the window.
+    /// That of what puts a finished image into the window.
     Deliver,
 }
 
+const LIST_RESOLVE: u32 = 4;
+const LIST_DELIVER: u32 = 5;
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 6] = [
+    ("LIST_FILL", Filter::Fill as u32),
+    ("LIST_OCCLUSION", Filter::Occlusion as u32),
+    ("LIST_SMOOTH", Filter::Smooth as u32),
+    ("LIST_ANTIALIAS", Filter::Antialias as u32),
+    ("LIST_RESOLVE", LIST_RESOLVE),
+    ("LIST_DELIVER", LIST_DELIVER),
+];
+
 impl Listed {
     /// The variant of `image-space/list`.
-    pub fn variant(self) -> Variant {
+    pub(super) fn variant(self) -> Variant {
         let value = match self {
             Self::Filter(filter) => filter as u32,
-            Self::Resolve => 4,
-            Self::Deliver => 5,
+            Self::Resolve => LIST_RESOLVE,
+            Self::Deliver => LIST_DELIVER,
         };
         Variant::plain().with("FILTER", value)
     }
 }
 
-/// A variant of `image-space/resolve`.
-pub fn resolve_variant(cut: Cut, how: &Projecting, normals: bool, transparent: bool) -> Variant {
-    let variant = how.shaded(normals).with("PARTS", cut.parts).with("PART_LENGTH", cut.len);
-    variant.with("TRANSPARENT", u32::from(transparent))
+/// A variant of `image-space/resolve`, from that of shading.
+pub(super) fn resolve_variant(shaded: Variant, transparent: bool) -> Variant {
+    shaded.with("TRANSPARENT", u32::from(transparent))
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let listed = Filter::ALL.map(Listed::Filter).into_iter().chain([Listed::Resolve, Listed::Deliver]);
+    let shaded = Shaded::cut_variants();
+    let resolve = shaded.iter().flat_map(|shaded| [false, true].map(|t| resolve_variant(shaded.clone(), t)));
+    vec![
+        Shader::new::<Resolve>(resolve),
+        Shader::plain::<Measure>(),
+        Shader::new::<List>(listed.map(Listed::variant)),
+        Shader::plain::<Fill>(),
+        Shader::plain::<Occlusion>(),
+        Shader::plain::<Smooth>(),
+        Shader::plain::<Antialias>(),
+        Shader::plain::<Deliver>(),
+    ]
 }

@@ -1,9 +1,10 @@
 //! Cutting the image into windows that are rendered with all around them that the filters reach.
 
 use crate::passes::bands::Window;
+use crate::passes::tiles;
 
 /// Side of a tile in pixels.
-pub const TILE: u32 = 16;
+pub const TILE: u32 = tiles::TILE;
 
 /// Columns and rows of tiles that cover a window.
 pub fn tiles([x0, y0, x1, y1]: Window) -> [u32; 2] {

@@ -9,6 +9,7 @@ mod engine;
 pub(crate) use engine::{OneLayerEngine, pass_group};
 
 use super::{Error, Pixels};
+use crate::gpu::shader::Shader;
 use crate::gpu::{Dispatch, Recorder, Run};
 use crate::passes::bands::{self, Window};
 use crate::{gpu_struct, pass};
@@ -45,4 +46,9 @@ pub fn record<'a>(
     let pass = Compose { layer: layer.image, layer_depths: layer.depths, image, depths };
     let push = ComposePush { count: pixels as u32, softness };
     Ok(recorder.run(&pass, push, &Run::new(Dispatch::Invocations(pixels)))?)
+}
+
+/// The pass.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::plain::<Compose>()]
 }

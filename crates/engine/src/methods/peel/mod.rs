@@ -13,11 +13,12 @@ use super::abuffer::CountPush;
 use super::engine::Work;
 use super::splat::NearestSplat;
 use super::{Error, Facts, Target};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Band, Window};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
-use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::project::{DISCS, Footprint};
+use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::scene::{Falloff, Peel};
 use crate::{gpu_struct, pass};
 
@@ -49,28 +50,28 @@ pass! {
 pass! {
     /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel of each splat, among ranks
     /// behind the last one peeled.
-    pub Nearest(RasterPush) = "peel/nearest" {
+    pub Nearest(RasterPush) = "peel/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<u64>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// Finds the depth of `peel/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest_depth" {
+    pub NearestDepth(RasterPush) = "peel/nearest-depth" in "peel/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 
 pass! {
     /// Finds the smallest index at the depth of `peel/nearest-depth`.
-    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest_id" {
+    pub NearestId(RasterPush) = "peel/nearest-id" in "peel/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
-        last: Read<[u32; 2]>,
         nearest: ReadWrite<NearestSplat>,
+        last: Read<[u32; 2]>,
     }
 }
 
@@ -101,7 +102,7 @@ pub fn pixel_bytes(counted: bool) -> u64 {
 }
 
 /// The variant of `peel/blend`; `counted`: with layers per pixel.
-pub fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
+fn blend_variant(cut: Cut, footprint: Footprint, falloff: Falloff, counted: bool) -> Variant {
     compose::variant(cut, footprint, falloff).with("COUNTED", u32::from(counted))
 }
 
@@ -286,4 +287,20 @@ impl Peeler {
         recorder.run(&Next { work, arguments }, (), &Run::new(Dispatch::Groups(1)))?;
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let choices = <(Cut, (Falloff, bool))>::all();
+    let blend = DISCS.iter().flat_map(|disc| {
+        choices.iter().map(move |(cut, (falloff, counted))| blend_variant(*cut, *disc, *falloff, *counted))
+    });
+    vec![
+        Shader::new::<Count>(raster::flat_variants()),
+        Shader::new::<Nearest>(raster::flat_variants()),
+        Shader::new::<NearestDepth>(raster::flat_variants()),
+        Shader::new::<NearestId>(raster::flat_variants()),
+        Shader::new::<Blend>(blend),
+        Shader::plain::<Next>(),
+    ]
 }

@@ -13,6 +13,7 @@ use super::engine::Work;
 use super::image_space::{DeliverPush, Emptied, Filterer, WindowJob};
 use super::peel::{Next, PeelWork};
 use super::{Error, Target};
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Window};
 use crate::passes::compose::Cut;
@@ -54,7 +55,7 @@ pass! {
 }
 
 /// The variant of `peel-layers/blend`; `counted`: with layers per pixel.
-pub fn blend_variant(counted: bool) -> Variant {
+fn blend_variant(counted: bool) -> Variant {
     Variant::plain().with("COUNTED", u32::from(counted))
 }
 
@@ -219,4 +220,9 @@ impl LayerPeeler {
         recorder.run(&blend, push, &run)?;
         Ok(())
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![Shader::new::<Blend>([false, true].map(blend_variant))]
 }

@@ -10,9 +10,10 @@ pub(crate) use engine::{PointsEngine, pass_group};
 use super::engine::Work;
 use super::splat::{NearestSplat, Opaque};
 use super::{Error, abuffer};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
 use crate::passes::compose::Cut;
-use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Stats, View};
+use crate::passes::project::{DeviceCloud, Places, PlacesGroup, Projecting, Shaded, Stats, View};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
@@ -29,7 +30,7 @@ pass! {
     /// With `image-space` and `peel-layers` it leaves out points that face away (`cull`), and behind the first layer
     /// those before the limit of their pixel. The pixel is found in float32 and, within rounding of a border, again in
     /// two-float arithmetic; the depth always in the latter.
-    pub Nearest(PointsPush) = "points/nearest" {
+    pub Nearest(PointsPush) = "points/nearest" with "nearest_wide" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,
@@ -39,7 +40,7 @@ pass! {
 
 pass! {
     /// Finds the depth of `points/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest_depth" {
+    pub NearestDepth(PointsPush) = "points/nearest-depth" in "points/nearest" with "nearest_depth" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,
@@ -49,7 +50,7 @@ pass! {
 
 pass! {
     /// Finds the smallest index at the depth of `points/nearest-depth`.
-    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest_id" {
+    pub NearestId(PointsPush) = "points/nearest-id" in "points/nearest" with "nearest_id" {
         places: Shared<PlacesGroup>,
         normals: Read<[f32; 4]>,
         limits: Read<u32>,
@@ -80,7 +81,7 @@ pub(super) const RUN: u64 = 16;
 
 /// The variant of the passes that find the nearest points: `cull`: without those that face away; `limited`: without those
 /// nearer than their pixel's limit.
-pub fn nearest_variant(cull: bool, limited: bool) -> Variant {
+fn nearest_variant(cull: bool, limited: bool) -> Variant {
     Variant::plain().with("RUN", RUN as u32).with("CULL", u32::from(cull)).with("LIMITED", u32::from(limited))
 }
 
@@ -98,11 +99,6 @@ pub struct Choice<'a> {
 /// How much a pass over a chunk of so many points runs.
 pub fn nearest_dispatch(count: u64) -> Dispatch<'static> {
     Dispatch::Invocations(count.div_ceil(RUN))
-}
-
-/// A variant of `points/resolve`.
-pub fn resolve_variant(cut: Cut, how: &Projecting, normals: bool) -> Variant {
-    how.shaded(normals).with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
 }
 
 impl Opaque {
@@ -135,7 +131,7 @@ impl Opaque {
         };
         let push = abuffer::CountPush { count: pixels as u32 };
         let run = Run::new(Dispatch::Invocations(pixels));
-        recorder.run(&resolve, push, &run.variant(resolve_variant(cut, how, cloud.has_normals())))?;
+        recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.add(recorder.submit("points/nearest")?);
         Ok(cloud.stats())
@@ -190,4 +186,15 @@ pub(super) fn record_nearest<'a>(
         }
     }
     Ok(())
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let variants = || <(bool, bool)>::all().into_iter().map(|(cull, limited)| nearest_variant(cull, limited));
+    vec![
+        Shader::new::<Nearest>(variants()),
+        Shader::new::<NearestDepth>(variants()),
+        Shader::new::<NearestId>(variants()),
+        Shader::new::<Resolve>(Shaded::cut_variants()),
+    ]
 }

@@ -11,6 +11,7 @@ use crate::progress::Progress;
 
 use super::{Error, Frame, Timeline, points};
 use crate::cloud::shadow_texture::Casting;
+use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Memory, Recorder, Run, Variant};
 use crate::passes::project::{DeviceCloud, PlacesGroup, Projecting};
 use crate::scene::{Light, ShadingModel};
@@ -98,22 +99,22 @@ const FILL_ROWS: u64 = 8;
 const PIXEL_BYTES: u64 = 8;
 
 /// The variant of `shadows/start` for a cloud with or without normals.
-pub fn start_variant(normals: bool) -> Variant {
+fn start_variant(normals: bool) -> Variant {
     Variant::plain().with("NORMALS", u32::from(normals))
 }
 
 /// The variant of `shadows/fill`.
-pub fn fill_variant() -> Variant {
+fn fill_variant() -> Variant {
     Variant::plain().with("RUN", FILL_ROWS as u32)
 }
 
 /// The variant of `shadows/nearest`.
-pub fn walk_variant() -> Variant {
+fn walk_variant() -> Variant {
     Variant::plain().with("RUN", points::RUN as u32)
 }
 
 /// The variant of `shadows/lit`, with one image of a light or with six.
-pub fn lit_variant(cube: bool) -> Variant {
+fn lit_variant(cube: bool) -> Variant {
     walk_variant().with("CUBE", u32::from(cube))
 }
 
@@ -284,6 +285,17 @@ pub fn least_bytes(name: &str, runs: u64, points: u64, chunks: u64, resolution: 
         "shadows/lit" => Some(walks * points * (32 + 16 + 4)),
         _ => None,
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    vec![
+        Shader::new::<Start>([false, true].map(start_variant)),
+        Shader::new::<Nearest>([walk_variant()]),
+        Shader::new::<Fill>([fill_variant()]),
+        Shader::new::<Lit>([false, true].map(lit_variant)),
+        Shader::plain::<Share>(),
+    ]
 }
 
 #[cfg(test)]

@@ -3,23 +3,21 @@
 //! sorts nothing; it is the order of depth for orthographic views along an axis, and close to it otherwise.
 
 use super::{Layer, SoftModel, record_compose};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::methods::abuffer::record_nothing;
 use crate::methods::engine::Work;
-use crate::methods::{Error, Frame, Outcome, Target, sorted};
+use crate::methods::sorted::{self, STOP_NEVER, STOPS};
+use crate::methods::{Error, Frame, Outcome, Target};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::project::Footprint;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of `soft/express`; the shader says what the members are.
     pub struct ExpressPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         peak: f32,
         most_color: f32,
     }
@@ -139,11 +137,10 @@ impl SoftDiscs {
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
         let (stop, most_color) = sorted::stop(frame.stop, frame.color, job.most_color);
         for segment in 0..binned.segments() {
-            let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);
-            let push = ExpressPush { columns, tiles, runs, nearest, segment, peak: job.model.lambda, most_color };
+            let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, most_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
             let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
-            let run = Run::new(Dispatch::Groups(tiles.into()));
+            let run = Run::new(Dispatch::Groups(binned.tiles().into()));
             recorder.run(&express, push, &run.variant(express_variant(way, binned.subgroup())))?;
         }
         Ok(())
@@ -152,7 +149,7 @@ impl SoftDiscs {
 
 /// What a variant of `soft/express` depends on.
 #[derive(Debug, Clone, Copy)]
-pub struct Way {
+pub(crate) struct Way {
     /// `STOP` in WGSL, from [`sorted::stop`].
     pub stop: u32,
     /// Whether solid points cut it.
@@ -166,13 +163,22 @@ pub struct Way {
 }
 
 /// A variant of `soft/express`.
-pub fn express_variant(way: Way, subgroup: u32) -> Variant {
+fn express_variant(way: Way, subgroup: u32) -> Variant {
     let flat = Variant::plain().with("SHAPE", Footprint::Disc as u32);
     bin::fold_variant(flat, way.later, subgroup)
-        .with("STOP", if way.counted { 0 } else { way.stop })
+        .with("STOP", if way.counted { STOP_NEVER } else { way.stop })
         .with("CUT", u32::from(way.cut))
         .with("MODULATED", u32::from(way.modulated))
         .with("COUNTED", u32::from(way.counted))
+}
+
+/// The pass with its variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let flags = <((bool, bool), (bool, bool))>::all();
+    let ways = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
+        STOPS.map(|stop| Way { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
+    });
+    vec![Shader::new::<Express>(ways.flat_map(|way| SUBGROUPS.map(|size| express_variant(way, size))))]
 }
 
 #[cfg(test)]

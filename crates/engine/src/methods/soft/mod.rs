@@ -10,6 +10,7 @@ pub(crate) use explain::{disc_group, sphere_group};
 pub use spheres::*;
 
 use super::{Error, Pixels};
+use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Kept, Memory, Slice};
 use crate::scene::{Density, Method, Soft};
 
@@ -100,6 +101,13 @@ impl SoftModel {
         // The paper's layout rounds more than that.
         interior != Interior::Packed && f64::from(self.lambda) * chord > STIFF
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let mut all = spheres::shaders();
+    all.extend(express::shaders());
+    all
 }
 
 #[cfg(test)]

@@ -10,16 +10,18 @@
 //! taken for each segment from all spheres that may reach it, wherever they lie in the list.
 
 use super::{Layer, SoftModel};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::abuffer::{self, LOCAL_LENGTH, ListRun, LongList, LongWork, Partial, ResolvingGroup};
+use crate::methods::sorted::STOPS;
 use crate::methods::{Error, Target, splats};
 use crate::passes::bands::Band;
 use crate::passes::compose::{self, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{Chunk, ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, Chunk, ChunkGroup, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, MAX_SHELLS, Method, Shells, SoftLayout};
-use crate::{gpu_struct, pass};
+use crate::{choices, gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of the kernels that blend; shaders/shared/soft_push.wgsl says what the members are.
@@ -179,6 +181,12 @@ pub const RECORD_BYTES: u64 = 16;
 /// Device bytes per pixel of the number of spheres, where these have shells.
 pub const SPHERES_BYTES: u64 = 4;
 
+/// A sphere of which density falls off linearly, and shells of constant density: values of `MODEL` in WGSL.
+const MODEL_BASE: u32 = 0;
+const MODEL_CONCENTRIC: u32 = 1;
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MOST_SHELLS", MAX_SHELLS)];
+
 /// What a sphere is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Interior {
@@ -250,7 +258,7 @@ impl Interior {
 
     /// Adds what shaders/shared/soft_terms.wgsl wants to know besides.
     fn terms(self, variant: Variant, modulated: bool) -> Variant {
-        let model = u32::from(!self.is_integrated());
+        let model = if self.is_integrated() { MODEL_BASE } else { MODEL_CONCENTRIC };
         self.sphere(variant).with("MODEL", model).with("MODULATED", u32::from(modulated))
     }
 }
@@ -383,17 +391,17 @@ pub fn record_compose<'a>(
 }
 
 /// The variant of `soft/count` for a walker's.
-pub fn count_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
+fn count_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
     interior.sphere(walker).with("CUT", u32::from(cut)).with("COUNTED", u32::from(interior.counted()))
 }
 
 /// The variant of `soft/store` for a walker's.
-pub fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
+fn store_variant(walker: Variant, interior: Interior, cut: bool) -> Variant {
     interior.sphere(walker).with("CUT", u32::from(cut))
 }
 
 /// The variant of the kernel for lists of up to `capacity` events; which of the two kernels it is, [`abuffer::is_network`] says.
-pub fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Variant {
+fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Variant {
     let piece = if kind.interior.is_integrated() { "blend_spheres" } else { "blend_shells" };
     let variant = run_variant(kind, cut).with("STOP", stop).walker(piece);
     let sorted = abuffer::resolve_variant(variant, capacity);
@@ -401,12 +409,12 @@ pub fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Varian
 }
 
 /// The variant of the passes over runs of long lists.
-pub fn run_variant(kind: Kind, cut: Cut) -> Variant {
+fn run_variant(kind: Kind, cut: Cut) -> Variant {
     kind.interior.terms(compose::variant(cut, kind.footprint(), Falloff::Flat), kind.modulated)
 }
 
 /// The variant of `soft/segments`.
-pub fn segments_variant(kind: Kind, cut: Cut) -> Variant {
+fn segments_variant(kind: Kind, cut: Cut) -> Variant {
     run_variant(kind, cut).with("TAKEN", SEGMENTS_TAKEN)
 }
 
@@ -488,6 +496,46 @@ impl LongSpheres {
 /// Runs of long lists of so many events at most.
 pub fn long_runs(events: u64) -> u64 {
     (2 * events).div_ceil(u64::from(LOCAL_LENGTH))
+}
+
+/// Of shells as many as a sphere's radius asks for, and a number of them.
+impl Choices for Interior {
+    fn all() -> Vec<Self> {
+        vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(5), 4.0)]
+    }
+}
+
+choices!(struct Kind { interior, exact, modulated });
+
+/// The passes with their variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let spheres = raster::variants(&[Footprint::Sphere, Footprint::ExactSphere], false);
+    let walked = |of: fn(Variant, Interior, bool) -> Variant, segment: fn(Interior) -> u32| {
+        let choices = <(Interior, bool)>::all().into_iter();
+        let of = |(interior, cut)| {
+            spheres.iter().map(move |w| of(w.clone(), interior, cut).with("SEGMENT", segment(interior)))
+        };
+        choices.flat_map(of).collect::<Vec<_>>()
+    };
+    let blended = |of: &dyn Fn(Kind, Cut) -> Vec<Variant>| {
+        <(Kind, Cut)>::all().into_iter().flat_map(|(kind, cut)| of(kind, cut)).collect::<Vec<_>>()
+    };
+    let kernels =
+        |capacity| blended(&|kind, cut| STOPS.map(|stop| resolve_variant(kind, cut, stop, capacity)).to_vec());
+    let runs = || blended(&|kind, cut| vec![run_variant(kind, cut)]);
+    vec![
+        Shader::new::<Count>(walked(count_variant, |_| SEGMENT)),
+        Shader::new::<Store>(walked(store_variant, Interior::segment)),
+        Shader::new::<ResolveNetwork>(abuffer::kernels(kernels, |capacity| {
+            capacity > 1 && abuffer::is_network(capacity)
+        })),
+        Shader::new::<ResolveMerge>(abuffer::kernels(kernels, |capacity| !abuffer::is_network(capacity))),
+        Shader::new::<SumRuns>(runs()),
+        Shader::plain::<Carry>(),
+        Shader::new::<Segments>(blended(&|kind, cut| vec![segments_variant(kind, cut)])),
+        Shader::new::<BlendRuns>(runs()),
+        Shader::plain::<Compose>(),
+    ]
 }
 
 #[cfg(test)]

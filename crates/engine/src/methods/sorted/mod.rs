@@ -10,9 +10,10 @@ pub(crate) use engine::SortedEngine;
 use super::abuffer::record_nothing;
 use super::engine::Work;
 use super::{Error, Frame, Outcome, Target};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
 use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
@@ -20,11 +21,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of `sorted/blend`; the shader says what the members are.
     pub struct BlendPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         most_opacity: f32,
         most_color: f32,
     }
@@ -102,31 +99,54 @@ fn record_blend<'a>(
     let (stop, most_color) = stop(frame.stop, frame.color, job.most_color);
     let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
-        let FoldPush { columns, tiles, runs, nearest, segment } = binned.fold_push(segment);
-        let most_opacity = cloud.most_opacity();
-        let push = BlendPush { columns, tiles, runs, nearest, segment, most_opacity, most_color };
+        let push = BlendPush { walk: binned.walk(segment), most_opacity: cloud.most_opacity(), most_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
-        recorder.run(&blend, push, &Run::new(Dispatch::Groups(tiles.into())).variant(variant))?;
+        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.tiles().into())).variant(variant))?;
     }
     Ok(())
 }
 
+/// Values of `STOP` in WGSL.
+pub(crate) const STOP_NEVER: u32 = 0;
+pub(crate) const STOP_EXACT: u32 = 1;
+pub(crate) const STOP_SRGB: u32 = 2;
+pub(crate) const STOP_ENCODED: u32 = 3;
+/// Those that stop somewhere.
+pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 3] =
+    [("STOP_NEVER", STOP_NEVER), ("STOP_EXACT", STOP_EXACT), ("STOP_SRGB", STOP_SRGB)];
+
 /// The value of `STOP` in WGSL, and the bound on colors that goes with it, from that of what is blended.
 pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
     match stop {
-        Stop::Exact => (1, most),
+        Stop::Exact => (STOP_EXACT, most),
         Stop::EightBit { transparent } => {
             // The background may come behind. Without one, C / A moves by at most T (m + 1) / A, and A is above 0.9 here.
             let most = most.max(1.0);
             let most = if transparent { (most + 1.0) * 1.2 } else { most };
-            (if space == ColorSpace::Linear { 2 } else { 3 }, most)
+            (if space == ColorSpace::Linear { STOP_SRGB } else { STOP_ENCODED }, most)
         }
     }
 }
 
 /// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
-pub fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
+fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
     bin::fold_variant(shape, later, subgroup).with("STOP", stop)
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let mut variants = Vec::new();
+    for (shape, later) in
+        compose::shape_variants().iter().flat_map(|shape| bool::all().into_iter().map(move |l| (shape, l)))
+    {
+        for (stop, subgroup) in STOPS.iter().flat_map(|stop| SUBGROUPS.map(|size| (*stop, size))) {
+            variants.push(blend_variant(shape.clone(), stop, later, subgroup));
+        }
+    }
+    vec![Shader::new::<Blend>(variants)]
 }
 
 #[cfg(test)]

@@ -26,14 +26,15 @@ use self::stream::Stream;
 use self::tasks::{Task, Tasks};
 use super::engine::Work;
 use super::{Error, Facts, Frame, Target, ThinCloud};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::compose::Cut;
-use crate::passes::project::{Column, DeviceCloud, Placed, Projecting, View};
+use crate::passes::project::{Column, DeviceCloud, Placed, Projecting, Shaded, View};
 use crate::prepare::ensembles::slots;
 use crate::random;
 use crate::scene::{ColorSpace, Method, ShadingModel, Spbr};
-use crate::{gpu_struct, group, pass};
+use crate::{choices, gpu_struct, group, pass};
 
 gpu_struct! {
     /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl says what the members are.
@@ -127,15 +128,15 @@ pass! {
 pass! {
     /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on the
     /// device.
-    pub Nearest(SlotsPush) = "spbr/nearest" {
+    pub Nearest(SlotsPush) = "spbr/nearest" with "nearest_wide" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<u64>,
     }
 }
 
 pass! {
-    /// Finds the depth of `spbr/nearest` by a 32-bit maximum, where the device has no 64-bit atomics.
-    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest_depth" {
+    /// Finds the depth of `spbr/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
+    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest" with "nearest_depth" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
     }
@@ -143,7 +144,7 @@ pass! {
 
 pass! {
     /// Finds the index at the depth of `spbr/nearest-depth` by a second 32-bit pass.
-    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest_id" {
+    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest" with "nearest_id" {
         slots: Shared<SlotsGroup>,
         nearest: ReadWrite<super::splat::NearestSplat>,
     }
@@ -189,8 +190,10 @@ pass! {
 
 /// Slots of one invocation, at most 32.
 const RUN: u64 = 16;
-/// Pixels of a square that one invocation walks (`SMALL` in WGSL): larger ones go to a list.
-const SMALL: f64 = 64.0;
+/// Pixels of a square that one invocation walks: larger ones go to a list.
+const SMALL_SQUARE: u32 = 64;
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 1] = [("SMALL_SQUARE", SMALL_SQUARE)];
 /// Slots of a round from which on more ensembles at once gain nothing, for each piece of work that keeps a device busy.
 const ROUND_SLOTS: u64 = 1 << 10;
 /// Most slots of a dispatch, and of one whose large squares may all be on the list.
@@ -293,43 +296,96 @@ pub struct Kind {
     pub spread: bool,
 }
 
+choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
+
+/// Who goes through slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Through {
+    /// An invocation for some slots each.
+    Slots {
+        /// Whether drawn points are counted.
+        counted: bool,
+    },
+    /// So many workgroups for each square of the list of large ones.
+    Large {
+        /// How many.
+        stripes: u32,
+    },
+}
+
+impl Choices for Through {
+    fn all() -> Vec<Self> {
+        vec![Self::Slots { counted: false }, Self::Slots { counted: true }, Self::Large { stripes: 3 }]
+    }
+}
+
 impl Kind {
-    /// The variant of a stage that goes through slots (`None`), or through the list of large squares with so many
-    /// workgroups for each.
-    pub fn variant(self, stage: Stage, stripes: Option<u32>, counted: bool) -> Variant {
+    /// The variant of a stage that goes through slots; `again`: of a later pass over the cloud.
+    fn variant(self, stage: Stage, through: Through, again: bool) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
             .with("THINNED", u32::from(self.thinned))
             .with("SLANTED", u32::from(self.slanted))
             .with("SQUARES", u32::from(self.squares))
             .with("PLANES", u32::from(self.planes));
-        let variant = match stripes {
-            None => variant.walker("spbr_slots").with("RUN", RUN as u32).with("COUNTED", u32::from(counted)),
-            Some(stripes) => variant.walker("spbr_large").with("STRIPES", stripes),
+        let variant = match through {
+            Through::Slots { counted } => variant
+                .walker("spbr_slots")
+                .with("RUN", RUN as u32)
+                .with("COUNTED", u32::from(counted))
+                .with("AGAIN", u32::from(again)),
+            Through::Large { stripes } => variant.walker("spbr_large").with("STRIPES", stripes),
         };
         match stage {
             Stage::Draw | Stage::Sum => variant.with("SPREAD", u32::from(self.spread)),
             _ => variant,
         }
     }
+
+    /// The variants of a stage.
+    fn variants(stage: Stage) -> Vec<Variant> {
+        let choices = <(Self, (Through, bool))>::all().into_iter();
+        choices.map(|(kind, (through, again))| kind.variant(stage, through, again)).collect()
+    }
 }
 
 /// The variant of `spbr/draw`: cut and color space besides.
-pub fn draw_variant(variant: Variant, cut: Cut, how: &Projecting) -> Variant {
-    let encoded = u32::from(how.color == ColorSpace::Encoded);
-    variant.with("PARTS", cut.parts).with("PART_LENGTH", cut.len).with("ENCODED", encoded)
+fn draw_variant(variant: Variant, cut: Cut, color: ColorSpace) -> Variant {
+    variant.with("PARTS", cut.parts).with("PART_LENGTH", cut.len).with("ENCODED", color as u32)
 }
 
 /// The variant of `spbr/sum`: shading besides.
-pub fn sum_variant(variant: Variant, how: &Projecting, normals: bool) -> Variant {
-    let mut variant = variant;
-    variant.overrides.extend(how.shaded(normals).overrides);
+fn sum_variant(mut variant: Variant, shaded: Shaded) -> Variant {
+    variant.overrides.extend(shaded.variant().overrides);
     variant
 }
 
 /// The variant of `spbr/resolve`.
-pub fn resolve_variant(spread: bool) -> Variant {
+fn resolve_variant(spread: bool) -> Variant {
     Variant::plain().with("SPREAD", u32::from(spread))
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let stages = Kind::variants;
+    let (cut, color) = (Cut::all()[0], ColorSpace::Linear);
+    let (draws, sums) = (stages(Stage::Draw), stages(Stage::Sum));
+    // What decides where a point shows knows nothing of its color: every variant of the one, and every one of the other.
+    let colored = <(Cut, ColorSpace)>::all().into_iter().map(|(cut, color)| draw_variant(draws[0].clone(), cut, color));
+    let draw = draws.iter().map(|variant| draw_variant(variant.clone(), cut, color)).chain(colored);
+    let shaded = Shaded::all();
+    let colored = shaded.iter().map(|shaded| sum_variant(sums[0].clone(), *shaded));
+    let sum = sums.iter().map(|variant| sum_variant(variant.clone(), shaded[0])).chain(colored);
+    vec![
+        Shader::new::<Draw>(draw),
+        Shader::new::<Nearest>(stages(Stage::Nearest)),
+        Shader::new::<NearestDepth>(stages(Stage::NearestDepth)),
+        Shader::new::<NearestId>(stages(Stage::NearestId)),
+        Shader::new::<Sum>(sum),
+        Shader::plain::<Renew>(),
+        Shader::plain::<Large>(),
+        Shader::new::<Resolve>([false, true].map(resolve_variant)),
+    ]
 }
 
 /// How colors become whole numbers.
@@ -434,6 +490,11 @@ impl WindowJob<'_> {
         self.form == Form::Single && self.planes() == 1
     }
 
+    /// A word of a plane that holds nothing: `spbr/draw` looks for the largest key, the other forms for its smallest complement.
+    fn nothing(&self) -> u32 {
+        if self.form == Form::Single { 0 } else { u32::MAX }
+    }
+
     /// Whether there are more rounds than epochs of planes that no fill can clear.
     pub fn is_renewed(&self) -> bool {
         self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
@@ -508,7 +569,7 @@ impl Ensembles {
             let submission = self.next_submission(job, &mut tasks);
             let mut recorder = device.recorder()?;
             if submissions == 0 {
-                self.record_clear(&mut recorder)?;
+                self.record_clear(&mut recorder, job)?;
             }
             self.stream.record(&mut recorder)?;
             for task in &submission {
@@ -579,8 +640,8 @@ impl Ensembles {
         Ok(())
     }
 
-    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
         recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
         recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
         recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
@@ -590,7 +651,7 @@ impl Ensembles {
     /// Records that planes are empty again.
     fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
         if !job.is_inline() {
-            recorder.fill("spbr/clear", self.nearest.get().all(), 0)?;
+            recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
             return Ok(());
         }
         let pass = Renew { pixels: self.pixels.get().all().cast() };
@@ -613,9 +674,9 @@ impl Ensembles {
         let stage = task.stage;
         let count = task.piece.slots.end - task.piece.slots.start;
         let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
-        let again = u32::from(task.piece.rows.is_some());
+        let again = task.piece.rows.is_some();
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
-        let walk = (run, kind.variant(stage, None, counted).with("AGAIN", again));
+        let walk = (run, kind.variant(stage, Through::Slots { counted }, again));
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         if !job.listed() {
             self.record_stage(device, recorder, job, task, walk)?;
@@ -628,7 +689,7 @@ impl Ensembles {
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
         recorder.run(&large, most, &Run::new(Dispatch::Invocations(1)))?;
         let run = Run::new(Dispatch::Indirect(self.arguments.get().all()));
-        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Some(stripes), false)))
+        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes }, again)))
     }
 
     fn record_stage<'a>(
@@ -657,13 +718,13 @@ impl Ensembles {
                 let point_colors = cut.of(&cloud.point_colors);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Draw { slots, nearest, point_colors, pixels, squares };
-                recorder.run(&pass, push, &run.variant(draw_variant(variant, cut, job.how)))?;
+                recorder.run(&pass, push, &run.variant(draw_variant(variant, cut, job.how.color)))?;
             }
             Stage::Sum => {
                 let point_colors = self.column(job, Column::Color, &task.piece.bound);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
-                recorder.run(&pass, push, &run.variant(sum_variant(variant, job.how, cloud.has_normals())))?;
+                recorder.run(&pass, push, &run.variant(sum_variant(variant, job.how.shaded(cloud.has_normals()))))?;
             }
         }
         Ok(())
@@ -775,7 +836,7 @@ fn largest(shares: &[Share]) -> f64 {
 
 /// Whether squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
 pub fn is_listed(shares: &[Share]) -> bool {
-    (largest(shares).sqrt() + 1.0).powi(2) > SMALL
+    (largest(shares).sqrt() + 1.0).powi(2) > f64::from(SMALL_SQUARE)
 }
 
 /// Bytes that a pass must at least read and write; `pixels` of the image.

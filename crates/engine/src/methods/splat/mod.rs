@@ -8,14 +8,15 @@ pub(crate) use engine::{NearestEngine, counter_group, pass_group, tile_group};
 
 use super::engine::Work;
 use super::{Error, abuffer};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Kept, Memory, Run, Variant};
 use crate::passes::bands::{self, Band};
 use crate::passes::compose::{self, Composing, ComposingGroup, Cut};
 use crate::passes::project::Footprint;
-use crate::passes::raster::{ChunkGroup, Raster, RasterPush};
+use crate::passes::raster::{self, ChunkGroup, Raster, RasterPush};
 use crate::passes::tiles::SEGMENT;
 use crate::scene::{Falloff, Relief};
-use crate::{gpu_struct, pass};
+use crate::{choices, gpu_struct, pass};
 
 gpu_struct! {
     /// A pixel's nearest splat.
@@ -27,7 +28,7 @@ gpu_struct! {
 
 pass! {
     /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel.
-    pub Nearest(RasterPush) = "splat/nearest" {
+    pub Nearest(RasterPush) = "splat/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
@@ -35,7 +36,7 @@ pass! {
 
 pass! {
     /// Finds the depth of `splat/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest_depth" {
+    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -43,7 +44,7 @@ pass! {
 
 pass! {
     /// Finds the smallest index at the depth of `splat/nearest-depth`.
-    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest_id" {
+    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -60,7 +61,7 @@ pass! {
 }
 
 /// The variant of the passes that find the nearest splats, for a walker's.
-pub fn relief_variant(walker: Variant, relief: Relief) -> Variant {
+fn relief_variant(walker: Variant, relief: Relief) -> Variant {
     walker.with("RELIEF", relief as u32)
 }
 
@@ -109,4 +110,34 @@ impl Opaque {
         work.timeline.add(recorder.submit("splat/nearest")?);
         Ok(())
     }
+}
+
+choices!(
+    enum Relief {
+        Flat,
+        Paraboloid,
+        Cone,
+        Sphere,
+    }
+);
+
+/// What shaders know of this module.
+pub(crate) const CONSTANTS: [(&str, u32); 3] = [
+    ("RELIEF_FLAT", Relief::Flat as u32),
+    ("RELIEF_PARABOLOID", Relief::Paraboloid as u32),
+    ("RELIEF_CONE", Relief::Cone as u32),
+];
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let variants = || {
+        let flat = raster::flat_variants().into_iter();
+        flat.flat_map(|walker| Relief::all().into_iter().map(move |relief| relief_variant(walker.clone(), relief)))
+    };
+    vec![
+        Shader::new::<Nearest>(variants()),
+        Shader::new::<NearestDepth>(variants()),
+        Shader::new::<NearestId>(variants()),
+        Shader::new::<Resolve>(compose::variants()),
+    ]
 }

@@ -16,22 +16,19 @@ pub(crate) use engine::{
 use super::abuffer::CountPush;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Pixels};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
-use crate::passes::bin::{self, Bin, Binned, Bins, FoldPush, FoldingGroup};
+use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
-use crate::passes::project::Footprint;
+use crate::passes::project::{DISCS, Footprint};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
     /// Push constants of the first two passes; shaders/shared/splats.wgsl says what the members are.
     pub struct SplatsPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         blend_depth: f32,
     }
 }
@@ -157,7 +154,7 @@ impl Splatter {
             behind: job.layer.is_some(),
             subgroup: binned.subgroup(),
         };
-        let over = |number: u32| (push(binned.fold_push(number), job.blend_depth), run(number));
+        let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
         for number in 0..binned.segments() {
             let (push, run) = over(number);
             let groups = Run::new(Dispatch::Groups(binned.blocks()));
@@ -191,11 +188,6 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
     Ok(outcome)
 }
 
-fn push(fold: FoldPush, blend_depth: f32) -> SplatsPush {
-    let FoldPush { columns, tiles, runs, nearest, segment } = fold;
-    SplatsPush { columns, tiles, runs, nearest, segment, blend_depth }
-}
-
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
@@ -211,13 +203,13 @@ pub struct OneRun {
 
 impl OneRun {
     /// The variant of `splats/visibility`.
-    pub fn visibility(self, footprint: Footprint) -> Variant {
+    fn visibility(self, footprint: Footprint) -> Variant {
         let shape = compose::shape_variant(footprint, Falloff::Flat);
         bin::region_variant(shape, self.later, self.subgroup).with("BEHIND", u32::from(self.behind))
     }
 
     /// The variant of `splats/attributes`.
-    pub fn attributes(self, footprint: Footprint) -> Variant {
+    fn attributes(self, footprint: Footprint) -> Variant {
         self.visibility(footprint).with("KEPT", u32::from(self.kept))
     }
 }
@@ -233,6 +225,21 @@ pub fn least_bytes(name: &str, facts: &Facts, tilted: bool, pixels: u64) -> Opti
         "splats/normalise" => Some(pixels * 32),
         _ => None,
     }
+}
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let runs = || {
+        let choices = <(bool, (bool, bool))>::all().into_iter();
+        let sized = choices
+            .flat_map(|(later, (kept, behind))| SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, subgroup }));
+        sized.flat_map(|run| DISCS.map(|disc| (run, disc)))
+    };
+    vec![
+        Shader::new::<Visibility>(runs().map(|(run, disc)| run.visibility(disc))),
+        Shader::new::<Attributes>(runs().map(|(run, disc)| run.attributes(disc))),
+        Shader::plain::<Normalise>(),
+    ]
 }
 
 #[cfg(test)]

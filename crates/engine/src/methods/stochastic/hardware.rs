@@ -7,6 +7,7 @@
 
 use super::{Batch, Kind, Sampler, WindowJob, batches};
 use crate::camera::{Camera, Projection};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{
     Blend, DepthSamples, Device, Dispatch, Format, KeptAttachment, NumberSamples, Pixels, Recorder, Run, SAMPLES,
     Targets, Variant,
@@ -85,7 +86,7 @@ pass! {
 }
 
 /// The variant of `stochastic/fold`.
-pub fn fold_variant(kind: Kind) -> Variant {
+fn fold_variant(kind: Kind) -> Variant {
     kind.of(Variant::plain())
 }
 
@@ -296,6 +297,16 @@ pub fn least_bytes(name: &str, runs: u64, strata: u64, quads: u64, pixels: u64) 
         "stochastic/fold" => Some(strata * pixels * (held / 2 + 2 * color + 4)),
         _ => None,
     }
+}
+
+/// The passes with their variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    vec![
+        Shader::new::<DrawAlpha>(compose::shape_variants()),
+        Shader::new::<DrawHeld>(compose::shape_variants()),
+        Shader::new::<DrawSums>(compose::shape_variants()),
+        Shader::new::<Fold>(Kind::all().into_iter().map(fold_variant)),
+    ]
 }
 
 #[cfg(test)]

@@ -12,18 +12,19 @@ pub mod hardware;
 mod tiles;
 
 pub(crate) use engine::{StochasticEngine, pass_groups};
-pub use tiles::{Accumulate, StochasticPush, Visibility, tile_variant};
+pub use tiles::{Accumulate, StochasticPush, Visibility};
 
 use super::abuffer::record_nothing;
 use super::engine::Work;
 use super::{Error, Facts, Outcome, Target};
+use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Variant};
 use crate::image;
 use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins};
 use crate::random::{STRATA_OF_A_CALL, STRATUM};
 use crate::scene::Stochastic;
-use crate::{gpu_struct, pass};
+use crate::{choices, gpu_struct, pass};
 
 /// Most strata that go through the splats together.
 pub const MOST_STRATA: u32 = 4;
@@ -86,6 +87,8 @@ pub struct Kind {
     pub spread: bool,
 }
 
+choices!(struct Kind { exact, spread });
+
 impl Kind {
     /// A variant with the overrides of both.
     pub fn of(self, variant: Variant) -> Variant {
@@ -99,12 +102,12 @@ impl Kind {
 }
 
 /// The variant of `stochastic/gather`.
-pub fn gather_variant(kind: Kind, strata: u32) -> Variant {
+fn gather_variant(kind: Kind, strata: u32) -> Variant {
     kind.of(Variant::plain()).each("stratum", strata)
 }
 
 /// The variant of `stochastic/resolve`.
-pub fn resolve_variant(kind: Kind) -> Variant {
+fn resolve_variant(kind: Kind) -> Variant {
     kind.of(Variant::plain())
 }
 
@@ -305,6 +308,19 @@ impl Default for Sampler {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Strata that a batch may have.
+const STRATA: [u32; 2] = [STRATA_OF_A_CALL, MOST_STRATA];
+
+/// The passes with their variants.
+pub fn shaders() -> Vec<Shader> {
+    let kinds = || Kind::all().into_iter();
+    let gather = kinds().flat_map(|kind| STRATA.map(|strata| gather_variant(kind, strata)));
+    let mut all = vec![Shader::new::<Gather>(gather), Shader::new::<Resolve>(kinds().map(resolve_variant))];
+    all.extend(tiles::shaders());
+    all.extend(hardware::shaders());
+    all
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! The samples' two passes over the splats in compute shaders, tile by tile.
 
-use super::{Batch, Kind, Sampler, WindowJob};
+use super::{Batch, Kind, STRATA, Sampler, WindowJob};
+use crate::gpu::shader::{Choices, SUBGROUPS, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Variant};
 use crate::methods::{Error, Target};
-use crate::passes::bin::{self, FoldPush, FoldingGroup, OrderedTiles};
+use crate::passes::bin::{self, FoldingGroup, OrderedTiles, TileWalk};
 use crate::passes::compose;
 use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
@@ -11,11 +12,7 @@ use crate::{gpu_struct, pass};
 gpu_struct! {
     /// Push constants of both passes; shaders/shared/stochastic.wgsl says what the members are.
     pub struct StochasticPush {
-        columns: u32,
-        tiles: u32,
-        runs: u32,
-        nearest: u32,
-        segment: u32,
+        walk: TileWalk,
         pixels: u32,
         before: u32,
         left: u32,
@@ -51,7 +48,7 @@ pass! {
 
 /// The variant of `stochastic/visibility`, from that of shape and falloff; `later`: a run of a tile's splats that goes on
 /// from what earlier ones left.
-pub fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
+fn tile_variant(shape: Variant, strata: u32, later: bool, subgroup: u32) -> Variant {
     bin::region_variant(shape, later, subgroup)
         .constant("STRATA", strata)
         .each("stratum", strata)
@@ -84,7 +81,7 @@ impl Sampler {
         let shape = compose::shape_variant(job.bin.raster.footprint, job.settings.discs.falloff);
         let binned = tiles.binned;
         let runs = |segment: u32| {
-            let push = push(job, binned.fold_push(segment), batch);
+            let push = push(job, binned.walk(segment), batch);
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
         };
         let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
@@ -102,10 +99,23 @@ impl Sampler {
     }
 }
 
-fn push(job: &WindowJob<'_>, fold: FoldPush, Batch { before, left, .. }: Batch) -> StochasticPush {
-    let FoldPush { columns, tiles, runs, nearest, segment } = fold;
+fn push(job: &WindowJob<'_>, walk: TileWalk, Batch { before, left, .. }: Batch) -> StochasticPush {
     let [key_low, key_high] = random::key(job.seed);
     let key_high = key_high.wrapping_add(before / STRATUM / STRATA_OF_A_CALL);
     let pixels = job.pixels() as u32;
-    StochasticPush { columns, tiles, runs, nearest, segment, pixels, before, left, key_low, key_high }
+    StochasticPush { walk, pixels, before, left, key_low, key_high }
+}
+
+/// The passes with their variants.
+pub(super) fn shaders() -> Vec<Shader> {
+    let later =
+        compose::shape_variants().into_iter().flat_map(|shape| [false, true].map(|later| (shape.clone(), later)));
+    let sized: Vec<_> = later.flat_map(|(shape, later)| SUBGROUPS.map(|size| (shape.clone(), later, size))).collect();
+    let tiles: Vec<Variant> = sized
+        .into_iter()
+        .flat_map(|(shape, later, size)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, size)))
+        .collect();
+    let kinds = || Kind::all().into_iter();
+    let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.of(tile.clone())));
+    vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
 }

@@ -1,0 +1,77 @@
+// A whole splat as stages take it that go through tiles, and the fragment that it leaves in a pixel.
+#import elementary
+#import tile_run
+
+@group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
+
+// 1: a run goes on from what earlier ones left, wherever the stage keeps that.
+override LATER: u32 = 0u;
+override FALLOFF: u32 = 0u;
+
+// A splat as it is handed from lane to lane.
+struct Handed {
+    splat: Splat,
+    tilt: Tilt,
+    color: vec4<f32>,
+    // Depth key over the nearest, and index; in sorted/blend the rank.
+    record: vec2<u32>,
+    // false: it stands in where no splat is left.
+    present: bool,
+}
+
+// A splat by its rank; `record` as the stage wants it.
+fn whole_splat(rank: u32, record: vec2<u32>) -> Handed {
+    var splat = splat_of(footprints[rank]);
+    var tilt = Tilt(vec4<f32>(0.0));
+    if SHAPE == SHAPE_ORIENTED {
+        tilt.normal = slopes[rank];
+        splat.depth = key_depth(records[rank].x + push.walk.nearest);
+    }
+    return Handed(splat, tilt, colors[rank], record, true);
+}
+
+// That of lane k.
+fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
+    var tilt = Tilt(vec4<f32>(0.0));
+    if SHAPE == SHAPE_ORIENTED {
+        tilt.normal = vec4<f32>(
+            subgroupShuffle(own.tilt.normal.x, k), subgroupShuffle(own.tilt.normal.y, k),
+            subgroupShuffle(own.tilt.normal.z, k), subgroupShuffle(own.tilt.normal.w, k),
+        );
+    }
+    let color = vec4<f32>(
+        subgroupShuffle(own.color.r, k), subgroupShuffle(own.color.g, k),
+        subgroupShuffle(own.color.b, k), subgroupShuffle(own.color.a, k),
+    );
+    let record = vec2<u32>(subgroupShuffle(own.record.x, k), subgroupShuffle(own.record.y, k));
+    return Handed(handed_splat(own.splat, k), tilt, color, record, present);
+}
+
+// A splat in a pixel; what a stage does not read costs nothing.
+struct Fragment {
+    hit: bool,
+    // Linear or encoded RGB, and the opacity here: 0 where the splat misses the pixel.
+    color: vec4<f32>,
+    depth_key: u32,
+    // The splat's, in canonical order: what breaks ties of depth.
+    index: u32,
+    // Distance from the splat's centre over its radius, at most 1 but in a square's corners; and that radius in world units.
+    rho: f32,
+    radius: f32,
+}
+
+fn fragment_of(h: Handed, pixel: vec2<u32>) -> Fragment {
+    let coverage = cover(h.splat, h.tilt, pixel, view);
+    let hit = coverage.hit && h.present;
+    var c = h.color;
+    if FALLOFF == FALLOFF_GAUSSIAN {
+        c.a *= gaussian(coverage.rho);
+    }
+    c.a = select(0.0, c.a, hit);
+    let key = select(h.record.x + push.walk.nearest, depth_key(coverage.depth), SHAPE == SHAPE_ORIENTED);
+    let distance = select(key_depth(h.record.x + push.walk.nearest) + view.eye_hi.w, 1.0, view.orthographic != 0u);
+    return Fragment(hit, c, key, h.record.y, coverage.rho, h.splat.radius * (distance / view.focal.x));
+}

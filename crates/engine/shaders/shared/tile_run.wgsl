@@ -1,0 +1,61 @@
+// The run that a subgroup takes of a tile's splats, in the order in which they were binned. The stage binds nothing at 0 to 2
+// besides these, and its push constants have a member `walk: TileWalk`.
+#import blocks
+
+struct TileWalk {
+    // Tiles of the window in x; the first tile in work, and their number.
+    columns: u32,
+    first_tile: u32,
+    tiles: u32,
+    // Cells of a tile in the table of ends.
+    runs: u32,
+    // Key of the nearest depth.
+    nearest: u32,
+    // Which part of each tile's splats: those from segment * TAKEN on.
+    segment: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> ends: array<u32>;
+@group(0) @binding(2) var<storage, read> entries: array<u32>;
+
+// Splats of a tile that one run takes: some 5 iterations for each stay below what CPU drivers allow.
+override TAKEN: u32 = 1u;
+
+// One past a tile's last splat.
+fn tile_end(tile: u32) -> u32 {
+    return ends[(tile + 1u) * push.walk.runs - 1u];
+}
+
+// The run's first splat of a tile, and one past its last.
+fn run_of(tile: u32) -> vec2<u32> {
+    let before = select(0u, ends[max(tile * push.walk.runs, 1u) - 1u], tile > 0u);
+    let start = before + push.walk.segment * TAKEN;
+    return vec2<u32>(start, min(start + TAKEN, tile_end(tile)));
+}
+
+// Whether a run finds nothing to add to what earlier ones left. The first one also writes where a tile has no splat.
+fn is_idle(run: vec2<u32>) -> bool {
+    return push.walk.segment > 0u && run.x >= run.y;
+}
+
+fn tile_corner(tile: u32) -> vec2<u32> {
+    return view.window.xy + vec2<u32>(tile % push.walk.columns, tile / push.walk.columns) * TILE_SIDE;
+}
+
+fn splat_of(footprint: vec4<u32>) -> Splat {
+    return Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
+}
+
+// The splat of lane k.
+fn handed_splat(own: Splat, k: u32) -> Splat {
+    var s: Splat;
+    s.fraction_x = subgroupShuffle(own.fraction_x, k);
+    s.fraction_y = subgroupShuffle(own.fraction_y, k);
+    s.pixel = subgroupShuffle(own.pixel, k);
+    s.radius = subgroupShuffle(own.radius, k);
+    if SHAPE == SHAPE_ORIENTED {
+        s.depth = subgroupShuffle(own.depth, k);
+    }
+    return s;
+}

@@ -1,0 +1,54 @@
+//! The shaders of all stages: their files, the numbers that they share with Rust, and every variant in which they run.
+
+use include_dir::include_dir;
+
+use crate::gpu::shader::{Shader, Sources};
+use crate::methods::{
+    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, shadows, soft, sorted, spbr,
+    splat, splats, stochastic,
+};
+use crate::passes::{bin, compose, project, radix, scan, tiles};
+
+/// The WGSL files under shaders/, and the constants that stand in Rust alone.
+pub static SHADERS: Sources = Sources {
+    files: include_dir!("$CARGO_MANIFEST_DIR/shaders"),
+    constants: &[
+        &abuffer::CONSTANTS,
+        &bin::CONSTANTS,
+        &compose::CONSTANTS,
+        &image_space::CONSTANTS,
+        &project::CONSTANTS,
+        &soft::CONSTANTS,
+        &sorted::CONSTANTS,
+        &spbr::CONSTANTS,
+        &splat::CONSTANTS,
+        &tiles::CONSTANTS,
+    ],
+};
+
+/// Every pass with all its variants, as each stage lists them.
+pub fn shaders() -> Vec<Shader> {
+    let stages = [
+        bin::shaders,
+        project::shaders,
+        radix::shaders,
+        scan::shaders,
+        tiles::shaders,
+        abuffer::shaders,
+        approximate::shaders,
+        image_space::shaders,
+        linked_list::shaders,
+        one_layer::shaders,
+        peel::shaders,
+        peel_layers::shaders,
+        points::shaders,
+        shadows::shaders,
+        soft::shaders,
+        sorted::shaders,
+        spbr::shaders,
+        splat::shaders,
+        splats::shaders,
+        stochastic::shaders,
+    ];
+    stages.iter().flat_map(|stage| stage()).collect()
+}

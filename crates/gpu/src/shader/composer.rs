@@ -1,0 +1,135 @@
+//! Puts a shader's source together from files and what a variant asks for.
+
+use std::collections::HashSet;
+use std::fmt::Write as _;
+
+use include_dir::Dir;
+
+use super::network::comparator_text;
+use super::{Variant, error};
+use crate::{Error, Pass};
+
+/// The WGSL of a crate that declares passes, embedded, and the numbers that its shaders share with Rust.
+#[derive(Debug)]
+pub struct Sources {
+    /// The files.
+    pub files: Dir<'static>,
+    /// Names and values of constants of type u32. A shader that mentions one gets it, and so must not declare it.
+    pub constants: &'static [&'static [(&'static str, u32)]],
+}
+
+impl Sources {
+    /// The shader files by stem (`abuffer/store`), the shared pieces left out.
+    pub fn stems(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut folders = vec![&self.files];
+        while let Some(folder) = folders.pop() {
+            folders.extend(folder.dirs().filter(|d| !d.path().ends_with("shared")));
+            found.extend(folder.files().filter_map(|f| Some(f.path().to_str()?.strip_suffix(".wgsl")?.to_owned())));
+        }
+        found.sort();
+        found
+    }
+
+    /// A file; the shared pieces of the device layer serve everybody.
+    fn file(&self, stem: &str) -> Option<&str> {
+        let name = format!("{stem}.wgsl");
+        self.files.get_file(&name).or_else(|| crate::SHADERS.files.get_file(&name))?.contents_utf8()
+    }
+
+    /// The constants that a source mentions, as WGSL.
+    fn constants_in(&self, source: &str) -> String {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
+        let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !is_part(c))).collect();
+        let own: &[&[(&str, u32)]] = if std::ptr::eq(self, &raw const crate::SHADERS) { &[] } else { self.constants };
+        let mut out = String::new();
+        for (name, value) in crate::SHADERS.constants.iter().chain(own).copied().flatten() {
+            if words.contains(name) {
+                let _ = writeln!(out, "const {name} = {value}u;");
+            }
+        }
+        out
+    }
+}
+
+/// The whole source of a pass's shader, or of another one that goes with it.
+pub(super) fn source<P: Pass>(stem: &str, variant: &Variant) -> Result<String, Error> {
+    let sources = P::sources();
+    let text = sources.file(stem).ok_or_else(|| error(stem, "no such file under shaders/"))?;
+    let mut out = String::new();
+    for (name, value) in &variant.constants {
+        let _ = writeln!(out, "const {name} = {value};");
+    }
+    if let Some(size) = variant.subgroup {
+        let _ = writeln!(out, "const SUBGROUP = {size}u;");
+    }
+    out.push_str(&variant.text);
+    let mut composer = Composer { sources, stem, piece: P::PIECE, variant, out, pasted: Vec::new() };
+    composer.paste(text)?;
+    let constants = sources.constants_in(&composer.out);
+    Ok(constants + &composer.out)
+}
+
+struct Composer<'a> {
+    sources: &'a Sources,
+    stem: &'a str,
+    piece: Option<&'a str>,
+    variant: &'a Variant,
+    out: String,
+    /// Names of the shared pieces that are there.
+    pasted: Vec<&'a str>,
+}
+
+impl<'a> Composer<'a> {
+    fn paste(&mut self, text: &'a str) -> Result<(), Error> {
+        for line in text.lines() {
+            let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+            match word {
+                "#import" => self.paste_shared(rest.trim())?,
+                "#walker" => self.paste_shared(self.wanted(self.variant.walker, "the variant names no walker")?)?,
+                "#piece" => self.paste_shared(self.wanted(self.piece, "the pass names no piece")?)?,
+                "#comparators" => self.out.push_str(&comparator_text(self.inputs()?)),
+                "#repeat" => self.write_lines(rest, "i", self.inputs()?),
+                "#each" => {
+                    let (name, line) = rest.split_once(' ').unwrap_or_default();
+                    let count = self.variant.counts.iter().find(|(known, _)| *known == name).map(|(_, count)| *count);
+                    let missing = || error(self.stem, format!("the variant does not say how often {name:?}"));
+                    self.write_lines(line, name, count.ok_or_else(missing)?);
+                }
+                _ if word.starts_with('#') => return Err(error(self.stem, format!("no directive {word:?}"))),
+                _ => {
+                    self.out.push_str(line);
+                    self.out.push('\n');
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn paste_shared(&mut self, name: &'a str) -> Result<(), Error> {
+        if self.pasted.contains(&name) {
+            return Ok(());
+        }
+        let shared = self.sources.file(&format!("shared/{name}"));
+        self.pasted.push(name);
+        self.paste(shared.ok_or_else(|| error(self.stem, format!("no shared piece {name:?}")))?)
+    }
+
+    /// Writes a line `count` times with `{name}` = 0, 1, ….
+    fn write_lines(&mut self, line: &str, name: &str, count: u32) {
+        let place = format!("{{{name}}}");
+        for i in 0..count {
+            self.out.push_str(&line.replace(&place, &i.to_string()));
+            self.out.push('\n');
+        }
+    }
+
+    fn inputs(&self) -> Result<u32, Error> {
+        self.wanted(self.variant.network, "the variant has no sorting network")
+    }
+
+    fn wanted<T>(&self, choice: Option<T>, missing: &str) -> Result<T, Error> {
+        choice.ok_or_else(|| error(self.stem, missing))
+    }
+}

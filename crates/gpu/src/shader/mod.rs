@@ -1,0 +1,177 @@
+//! WGSL to SPIR-V by naga, and a pass's declaration compared with its shader by reflection. Needs no device.
+//!
+//! # Files
+//!
+//! A crate that declares passes embeds its WGSL as [`Sources`]. `abuffer/store` is the stem of shaders/abuffer/store.wgsl: one
+//! entry point called [`ENTRY`]. Pieces that several shaders use lie under shaders/shared; they open with what they need
+//! from the shader that imports them.
+//!
+//! # Directives
+//!
+//! A line of a shader that begins with `#` is the composer's. Everything else is plain WGSL, whose declarations may come in any
+//! order.
+//!
+//! | line | becomes |
+//! |------|---------|
+//! | `#import NAME` | shared/NAME.wgsl, once however often it is imported |
+//! | `#piece` | the shared piece that the pass names: `pass! { … = "label" in "stem" with "piece" { … } }` |
+//! | `#walker` | the shared piece that the variant names ([`Variant::walker`]) |
+//! | `#each NAME LINE` | LINE as often as the variant says of that name ([`Variant::each`]), with `{NAME}` = 0, 1, … |
+//! | `#repeat LINE` | LINE once for each input of the variant's sorting network ([`Variant::network`]), with `{i}` = 0, 1, … |
+//! | `#comparators` | what sorts the variables x0, x1, … of that network by the shader's function `before` |
+//!
+//! # Numbers and variants
+//!
+//! A constant that Rust and WGSL share stands in Rust alone ([`Sources::constants`]): it is written before the source of every
+//! shader that mentions it, as are [`WORKGROUP`] by the name of `WG_SIZE`, a variant's own constants
+//! ([`Variant::constant`]), and `SUBGROUP` ([`Variant::subgroup`]). What else differs between the variants of a shader are WGSL's
+//! `override` values ([`Variant::with`]). A text constant serves where WGSL takes no override, as for the length of an array.
+//!
+//! [`Choices`] lists all values of what variants differ by, and [`Shader`] a pass with all its variants.
+
+mod composer;
+mod network;
+mod reflect;
+mod variant;
+
+use naga::back::spv;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+use self::composer::source;
+use self::reflect::check_declaration;
+use crate::{Error, Pass, PushConstants, cache, guard, spirv};
+
+pub use self::composer::Sources;
+pub use self::variant::{Choices, SUBGROUPS, Shader, Variant};
+pub use naga::ShaderStage;
+
+/// Entry point of every shader file.
+pub const ENTRY: &str = "main";
+/// Invocations of every compute workgroup that is not a subgroup; also the constant `WG_SIZE` in WGSL.
+pub const WORKGROUP: u32 = 64;
+
+fn error(name: &str, message: impl Into<String>) -> Error {
+    Error::Shader { name: name.to_owned(), message: message.into() }
+}
+
+/// SPIR-V of a pass's compute shader, checked against the pass's declaration; from the disk cache if it is there.
+pub fn compile<P: Pass>(variant: &Variant) -> Result<Vec<u32>, Error> {
+    compile_stage::<P>(P::SHADER, variant, true)
+}
+
+/// The vertex shader of every pass that draws: two triangles over each splat's rectangle.
+const QUAD: &str = "splat/quad.vert";
+
+/// SPIR-V of the vertex and fragment shaders of a pass that draws. The vertex shader uses only some of the bindings.
+pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> {
+    Ok([compile_stage::<P>(QUAD, &Variant::plain(), false)?, compile_stage::<P>(P::SHADER, variant, true)?])
+}
+
+fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> Result<Vec<u32>, Error> {
+    let source = source::<P>(stem, variant)?;
+    // The declaration is part of the key: a cached shader was compared with the same one.
+    let (version, key) = (env!("CARGO_PKG_VERSION"), variant.key());
+    let identity =
+        format!("{version}\n{}\n{source}\n{key}\n{:?}\n{:?}", guard::BYTES, P::bindings(), P::Push::push_shape());
+    let key = blake3::hash(identity.as_bytes()).to_hex().to_string();
+    if let Some(words) =
+        cache::load("spirv", &key).and_then(|bytes| bytemuck::try_cast_slice(&bytes).map(<[u32]>::to_vec).ok())
+    {
+        return Ok(words);
+    }
+    let module = parse(stem, &source)?;
+    check_declaration(stem, &module, &P::bindings(), P::Push::push_shape().as_ref(), all_bindings)?;
+    let words = spirv::correct(&generate(stem, &source, &module, &variant.overrides)?);
+    cache::store("spirv", &key, bytemuck::cast_slice(&words));
+    Ok(words)
+}
+
+/// Compiles a pass's shader and compares it with the declaration, past the cache.
+///
+/// # Errors
+/// If it is no valid WGSL, differs from the declaration, or lacks an override that the variant sets.
+pub fn check<P: Pass>(variant: &Variant) -> Result<(), Error> {
+    let source = source::<P>(P::SHADER, variant)?;
+    let module = parse(P::SHADER, &source)?;
+    check_declaration(P::SHADER, &module, &P::bindings(), P::Push::push_shape().as_ref(), true)?;
+    generate(P::SHADER, &source, &module, &variant.overrides).map(|_| ())
+}
+
+fn parse(stem: &str, source: &str) -> Result<naga::Module, Error> {
+    naga::front::wgsl::parse_str(source).map_err(|e| error(stem, e.emit_to_string(source)))
+}
+
+fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleInfo, Error> {
+    let capabilities = Capabilities::IMMEDIATES
+        | Capabilities::SHADER_INT64
+        | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS
+        | Capabilities::MULTISAMPLED_SHADING
+        | Capabilities::SUBGROUP;
+    Validator::new(ValidationFlags::all(), capabilities)
+        .validate(module)
+        .map_err(|e| error(stem, e.emit_to_string(source)))
+}
+
+fn generate(
+    stem: &str,
+    source: &str,
+    module: &naga::Module,
+    overrides: &[(&'static str, f64)],
+) -> Result<Vec<u32>, Error> {
+    let info = validated(stem, source, module)?;
+    let known: Vec<&str> = module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
+    if let Some((name, _)) = overrides.iter().find(|(name, _)| !known.contains(name)) {
+        return Err(error(stem, format!("no override {name}")));
+    }
+    let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let (module, info) = naga::back::pipeline_constants::process_overrides(module, &info, None, &constants)
+        .map_err(|e| error(stem, e.to_string()))?;
+    let options = spv::Options {
+        lang_version: (1, 3),
+        // Without ADJUST_COORDINATE_SPACE, which would flip y.
+        flags: spv::WriterFlags::empty(),
+        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
+        force_loop_bounding: false,
+        emit_int_div_checks: false,
+        ..Default::default()
+    };
+    spv::write_vec(&module, &info, &options, None).map_err(|e| error(stem, e.to_string()))
+}
+
+/// naga's SPIR-V for a source text, without our corrections unless `corrected`.
+#[cfg(test)]
+pub(crate) fn to_spirv(
+    stem: &str,
+    source: &str,
+    overrides: &[(&'static str, f64)],
+    corrected: bool,
+) -> Result<Vec<u32>, Error> {
+    let words = generate(stem, source, &parse(stem, source)?, overrides)?;
+    Ok(if corrected { spirv::correct(&words) } else { words })
+}
+
+/// A shader's entry point, and its overrides, as naga sees them.
+#[derive(Debug, Clone)]
+pub struct Reflection {
+    /// Compute, fragment, ….
+    pub stage: ShaderStage,
+    /// Invocations in x, y, z.
+    pub workgroup: [u32; 3],
+    /// Names of the overrides.
+    pub overrides: Vec<String>,
+}
+
+/// Says what the shader of a pass is.
+///
+/// # Errors
+/// If it does not parse, or has more than one entry point.
+pub fn reflection<P: Pass>(variant: &Variant) -> Result<Reflection, Error> {
+    let module = parse(P::SHADER, &source::<P>(P::SHADER, variant)?)?;
+    let overrides = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
+    match module.entry_points.as_slice() {
+        [entry] if entry.name == ENTRY => {
+            Ok(Reflection { stage: entry.stage, workgroup: entry.workgroup_size, overrides })
+        }
+        _ => Err(error(P::SHADER, "wants exactly one entry point, called main")),
+    }
+}

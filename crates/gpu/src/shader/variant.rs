@@ -1,0 +1,211 @@
+//! Which of a shader's variants is meant, and lists of all of them.
+
+use std::collections::HashSet;
+
+use super::{Reflection, check, reflection};
+use crate::{Error, Pass};
+
+/// Which of a shader's variants: values of overrides by name, and text constants.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Variant {
+    /// Overrides.
+    pub overrides: Vec<(&'static str, f64)>,
+    /// Text constants with their WGSL value, as `("CAPACITY", "256u")`.
+    pub constants: Vec<(&'static str, String)>,
+    /// Declarations that the host writes, put before the source.
+    pub text: String,
+    /// Inputs of the sorting network that `#comparators` and `#repeat` write out; a power of two.
+    pub network: Option<u32>,
+    /// The shared piece that stands in for `#walker`: who visits the pixels of splats.
+    pub walker: Option<&'static str>,
+    /// Names and counts for `#each`.
+    pub counts: Vec<(&'static str, u32)>,
+    /// Invocations of a subgroup, for shaders whose workgroup is one subgroup; also the constant `SUBGROUP` in WGSL.
+    pub subgroup: Option<u32>,
+}
+
+impl Variant {
+    /// The one variant of a shader that has no choices.
+    pub fn plain() -> Self {
+        Self::default()
+    }
+
+    /// Adds an override.
+    pub fn with(mut self, name: &'static str, value: impl Into<f64>) -> Self {
+        self.overrides.push((name, value.into()));
+        self
+    }
+
+    /// Adds a text constant of type u32.
+    pub fn constant(mut self, name: &'static str, value: u32) -> Self {
+        self.constants.push((name, format!("{value}u")));
+        self
+    }
+
+    /// Adds declarations.
+    pub fn text(mut self, text: &str) -> Self {
+        self.text.push_str(text);
+        self
+    }
+
+    /// Sets the size of the sorting network.
+    pub fn network(mut self, inputs: u32) -> Self {
+        self.network = Some(inputs);
+        self
+    }
+
+    /// Sets the walker.
+    pub fn walker(mut self, name: &'static str) -> Self {
+        self.walker = Some(name);
+        self
+    }
+
+    /// Sets how often `#each name` writes its line.
+    pub fn each(mut self, name: &'static str, count: u32) -> Self {
+        self.counts.push((name, count));
+        self
+    }
+
+    /// Sets the size of subgroups.
+    pub fn subgroup(mut self, size: u32) -> Self {
+        self.subgroup = Some(size);
+        self
+    }
+
+    /// A key that differs for every variant.
+    pub fn key(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// Sizes of subgroups that a device may have.
+pub const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
+
+/// What variants of shaders differ by, with a list of all its values. Made by [`choices!`](crate::choices), which forgets none.
+pub trait Choices: Sized {
+    /// Every value once.
+    fn all() -> Vec<Self>;
+}
+
+impl Choices for bool {
+    fn all() -> Vec<Self> {
+        vec![false, true]
+    }
+}
+
+impl<A: Choices + Clone, B: Choices> Choices for (A, B) {
+    fn all() -> Vec<Self> {
+        A::all().into_iter().flat_map(|a| B::all().into_iter().map(move |b| (a.clone(), b))).collect()
+    }
+}
+
+/// Lists all values of an enum, or of a struct whose members are [`Choices`](crate::shader::Choices) themselves.
+/// A value or member that is left out does not compile.
+///
+/// ```
+/// use pellucid_gpu::choices;
+/// use pellucid_gpu::shader::Choices;
+///
+/// #[derive(Debug, Clone, Copy, PartialEq)]
+/// enum Shape {
+///     Disc,
+///     Square,
+/// }
+/// choices!(enum Shape { Disc, Square });
+///
+/// #[derive(Debug, PartialEq)]
+/// struct Kind {
+///     shape: Shape,
+///     counted: bool,
+/// }
+/// choices!(struct Kind { shape, counted });
+///
+/// assert_eq!(Kind::all().len(), 4);
+/// assert_eq!(Kind::all()[3], Kind { shape: Shape::Square, counted: true });
+/// ```
+/// ```compile_fail,E0004
+/// # enum Shape { Disc, Square }
+/// pellucid_gpu::choices!(enum Shape { Disc });
+/// ```
+/// ```compile_fail,E0063
+/// # struct Kind { planes: bool, counted: bool }
+/// pellucid_gpu::choices!(struct Kind { planes });
+/// ```
+#[macro_export]
+macro_rules! choices {
+    (enum $name:ident { $($value:ident),* $(,)? }) => {
+        impl $crate::shader::Choices for $name {
+            fn all() -> Vec<Self> {
+                // Refused by the compiler if a value is missing.
+                fn _exhaustive(value: &$name) {
+                    match value {
+                        $($name::$value => {})*
+                    }
+                }
+                vec![$($name::$value),*]
+            }
+        }
+    };
+    (struct $name:ident { $($member:ident),* $(,)? }) => {
+        impl $crate::shader::Choices for $name {
+            fn all() -> Vec<Self> {
+                let mut all = Vec::new();
+                $crate::choices!(@each all, $name, [], $($member,)*);
+                all
+            }
+        }
+    };
+    (@each $all:ident, $name:ident, [$($done:ident)*],) => { $all.push($name { $($done),* }) };
+    (@each $all:ident, $name:ident, [$($done:ident)*], $member:ident, $($rest:ident,)*) => {
+        for $member in $crate::shader::Choices::all() {
+            $crate::choices!(@each $all, $name, [$($done)* $member], $($rest,)*);
+        }
+    };
+}
+
+/// A pass with all its variants.
+pub struct Shader {
+    /// The pass.
+    pub name: &'static str,
+    /// Stem of its shader file.
+    pub stem: &'static str,
+    /// Every variant that is ever run; of numbers that a frame decides some.
+    pub variants: Vec<Variant>,
+    check: fn(&Variant) -> Result<(), Error>,
+    reflection: fn(&Variant) -> Result<Reflection, Error>,
+}
+
+impl Shader {
+    /// A pass that runs in these variants.
+    pub fn new<P: Pass>(variants: impl IntoIterator<Item = Variant>) -> Self {
+        let mut known = HashSet::new();
+        Self {
+            name: P::NAME,
+            stem: P::SHADER,
+            variants: variants.into_iter().filter(|variant| known.insert(variant.key())).collect(),
+            check: check::<P>,
+            reflection: reflection::<P>,
+        }
+    }
+
+    /// A pass without a choice.
+    pub fn plain<P: Pass>() -> Self {
+        Self::new::<P>([Variant::plain()])
+    }
+
+    /// Compiles a variant and compares it with the declaration.
+    ///
+    /// # Errors
+    /// As [`check`].
+    pub fn check(&self, variant: &Variant) -> Result<(), Error> {
+        (self.check)(variant)
+    }
+
+    /// Entry point and overrides of a variant.
+    ///
+    /// # Errors
+    /// As [`reflection`].
+    pub fn reflection(&self, variant: &Variant) -> Result<Reflection, Error> {
+        (self.reflection)(variant)
+    }
+}
