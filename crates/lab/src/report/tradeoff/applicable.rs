@@ -66,7 +66,7 @@ impl ApplicableSettings {
     /// A method with every value of the key that is compared, if it has one; and with its default, if that is none of them.
     fn climb(&mut self, occasion: &Occasion, ladders: &Ladders, method: Method, rest: &str) {
         let applies = |ladder: &Ladder| ladder.only.is_empty() || ladder.only.contains(&method.name());
-        let compared = method.keys().into_iter().find_map(|key| Some(key).zip(key.tried.filter(applies)));
+        let compared = method.keys().into_iter().find_map(|key| key.tried.filter(applies).map(|ladder| (key, ladder)));
         let Some((key, ladder)) = compared else {
             self.settings.push(Setting::single(method, rest));
             return;
