@@ -273,7 +273,7 @@ fn variant(footprint: Footprint, walker: &'static str) -> Variant {
 pub(crate) fn variants(footprints: &[Footprint], hardware: bool) -> Vec<Variant> {
     let walkers = ["walk_small", "walk_tiles", "walk_fragment"];
     let walkers = if hardware { &walkers[..] } else { &walkers[..2] };
-    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, *walker))).collect()
+    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, walker))).collect()
 }
 
 /// Footprints whose pixels are visited one by one, spheres apart.

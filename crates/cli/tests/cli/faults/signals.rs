@@ -57,7 +57,7 @@ fn assert_clean(args: &[&str], points: &[&str], prepare: impl Fn(&Path)) {
             let count = folders(folder.path());
             let status = end(hanging(command(folder.path(), args), point), signal);
             let what = format!("{args:?} at {point}, SIG{signal}");
-            assert_eq!(status.signal(), Some(number as i32), "{what}: {status}");
+            assert_eq!(status.signal(), Some(number), "{what}: {status}");
             let found = complaints(&before, &files(folder.path()), Allowed::Nothing);
             assert!(found.is_empty(), "{what}: {found:?}");
             assert_eq!(folders(folder.path()), count, "{what}: no new folder");

@@ -39,7 +39,7 @@ fn signals_end_the_window_and_leave_nothing_behind() {
             let pid = window.process.id().to_string();
             assert!(Command::new("kill").args([format!("-{name}"), pid]).status().unwrap().success());
             let status = window.process.wait().unwrap();
-            assert_eq!(status.signal(), Some(number as i32));
+            assert_eq!(status.signal(), Some(number));
             assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), before);
         }
     });

@@ -59,21 +59,21 @@ pub(crate) enum Samples {
 impl Bitmap {
     /// True if pixels have an alpha.
     pub fn has_alpha(&self) -> bool {
-        self.channels % 2 == 0
+        self.channels.is_multiple_of(2)
     }
 }
 
 /// Red, green, blue and alpha of a pixel; `opaque` where it has no alpha.
 pub(crate) fn rgba<T: Copy>(samples: &[T], channels: usize, pixel: usize, opaque: T) -> [T; 4] {
     let pixel = &samples[pixel * channels..][..channels];
-    let alpha = if channels % 2 == 0 { pixel[channels - 1] } else { opaque };
+    let alpha = if channels.is_multiple_of(2) { pixel[channels - 1] } else { opaque };
     let [red, green, blue] = if channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] };
     [red, green, blue, alpha]
 }
 
 /// A file whose header was read.
 pub(crate) enum Decoder<R: BufRead + Seek> {
-    Png(png::Decoder<R>),
+    Png(Box<png::Decoder<R>>),
     Jpeg(jpeg::Decoder),
     Tiff(Box<tiff::Decoder<R>>),
 }
@@ -83,7 +83,7 @@ impl<R: BufRead + Seek> Decoder<R> {
     pub fn new(mut reader: R) -> Result<Self, Error> {
         let start = reader.fill_buf()?;
         if start.starts_with(PNG) {
-            png::Decoder::new(reader).map(Self::Png)
+            png::Decoder::new(reader).map(|decoder| Self::Png(Box::new(decoder)))
         } else if start.starts_with(JPEG) {
             jpeg::Decoder::new(reader).map(Self::Jpeg)
         } else {

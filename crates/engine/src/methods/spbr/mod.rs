@@ -711,7 +711,7 @@ impl Ensembles {
                 recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, push, &run.variant(variant))?;
             }
             Stage::NearestId => {
-                recorder.run(&NearestId { slots, nearest: nearest.cast() }, push, &run.variant(variant))?
+                recorder.run(&NearestId { slots, nearest: nearest.cast() }, push, &run.variant(variant))?;
             }
             Stage::Draw => {
                 let cut = Cut::new(device, cloud.len())?;
