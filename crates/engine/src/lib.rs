@@ -8,8 +8,8 @@
 //! 3. [`plan`] decides what `auto` stands for, and says which passes a frame has and why.
 //! 4. [`methods::Renderer`] uploads the points and renders a [`methods::Frame`]: windows and bands of the image through
 //!    the stages in [`passes`] and [`methods`], all of it by way of [`gpu`].
-//! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times, of
-//!    which [`profile`] makes tables, JSON and traces, and [`report`] whole pages.
+//! 5. The result is an [`image::Image`], which [`output`] writes as PNG or EXR and [`metrics`] compares, and times,
+//!    which [`profile`] turns into JSON and traces.
 //!
 //! Beside this road [`reference`](mod@reference) computes the same images in float64, without a device: what the tests trust.
 //! ARCHITECTURE.md in the repository tells the same at more length.
