@@ -65,10 +65,10 @@ impl<R: BufRead + Seek> Decoder<R> {
         let samples = match (samples, colors) {
             (DecodingResult::U8(rows), ColorType::Gray(1)) => Samples::U8(expanded(&rows, width as usize)),
             (DecodingResult::U8(samples), ColorType::CMYK(8)) => {
-                Samples::U8(printed(&interleaved(samples, stored, &layout), 255.0, |light| light as u8))
+                Samples::U8(printed(&interleaved(samples, stored, &layout), 255.0, |light| light.round() as u8))
             }
             (DecodingResult::U16(samples), ColorType::CMYK(16)) => {
-                Samples::U16(printed(&interleaved(samples, stored, &layout), 65535.0, |light| light as u16))
+                Samples::U16(printed(&interleaved(samples, stored, &layout), 65535.0, |light| light.round() as u16))
             }
             (DecodingResult::U8(samples), _) => Samples::U8(interleaved(samples, stored, &layout)),
             (DecodingResult::U16(samples), _) => Samples::U16(interleaved(samples, stored, &layout)),
