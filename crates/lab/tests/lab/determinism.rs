@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use pellucid_engine::gpu::{Device, Variant};
+use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
@@ -73,28 +73,6 @@ impl Wrong {
     fn assert_none(&self) {
         assert!(self.0.is_empty(), "{} differ:\n{}", self.0.len(), self.0.join("\n"));
     }
-}
-
-/// Overrides whose values a frame decides, be they whatever they may.
-const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
-
-/// Every shader that ran on the device must be on the list of its stage, which the tests of shaders go through, in that variant.
-fn assert_listed(device: &Device) {
-    let mut listed = pellucid_engine::shaders();
-    listed.extend(pellucid_engine::gpu::shaders());
-    let text = |v: &Variant| Variant { overrides: Vec::new(), ..v.clone() };
-    let mut missing = Vec::new();
-    for (stem, variant) in device.variants() {
-        let shaders = listed.iter().filter(|shader| shader.stem == stem);
-        let alike: Vec<&Variant> =
-            shaders.flat_map(|shader| &shader.variants).filter(|v| text(v) == text(&variant)).collect();
-        let is_listed =
-            |set: &(&'static str, f64)| NUMBERS.contains(&set.0) || alike.iter().any(|v| v.overrides.contains(set));
-        if alike.is_empty() || !variant.overrides.iter().all(is_listed) {
-            missing.push(format!("{stem}: {variant:?}"));
-        }
-    }
-    assert!(missing.is_empty(), "{} of {}:\n{}", missing.len(), device.variants().len(), missing.join("\n"));
 }
 
 /// Runs on a renderer that has rendered all the others before, in both directions, and on fresh ones.
@@ -192,7 +170,6 @@ fn the_same_bytes_however_the_work_is_cut() {
         streamed(device, &all, &mut wrong);
         otherwise(device, &all, &mut wrong);
         wrong.assert_none();
-        assert_listed(device);
     });
     // Arrays in slices, images in windows: chunks of points have at least 4096, of 20 bytes each. Where points are
     // streamed, as those of the crowd are above, an upload of 65 536 must.
