@@ -1,0 +1,325 @@
+//! Renders the ensembles of a window: buffers, submissions and their passes.
+
+use std::iter::Peekable;
+use std::ops::Range;
+
+use super::RUN;
+use super::job::WindowJob;
+use super::key;
+use super::passes::*;
+use super::rounds::Piece;
+use super::stream::Stream;
+use super::tasks::{Task, Tasks};
+use super::variants::{Stage, Through, draw_variant, resolve_variant, sum_variant};
+use crate::gpu::{Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
+use crate::methods::abuffer::CountPush;
+use crate::methods::engine::Work;
+use crate::methods::{Error, Target};
+use crate::passes::bands::{self, Window};
+use crate::passes::compose::Cut;
+use crate::passes::project::Column;
+
+/// Most slots after which is submitted, so that no submission takes seconds.
+const SUBMITTED_SLOTS: u64 = 1 << 23;
+/// The same for each of the pieces that keep a device busy: on a CPU a frame can be stopped, and a window shows the next one, in
+/// a tenth of a second, too.
+const SUBMITTED_SLOTS_OF_A_RUN: u64 = 1 << 15;
+/// Passes after which is submitted.
+const SUBMITTED_PASSES: u32 = 100;
+
+/// What a window met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Drawn {
+    /// Points that were drawn, each in each ensemble.
+    pub visible: u64,
+    /// Bytes of points that went to the device.
+    pub uploaded: u64,
+}
+
+/// Buffers, kept from frame to frame.
+pub struct Ensembles {
+    stream: Stream,
+    nearest: Kept<u64>,
+    pixels: Kept<[u32; 4]>,
+    squares: Kept<[u32; 4]>,
+    spread: Kept<[f32; 4]>,
+    large: Kept<[u32; 4]>,
+    arguments: Kept<u32>,
+    counters: Kept<Counters>,
+    counters_host: Kept<Counters>,
+}
+
+impl Default for Ensembles {
+    fn default() -> Self {
+        Self {
+            stream: Stream::default(),
+            nearest: Kept::new("nearest of ensembles", Memory::Device),
+            pixels: Kept::new("sums of ensembles", Memory::Device),
+            squares: Kept::new("squares of ensembles", Memory::Device),
+            spread: Kept::new("spread of ensembles", Memory::Device),
+            large: Kept::new("large points", Memory::Device),
+            arguments: Kept::new("large points, groups", Memory::Device),
+            counters: Kept::new("counters of ensembles", Memory::Device),
+            counters_host: Kept::new("counters of ensembles, host", Memory::Readback),
+        }
+    }
+}
+
+impl Ensembles {
+    /// Renders a window into the target.
+    pub(crate) fn render(&mut self, work: &mut Work<'_>, job: &WindowJob<'_>) -> Result<Drawn, Error> {
+        let (device, target) = (work.device, work.target);
+        self.reserve(device, job)?;
+        let mut tasks = Tasks::new(job).peekable();
+        let mut submissions = 0;
+        loop {
+            let submission = self.next_submission(job, &mut tasks);
+            let mut recorder = device.recorder()?;
+            if submissions == 0 {
+                self.record_clear(&mut recorder, job)?;
+            }
+            self.stream.record(&mut recorder)?;
+            for task in &submission {
+                self.record_task(device, &mut recorder, job, task)?;
+            }
+            if tasks.peek().is_none() {
+                self.record_resolve(&mut recorder, job, target)?;
+                recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
+                target.record_read_back(&mut recorder, job.pixels())?;
+                work.timeline.add(recorder.submit("spbr/resolve")?);
+                break;
+            }
+            work.timeline.add(recorder.submit("spbr/draw")?);
+            submissions += 1;
+            let done = submission.last().map_or(0, |task| task.ensembles.end);
+            work.progress.set_message(format!("rendering, {done} ensembles"));
+        }
+        let counters = self.counters_host.get().mapped_slice()[0];
+        let visible = u64::from(counters.visible_high) << 32 | u64::from(counters.visible_low);
+        Ok(Drawn { visible, uploaded: self.stream.uploaded })
+    }
+
+    /// The dispatches of the next submission: so few that it takes no seconds, and that there is room for all of their
+    /// points, which are packed.
+    fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Vec<Task> {
+        let (mut found, mut slots, mut passes) = (Vec::new(), 0, 0);
+        let streamed = job.streamed.is_some();
+        if let Some(first) = tasks.peek()
+            && streamed
+        {
+            self.stream.begin(&first.piece.bound);
+        }
+        let most = SUBMITTED_SLOTS.min(SUBMITTED_SLOTS_OF_A_RUN * job.concurrent);
+        while slots < most
+            && passes < SUBMITTED_PASSES
+            && let Some(task) = tasks.next_if(|task| !streamed || self.stream.admit(&task.piece.bound))
+        {
+            slots += task.piece.slots.end - task.piece.slots.start;
+            passes += if job.listed() { 4 } else { 1 };
+            found.push(task);
+        }
+        if streamed {
+            self.stream.pack(job.cloud);
+        }
+        found
+    }
+
+    /// The standard error of every pixel of the window, in its order; what the last one rendered with it left.
+    pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
+        let errors = self.spread.get().read(0, bands::pixels(window))?;
+        Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+    }
+
+    fn reserve(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
+        self.stream.reserve(device, job.cloud, job.streamed)?;
+        let pixels = job.pixels();
+        let planes = if job.is_inline() { 1 } else { pixels * job.planes() };
+        // No larger than asked for, since all of it is cleared.
+        self.nearest.reserve_within(device, planes, planes)?;
+        self.pixels.reserve_within(device, 2 * pixels, 2 * pixels)?;
+        let squares = if job.spread { 2 * pixels } else { 1 };
+        self.squares.reserve_within(device, squares, squares)?;
+        self.spread.reserve(device, if job.spread { pixels } else { 1 })?;
+        self.large.reserve(device, if job.listed() { 2 * job.dispatch_slots() } else { 1 })?;
+        self.arguments.reserve(device, 4)?;
+        self.counters.reserve(device, 1)?;
+        self.counters_host.reserve(device, 1)?;
+        Ok(())
+    }
+
+    fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
+        recorder.fill("spbr/clear", self.pixels.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.squares.get().all(), 0)?;
+        recorder.fill("spbr/clear", self.counters.get().all(), 0)?;
+        Ok(())
+    }
+
+    /// Records that planes are empty again.
+    fn record_renew<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
+        if !job.is_inline() {
+            recorder.fill("spbr/clear", self.nearest.get().all(), job.nothing())?;
+            return Ok(());
+        }
+        let pass = Renew { pixels: self.pixels.get().all().cast() };
+        let push = CountPush { count: job.pixels() as u32 };
+        recorder.run(&pass, push, &Run::new(Dispatch::Invocations(job.pixels())))?;
+        Ok(())
+    }
+
+    /// Records a dispatch, and that of its large squares.
+    fn record_task<'a>(
+        &'a self,
+        device: &Device,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        task: &Task,
+    ) -> Result<(), Error> {
+        if task.renews {
+            self.record_renew(recorder, job)?;
+        }
+        let stage = task.stage;
+        let count = task.piece.slots.end - task.piece.slots.start;
+        let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
+        let again = task.piece.rows.is_some();
+        let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
+        let walk = (run, kind.variant(stage, Through::Slots { counted }, again));
+        let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
+        if !job.listed() {
+            self.record_stage(device, recorder, job, task, walk)?;
+            return Ok(recorder.agree("spbr/draw", "list of large squares", listed, Expected::Value(0))?);
+        }
+        recorder.fill("spbr/clear", listed, 0)?;
+        self.record_stage(device, recorder, job, task, walk)?;
+        let stripes = job.stripes() as u32;
+        let large = Large { counters: self.counters.get().all(), arguments: self.arguments.get().all() };
+        let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
+        recorder.run(&large, most, &Run::new(Dispatch::Invocations(1)))?;
+        let run = Run::new(Dispatch::Indirect(self.arguments.get().all()));
+        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes }, again)))
+    }
+
+    fn record_stage<'a>(
+        &'a self,
+        device: &Device,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        task: &Task,
+        run: (Run<'a>, Variant),
+    ) -> Result<(), Error> {
+        let slots = self.slots(job, &task.piece);
+        let cloud = job.cloud;
+        let nearest = self.nearest.get().all();
+        let (run, variant) = run;
+        let push = push(job, task);
+        match task.stage {
+            Stage::Nearest => recorder.run(&Nearest { slots, nearest }, push, &run.variant(variant))?,
+            Stage::NearestDepth => {
+                recorder.run(&NearestDepth { slots, nearest: nearest.cast() }, push, &run.variant(variant))?;
+            }
+            Stage::NearestId => {
+                recorder.run(&NearestId { slots, nearest: nearest.cast() }, push, &run.variant(variant))?;
+            }
+            Stage::Draw => {
+                let cut = Cut::new(device, cloud.len())?;
+                let point_colors = cut.of(&cloud.point_colors);
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Draw { slots, nearest, point_colors, pixels, squares };
+                recorder.run(&pass, push, &run.variant(draw_variant(variant, cut, job.how.color)))?;
+            }
+            Stage::Sum => {
+                let point_colors = self.column(job, Column::Color, &task.piece.bound);
+                let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
+                let pass = Sum { slots, nearest: nearest.cast(), point_colors, pixels, squares };
+                recorder.run(&pass, push, &run.variant(sum_variant(variant, job.how.shaded(cloud.has_normals()))))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn slots<'a>(&'a self, job: &WindowJob<'a>, piece: &Piece) -> Slots<'a> {
+        let (cloud, bound) = (job.cloud, &piece.bound);
+        Slots {
+            camera: cloud.view(),
+            points_hi: self.column(job, Column::High, bound),
+            points_lo: self.column(job, Column::Low, bound),
+            normals: if cloud.has_normals() {
+                self.column(job, Column::Normal, bound)
+            } else {
+                cloud.normals.slice(0, 1)
+            },
+            counters: self.counters.get().all(),
+            large: self.large.get().all(),
+        }
+    }
+
+    /// A column of some points, from where they are.
+    fn column<'a>(&'a self, job: &WindowJob<'a>, column: Column, points: &Range<u64>) -> Slice<'a, [f32; 4]> {
+        if job.streamed.is_some() {
+            return self.stream.column(column, points);
+        }
+        let all = match column {
+            Column::High => &job.cloud.points_hi,
+            Column::Low => &job.cloud.points_lo,
+            Column::Color => &job.cloud.point_colors,
+            Column::Normal => &job.cloud.normals,
+        };
+        all.slice(points.start, points.end - points.start)
+    }
+
+    fn record_resolve<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &WindowJob<'a>,
+        target: &'a Target,
+    ) -> Result<(), Error> {
+        let pass = Resolve {
+            pixels: self.pixels.get().all(),
+            squares: self.squares.get().all(),
+            image: target.image(),
+            depths: target.depths(),
+            spread: self.spread.get().all(),
+        };
+        let push = ResolvePush { pixels: job.pixels() as u32, ensembles: job.drawn, scale: job.scale().one };
+        let run = Run::new(Dispatch::Invocations(job.pixels()));
+        recorder.run(&pass, push, &run.variant(resolve_variant(job.spread)))?;
+        Ok(())
+    }
+}
+
+fn push(job: &WindowJob<'_>, task: &Task) -> SlotsPush {
+    let (share, piece) = (&job.shares[task.cloud], &task.piece);
+    let ensembles = job.ensembles();
+    let [key_x, key_y] = key(job.seed);
+    let scale = job.scale();
+    let before = u128::from(share.slots) * u128::from(task.ensembles.start);
+    let bits = job.epoch_bits();
+    let rows = piece.rows.map(|again| again.rows);
+    SlotsPush {
+        count: (piece.slots.end - piece.slots.start) as u32,
+        first: piece.slots.start as u32,
+        base: piece.base,
+        list: piece.bound.start as u32,
+        start: piece.rows.map_or(0, |again| again.start),
+        around: piece.rows.map_or(u32::MAX, |again| again.around),
+        columns: rows.map_or(1, |rows| rows.columns),
+        block_bits: rows.map_or(0, |rows| rows.block_bits),
+        hand: task.ensembles.start.wrapping_sub(piece.rows.map_or(0, |again| again.ensemble)),
+        pass_word: rows.map_or(0, |rows| rows.word),
+        whole: (share.slots / u64::from(ensembles)) as u32,
+        rest: (share.slots % u64::from(ensembles)) as u32,
+        carry: (before % u128::from(ensembles)) as u32,
+        ensembles,
+        planes: task.ensembles.end - task.ensembles.start,
+        ensemble: task.ensembles.start,
+        pixels: job.pixels() as u32,
+        epoch_bits: bits,
+        epoch: task.epoch,
+        key_x,
+        key_y,
+        depth: share.depth as f32,
+        unit: share.unit as f32,
+        scale: scale.one,
+        most: scale.most,
+    }
+}

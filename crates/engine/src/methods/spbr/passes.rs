@@ -1,0 +1,158 @@
+//! The passes.
+
+use crate::methods::abuffer::CountPush;
+use crate::methods::splat::NearestSplat;
+use crate::passes::project::View;
+use crate::{gpu_struct, group, pass};
+
+gpu_struct! {
+    /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl says what the members are.
+    pub struct SlotsPush {
+        count: u32,
+        first: u32,
+        base: u32,
+        list: u32,
+        start: u32,
+        around: u32,
+        columns: u32,
+        block_bits: u32,
+        hand: u32,
+        pass_word: u32,
+        whole: u32,
+        rest: u32,
+        carry: u32,
+        ensembles: u32,
+        planes: u32,
+        ensemble: u32,
+        pixels: u32,
+        epoch_bits: u32,
+        epoch: u32,
+        key_x: u32,
+        key_y: u32,
+        depth: f32,
+        unit: f32,
+        scale: f32,
+        most: f32,
+    }
+}
+
+gpu_struct! {
+    /// What the passes count.
+    pub struct Counters {
+        visible_low: u32,
+        visible_high: u32,
+        large: u32,
+        spare: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `spbr/large`.
+    pub struct LargePush {
+        stripes: u32,
+        most: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `spbr/resolve`: pixels of the window, ensembles, and what a color of 1 is in the sums.
+    pub struct ResolvePush {
+        pixels: u32,
+        ensembles: u32,
+        scale: f32,
+    }
+}
+
+group! {
+    /// What a pass that goes through slots binds of the points.
+    pub Slots as SlotsGroup {
+        /// The camera.
+        camera: Uniform<View>,
+        /// Positions, rounded.
+        points_hi: Read<[f32; 4]>,
+        /// The rest of the positions.
+        points_lo: Read<[f32; 4]>,
+        /// Normals; a single one if there are none.
+        normals: Read<[f32; 4]>,
+        /// What the passes count.
+        counters: ReadWrite<Counters>,
+        /// Large squares of a dispatch.
+        large: ReadWrite<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Takes the 64-bit atomic maximum of epoch, complement of the depth key and complement of the point index at each
+    /// pixel that a slot's point covers, in the ensemble's plane. The value that it replaces tells whose color to take
+    /// back from the pixel's sums when its own is added. A dispatch has as many ensembles as fill the device.
+    pub Draw(SlotsPush) = "spbr/draw" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<u64>,
+        point_colors: Parts<[f32; 4]>,
+        pixels: ReadWrite<u64>,
+        squares: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Takes the maximum of `spbr/draw` alone, where colors are shaded, too many to be bound together, or not all on the
+    /// device.
+    pub Nearest(SlotsPush) = "spbr/nearest" with "nearest_wide" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<u64>,
+    }
+}
+
+pass! {
+    /// Finds the depth of `spbr/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
+    pub NearestDepth(SlotsPush) = "spbr/nearest-depth" in "spbr/nearest" with "nearest_depth" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Finds the index at the depth of `spbr/nearest-depth` by a second 32-bit pass.
+    pub NearestId(SlotsPush) = "spbr/nearest-id" in "spbr/nearest" with "nearest_id" {
+        slots: Shared<SlotsGroup>,
+        nearest: ReadWrite<NearestSplat>,
+    }
+}
+
+pass! {
+    /// Visits the slots again, and adds the colors of the nearest points, shaded only here, to the sums of their pixels.
+    pub Sum(SlotsPush) = "spbr/sum" {
+        slots: Shared<SlotsGroup>,
+        nearest: Read<[u32; 2]>,
+        point_colors: Read<[f32; 4]>,
+        pixels: ReadWrite<u32>,
+        squares: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Turns the number of squares over 64 pixels into the arguments of the dispatch that fills them, workgroup by
+    /// workgroup. It runs after each dispatch over slots where such squares are possible.
+    pub Large(LargePush) = "spbr/large" {
+        counters: Read<Counters>,
+        arguments: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Clears the nearest point beside each pixel's sums when there are no epochs left.
+    pub Renew(CountPush) = "spbr/renew" {
+        pixels: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Turns the sums of each pixel into color, A and depth, and the standard error if it is asked for.
+    pub Resolve(ResolvePush) = "spbr/resolve" {
+        pixels: Read<[u32; 4]>,
+        squares: Read<[u32; 4]>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+        spread: ReadWrite<[f32; 4]>,
+    }
+}
