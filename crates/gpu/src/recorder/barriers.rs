@@ -1,0 +1,36 @@
+//! Barriers between passes, and before the host reads.
+
+use ash::vk;
+
+use super::Recorder;
+use crate::context::Context;
+
+impl Recorder<'_> {
+    pub(super) fn memory_barrier(&self) {
+        full_barrier(&self.context, self.commands);
+    }
+
+    pub(super) fn host_barrier(&self) {
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+        let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+        // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
+        unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
+    }
+}
+
+/// What was written before is seen by everything that comes after.
+pub(crate) fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
+    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+    let barrier = [vk::MemoryBarrier2::default()
+        .src_stage_mask(all)
+        .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+        .dst_stage_mask(all)
+        .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+    // SAFETY: the command buffer is recording outside of a render pass; the barrier has no resources.
+    unsafe { context.device.cmd_pipeline_barrier2(commands, &dependency) };
+}

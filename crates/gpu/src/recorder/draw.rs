@@ -1,0 +1,157 @@
+//! Passes that draw into attachments.
+
+use ash::vk;
+
+use super::Recorder;
+use crate::pipeline::{Outputs, Pipeline};
+use crate::{Attachment, Blend, Error, Pass, RawSlice, Slice, Variant};
+
+/// How many vertices a draw has.
+#[derive(Debug, Clone, Copy)]
+pub enum Vertices<'a> {
+    /// So many.
+    Count(u32),
+    /// Vertices, instances, first vertex and first instance from a buffer (its first four elements).
+    Indirect(Slice<'a, u32>),
+}
+
+/// Attachments that are drawn into, all of one size and number of samples.
+#[derive(Clone, Copy, Default)]
+pub struct Targets<'a> {
+    /// The color attachment, and what fragments do to it.
+    pub color: Option<(&'a Attachment, Blend)>,
+    /// The depth attachment: the nearest fragment stays, the first of equals.
+    pub depth: Option<&'a Attachment>,
+    /// The value of every component of the color attachment at first, with depths at 1; `None`: what an earlier draw left.
+    pub clear: Option<f32>,
+}
+
+impl<'a> Targets<'a> {
+    fn images(&self) -> impl Iterator<Item = &'a Attachment> {
+        self.color.map(|(image, _)| image).into_iter().chain(self.depth)
+    }
+
+    fn outputs(&self) -> Outputs {
+        Outputs {
+            color: self.color.map(|(image, blend)| (image.format(), blend)),
+            depth: self.depth.is_some(),
+            samples: self.images().next().map_or(1, Attachment::samples),
+        }
+    }
+
+    fn info(&self, image: &Attachment, clear: vk::ClearValue) -> vk::RenderingAttachmentInfo<'static> {
+        let load = if self.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+        vk::RenderingAttachmentInfo::default()
+            .image_view(image.view())
+            .image_layout(DRAWN)
+            .load_op(load)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .clear_value(clear)
+    }
+}
+
+/// A draw of plain triangles from pulled vertices, into storage buffers and attachments.
+#[derive(Clone, Copy)]
+pub struct Draw<'a> {
+    /// Vertices.
+    pub vertices: Vertices<'a>,
+    /// Width and height of the area in pixels.
+    pub area: [u32; 2],
+    /// Attachments, if any, of that size at least.
+    pub targets: Targets<'a>,
+}
+
+/// The layout in which attachments are drawn into.
+const DRAWN: vk::ImageLayout = vk::ImageLayout::ATTACHMENT_OPTIMAL;
+/// The layout in which they are read, and in which they lie between passes.
+pub(super) const READ: vk::ImageLayout = vk::ImageLayout::READ_ONLY_OPTIMAL;
+
+impl<'a> Recorder<'a> {
+    /// Runs a pass that draws, with its push constants as in [`Self::run`].
+    pub fn draw<P: Pass + 'a>(
+        &mut self,
+        pass: &P,
+        push: P::Push,
+        variant: &Variant,
+        draw: Draw<'a>,
+    ) -> Result<(), Error> {
+        let (size, limit) = (draw.area, self.context.limits.framebuffer);
+        if size[0] > limit[0] || size[1] > limit[1] {
+            return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
+        }
+        let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs())?;
+        let set = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
+        self.begin_pass(P::NAME, true)?;
+        let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
+        let viewport = vk::Viewport {
+            width: draw.area[0] as f32,
+            height: draw.area[1] as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        };
+        let value = draw.targets.clear.unwrap_or_default();
+        let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [value; 4] } };
+        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
+        let colors: Vec<_> = draw.targets.color.iter().map(|(image, _)| draw.targets.info(image, clear)).collect();
+        let depth = draw.targets.depth.map(|image| draw.targets.info(image, far));
+        let mut rendering = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth {
+            rendering = rendering.depth_attachment(depth);
+        }
+        let before = if draw.targets.clear.is_some() { vk::ImageLayout::UNDEFINED } else { READ };
+        self.image_barrier(draw.targets, before, DRAWN);
+        let (device, commands) = (&self.context.device, self.commands);
+        // SAFETY: as in `run`; the area is within the framebuffer limits. Indirect arguments lie
+        // within their buffer, every buffer is made for that use, and the caller's passes never raise a count: the vertex
+        // shader reads no splat beyond those that a direct draw would read.
+        unsafe {
+            device.cmd_begin_rendering(commands, &rendering);
+            device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.raw);
+            device.cmd_bind_descriptor_sets(commands, vk::PipelineBindPoint::GRAPHICS, pipeline.layout, 0, &[set], &[]);
+            device.cmd_set_viewport(commands, 0, &[viewport]);
+            device.cmd_set_scissor(commands, 0, &[area]);
+            if let Some(stages) = pipeline.push_stages {
+                device.cmd_push_constants(commands, pipeline.layout, stages, 0, bytemuck::bytes_of(&push));
+            }
+            match draw.vertices {
+                Vertices::Count(count) => device.cmd_draw(commands, count, 1, 0, 0),
+                Vertices::Indirect(arguments) => {
+                    let RawSlice { buffer, offset, bytes, .. } = arguments.raw();
+                    assert!(bytes >= 16, "{}: a draw takes four words", P::NAME);
+                    device.cmd_draw_indirect(commands, buffer, offset, 1, 16);
+                }
+            }
+            device.cmd_end_rendering(commands);
+        }
+        self.image_barrier(draw.targets, DRAWN, READ);
+        self.end_pass();
+        self.pipelines.push(pipeline);
+        Ok(())
+    }
+
+    /// Takes attachments from one layout to another, if there are any.
+    fn image_barrier(&self, targets: Targets<'_>, from: vk::ImageLayout, to: vk::ImageLayout) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let barriers: Vec<_> = targets
+            .images()
+            .map(|image| {
+                vk::ImageMemoryBarrier2::default()
+                    .src_stage_mask(all)
+                    .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+                    .dst_stage_mask(all)
+                    .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
+                    .old_layout(from)
+                    .new_layout(to)
+                    .image(image.raw())
+                    .subresource_range(image.range())
+            })
+            .collect();
+        if barriers.is_empty() {
+            return;
+        }
+        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: the command buffer is recording outside of a render pass; the images outlive the submission.
+        unsafe { self.context.device.cmd_pipeline_barrier2(self.commands, &dependency) };
+    }
+}
