@@ -1,0 +1,117 @@
+//! The inside of a sphere: density that falls off, or shells of constant density.
+
+use crate::choices;
+use crate::gpu::Variant;
+use crate::gpu::shader::Choices;
+use crate::passes::project::Footprint;
+use crate::passes::tiles::SEGMENT;
+use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
+
+/// Large splats that a workgroup stores where they have shells.
+pub(super) const SHELLS_SEGMENT: u32 = 768;
+/// A sphere of which density falls off linearly, and shells of constant density: values of `MODEL` in WGSL.
+pub(super) const MODEL_BASE: u32 = 0;
+const MODEL_CONCENTRIC: u32 = 1;
+
+/// What a sphere is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Interior {
+    /// It falls off linearly: `soft-base`.
+    Linear,
+    /// The same, from what the paper stores of events.
+    Packed,
+    /// That of concentric shells: `soft-concentric`.
+    Shells(Shells, f32),
+}
+
+impl Interior {
+    /// Of spheres that are integrated, by what is stored of their events.
+    pub fn integrated(layout: SoftLayout) -> Self {
+        match layout {
+            SoftLayout::Precise => Self::Linear,
+            SoftLayout::Paper => Self::Packed,
+        }
+    }
+
+    /// Shells of a sphere at most.
+    pub fn most_shells(self) -> u32 {
+        match self {
+            Self::Linear | Self::Packed => 1,
+            Self::Shells(Shells::Fixed(shells), _) => shells,
+            Self::Shells(Shells::Adaptive, _) => MAX_SHELLS,
+        }
+    }
+
+    /// Whether the spheres of a pixel must be counted besides its events.
+    pub fn counted(self) -> bool {
+        self.most_shells() > 1
+    }
+
+    /// Large splats of a tile that one workgroup stores: an invocation has four pixels of each, and a loop of up to 16 turns
+    /// over the shells in each pixel.
+    pub(super) fn segment(self) -> u32 {
+        if self.counted() { SHELLS_SEGMENT } else { SEGMENT }
+    }
+
+    /// Bits of an event's index for the shell.
+    fn shell_bits(self) -> u32 {
+        self.most_shells().next_power_of_two().ilog2()
+    }
+
+    /// Points that events can tell apart.
+    pub(super) fn most_points(self) -> u64 {
+        1 << (31 - self.shell_bits())
+    }
+
+    /// Adds what shaders/shared/sphere.wgsl wants to know.
+    pub(super) fn sphere(self, variant: Variant) -> Variant {
+        let (shells, pixels_per_shell) = match self {
+            Self::Linear | Self::Packed => (1, 1.0),
+            Self::Shells(Shells::Fixed(shells), pixels) => (shells, pixels),
+            Self::Shells(Shells::Adaptive, pixels) => (0, pixels),
+        };
+        variant
+            .with("SHELLS", shells)
+            .with("PIXELS_PER_SHELL", pixels_per_shell)
+            .with("SHELL_BITS", self.shell_bits())
+            .with("PACKED", u32::from(self == Self::Packed))
+    }
+
+    /// Whether events are integrated, and not constant densities summed.
+    pub fn is_integrated(self) -> bool {
+        !matches!(self, Self::Shells(..))
+    }
+
+    /// Adds what shaders/shared/soft_terms.wgsl wants to know besides.
+    pub(super) fn terms(self, variant: Variant, modulated: bool) -> Variant {
+        let model = if self.is_integrated() { MODEL_BASE } else { MODEL_CONCENTRIC };
+        self.sphere(variant).with("MODEL", model).with("MODULATED", u32::from(modulated))
+    }
+}
+
+/// Of shells as many as a sphere's radius asks for, and a number of them.
+impl Choices for Interior {
+    fn all() -> Vec<Self> {
+        vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(5), 4.0)]
+    }
+}
+
+/// What the kernels are made for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kind {
+    /// What a sphere is made of.
+    pub interior: Interior,
+    /// Whether it is so dense that float32 would show ([`SoftModel::is_stiff`]).
+    pub exact: bool,
+    /// Whether some points are modulated.
+    pub modulated: bool,
+}
+
+impl Kind {
+    /// How spheres are projected.
+    pub fn footprint(self) -> Footprint {
+        if self.exact { Footprint::ExactSphere } else { Footprint::Sphere }
+    }
+}
+
+choices!(struct Kind { interior, exact, modulated });

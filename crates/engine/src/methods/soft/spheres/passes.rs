@@ -1,0 +1,136 @@
+//! The passes.
+
+use crate::methods::abuffer::{ListRun, LongList, LongWork, Partial, ResolvingGroup};
+use crate::passes::compose::ComposingGroup;
+use crate::passes::raster::{ChunkGroup, RasterPush};
+use crate::{gpu_struct, pass};
+
+gpu_struct! {
+    /// Push constants of the kernels that blend; shaders/shared/soft_push.wgsl says what the members are.
+    pub struct SoftPush {
+        class_index: u32,
+        first_fragment: u32,
+        most_color: f32,
+        lambda: f32,
+        peak: f32,
+        most_radius: f32,
+        first: u32,
+    }
+}
+
+gpu_struct! {
+    /// Running sums of a run of a long list.
+    pub struct RunSums {
+        high: [f32; 4],
+        low: [f32; 4],
+        rest: [f32; 4],
+    }
+}
+
+pass! {
+    /// Counts two events in each pixel of a soft sphere's silhouette for each of its shells that the ray meets between
+    /// near and the solid points. Spheres with shells count once more for the sphere. From an optical depth of 1000 on,
+    /// this pass and all that follow place a sphere in two floats (`Footprint::ExactSphere`): a ray that the sphere lets
+    /// through passes so near its rim that float32 would show.
+    pub Count(RasterPush) = "soft/count" {
+        chunk: Shared<ChunkGroup>,
+        solids: Read<f32>,
+        counts: ReadWrite<u32>,
+        spheres: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Stores the depth key and index of each event in a slot of its pixel's range.
+    pub Store(RasterPush) = "soft/store" {
+        chunk: Shared<ChunkGroup>,
+        solids: Read<f32>,
+        cursors: ReadWrite<u32>,
+        fragments: ReadWrite<[u32; 2]>,
+        colors: Read<[f32; 4]>,
+        records: ReadWrite<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Sorts the events of each list of a class of up to 64 in registers, and blends the segments between them. Its
+    /// label ends with the longest length of the class.
+    pub ResolveNetwork(SoftPush) = "soft/resolve" in "soft/resolve_network" {
+        lists: Shared<ResolvingGroup>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Sorts the events of each list of a class of up to 256 in a local array, and blends the segments between them.
+    pub ResolveMerge(SoftPush) = "soft/resolve" in "soft/resolve_merge" {
+        lists: Shared<ResolvingGroup>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Sums what the events of each run of a sorted long list add to the running sums of color and density.
+    pub SumRuns(SoftPush) = "soft/sum-runs" in "soft/sum_runs" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: ReadWrite<RunSums>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Finds the running sums before each run of each long list.
+    pub Carry = "soft/carry" {
+        work: ReadWrite<LongWork>,
+        lists: Read<LongList>,
+        sums: ReadWrite<RunSums>,
+    }
+}
+
+pass! {
+    /// Integrates the optical depth of each segment of a run from all spheres that may reach it (`soft-base`): one
+    /// workgroup per run, four segments per invocation. A dispatch takes 49 152 events of each list.
+    pub Segments(SoftPush) = "soft/segments" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        segments: ReadWrite<f32>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+pass! {
+    /// Composes the segments of each run.
+    pub BlendRuns(SoftPush) = "soft/blend-runs" in "soft/blend_runs" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        sums: Read<RunSums>,
+        segments: Read<f32>,
+        partials: ReadWrite<Partial>,
+        records: Read<[u32; 4]>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants: pixels, and the depth that those of solid points are relative to.
+    pub struct ComposePush {
+        count: u32,
+        origin: f32,
+    }
+}
+
+pass! {
+    /// Composes the soft points over the solid ones in each pixel.
+    pub Compose(ComposePush) = "soft/compose" {
+        solid_image: Read<[f32; 4]>,
+        solid_depths: Read<f32>,
+        image: ReadWrite<[f32; 4]>,
+        depths: ReadWrite<f32>,
+    }
+}
