@@ -9,6 +9,8 @@
 //! Everything but the store serves `linked-list` too ([`Storing`]): one set of buffers, whichever method a frame takes.
 
 mod blend;
+mod capacity;
+mod count;
 mod engine;
 mod explain;
 mod passes;
@@ -20,26 +22,25 @@ pub(crate) use engine::{ListEngine, ORDERED_AREA, list_bytes};
 pub(crate) use explain::{BY_LENGTH, COUNT, count_group, counted_beside, list_group, list_passes};
 pub use passes::*;
 
+use self::blend::{Blender, Stored};
+use self::capacity::Need;
+use self::count::{Counted, measure_variant};
 use super::engine::Work;
-
 use super::linked_list::{self, LinkedList};
-use super::soft::{self, Interior, Spheres};
-use super::{Error, Facts, Outcome, Timeline};
+use super::soft::{Interior, Spheres};
+use super::{Error, Outcome, Timeline};
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{self, Buffer, Device, Dispatch, Expected, Kept, Memory, Recorder, Run, Variant};
+use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
 use crate::passes::bin::{self, OrderedTiles};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{self, Chunk, Raster};
 use crate::passes::scan::Scan;
-use crate::scene::{DiscShape, Discs, LongLists};
-use blend::{Blender, Stored};
+use crate::scene::{DiscShape, Discs};
 
 /// The longest list that one invocation sorts in a local array; also the length of a run of a longer one.
 pub const LOCAL_LENGTH: u32 = 256;
-/// Pixels of one invocation of `abuffer/measure`.
-const MEASURE_RUN: u64 = 64;
 /// Bytes of a fragment: depth key and splat index.
 pub const FRAGMENT_BYTES: u64 = 8;
 /// Bytes of a fragment of a list that is stored in order: the splat's rank.
@@ -95,26 +96,6 @@ impl<'a> Storing<'a> {
             Self::Spheres(spheres) => Some(spheres),
             _ => None,
         }
-    }
-}
-
-/// What count and scan found in a window.
-#[derive(Debug, Clone, Copy)]
-struct Counted {
-    overflow: bool,
-    total: u32,
-    lengths: Lengths,
-    /// As the last two, but a sphere counts once, however many events it has.
-    spheres: u32,
-    most_spheres: u32,
-}
-
-impl Counted {
-    fn note(&self, bands: &[Band], facts: &mut Facts) {
-        facts.bands += bands.len() as u64;
-        facts.fragments += u64::from(self.spheres);
-        facts.max_list = facts.max_list.max(self.most_spheres);
-        facts.max_events = facts.max_events.max(self.lengths.longest);
     }
 }
 
@@ -256,145 +237,6 @@ impl ABuffer {
         })
     }
 
-    fn count(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Counted, Error> {
-        let pixels = bands::pixels(job.raster.window);
-        self.counts.reserve(device, pixels + 1)?;
-        self.offsets.reserve(device, pixels + 1)?;
-        // A smaller one is freed before a larger one is made.
-        let kept = self.scan.take().filter(|s| s.capacity() > pixels);
-        let scan = &*self.scan.insert(match kept {
-            Some(scan) => scan,
-            None => Scan::new(device, pixels + 1)?,
-        });
-        let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
-        self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
-        let (counts, offsets) = (self.counts.get(), self.offsets.get());
-
-        let mut recorder = device.recorder()?;
-        recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
-        recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
-        recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
-        let whole = Band::whole(job.raster.window, 0);
-        if let Storing::Ordered(tiles) = job.storing {
-            let counts = counts.all();
-            let view = job.raster.cloud.view();
-            tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
-        } else if let Some(spheres) = job.storing.spheres() {
-            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
-            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
-            job.raster.record_tiles(&mut recorder)?;
-            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
-        } else {
-            job.raster.record_tiles(&mut recorder)?;
-            job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
-        }
-        let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
-        let push = CountPush { count: pixels as u32 };
-        if counted.is_some() {
-            let run = measure.clone().variant(measure_variant(0));
-            let of_spheres = Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() };
-            recorder.run(&of_spheres, push, &run)?;
-        }
-        let measure = measure.variant(measure_variant(LOCAL_LENGTH));
-        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
-        scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
-        if !matches!(job.storing, Storing::Links) {
-            // From here on the counts are the cursors that hand out slots.
-            recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
-        }
-        recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
-        recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
-        recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
-        if counted.is_some() {
-            recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
-        }
-        timeline.add(recorder.submit("abuffer/count and scan")?);
-        let words = self.summary.mapped_slice();
-        let (longest, total) = (words[1], words[3]);
-        let [most_spheres, spheres] = match job.storing.spheres() {
-            Some(spheres) if spheres.kind.interior.counted() => [words[4], words[5]],
-            Some(_) => [longest / 2, total / 2],
-            None => [longest, total],
-        };
-        let lengths = Lengths { longest, in_long_lists: words[2] };
-        Ok(Counted { overflow: words[0] != 0, lengths, total, spheres, most_spheres })
-    }
-
-    /// Fragments that fit at a time: within the budget, and within a binding.
-    fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
-        let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
-        let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
-        let need = Need::of(job, counted);
-        let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
-        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
-    }
-
-    fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
-        let window = job.raster.window;
-        let (length, most) = (counted.lengths.longest, in_place_length());
-        if job.discs.long_lists == LongLists::InPlace && length > most {
-            return Err(Error::ListTooLong { length, most });
-        }
-        let capacity = Self::capacity(device, job, counted);
-        if u64::from(counted.total) <= capacity {
-            return Ok(vec![Band::whole(window, u64::from(counted.total))]);
-        }
-        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
-        bands::bands(&offsets, capacity).map_err(|_| {
-            let (pixel, length) = bands::longest(&offsets);
-            let [x, y] = bands::place(window, pixel);
-            let need = Need::of(job, counted);
-            let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
-            if bytes > limit {
-                let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
-                return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
-            }
-            let each = need.bytes();
-            let needed = u64::from(length) * each;
-            Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
-        })
-    }
-
-    fn reserve_fragments(
-        &mut self,
-        device: &Device,
-        job: &WindowJob<'_>,
-        bands: &[Band],
-        counted: &Counted,
-    ) -> Result<(), Error> {
-        let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
-        // What an earlier frame left may be more than this one's budget allows.
-        let limit = Self::capacity(device, job, counted).max(most);
-        let need = Need::of(job, counted);
-        // What this frame does not need goes first, since the budget is for all of it.
-        if !need.spare {
-            self.spare.release();
-        }
-        if !need.links {
-            self.linked.release();
-        }
-        // In records of eight bytes.
-        let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
-        self.fragments.reserve_within(device, records(most), records(limit))?;
-        if need.records {
-            self.records.reserve_within(device, most, limit)?;
-        } else {
-            // Bound, but not looked at.
-            self.records.release();
-            self.records.reserve(device, 1)?;
-        }
-        if need.spare {
-            self.spare.reserve_within(device, most, limit)?;
-        }
-        if need.links {
-            self.linked.reserve(device, most, limit)?;
-        }
-        let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
-        let events = if need.segments { [most, limit] } else { [0, 0] };
-        self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
-        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
-    }
-
     /// Records a band's fragments to their pixels' ranges.
     fn record_store<'a>(
         &'a self,
@@ -435,50 +277,6 @@ impl ABuffer {
         };
         Ok(recorder.agree(name, "pixel", ends, Expected::Words(next))?)
     }
-}
-
-/// What a window's fragments need beside the fragment buffer.
-#[derive(Clone, Copy)]
-struct Need {
-    /// Bytes of a fragment itself: ordered lists hold only ranks.
-    fragment: u64,
-    /// Room for the fragments once more.
-    spare: bool,
-    /// Links of nodes.
-    links: bool,
-    /// Records of long lists and their runs.
-    runs: bool,
-    /// Optical depths of segments.
-    segments: bool,
-    /// What packed events carry.
-    records: bool,
-}
-
-impl Need {
-    fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
-        let links = matches!(job.storing, Storing::Links);
-        let sorted = matches!(job.storing, Storing::Ordered(_));
-        let runs = !sorted && counted.lengths.in_long_lists > 0;
-        let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
-        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
-        let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
-        let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
-        Self { fragment, spare, links, runs, segments, records }
-    }
-
-    /// Bytes for each fragment of a band, those in the fragment buffer included.
-    fn bytes(self) -> u64 {
-        let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
-        let links = if self.links { linked_list::LINK_BYTES } else { 0 };
-        let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
-        let records = if self.records { soft::RECORD_BYTES } else { 0 };
-        self.fragment + spare + links + segments + records + u64::from(self.runs)
-    }
-}
-
-/// The variant of `abuffer/measure`: lists longer than `long` are long.
-fn measure_variant(long: u32) -> Variant {
-    Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
 }
 
 /// The passes with their variants.

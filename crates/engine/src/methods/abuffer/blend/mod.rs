@@ -1,7 +1,18 @@
 //! Sorting and blending: each class of list lengths by its own kernel, long lists run by run.
 
+mod classes;
+mod in_place;
+mod least_bytes;
+
+pub use classes::{CLASSES, is_network, lower_bound};
+pub(crate) use classes::{kernels, resolve_variant};
+pub use in_place::in_place_length;
+pub use least_bytes::least_bytes;
+
+use self::classes::{CLASS_PLACED, CLASS_START, CLASS_TOTAL, CLASS_WORDS, class_variant, sort_runs_variant};
+use self::in_place::in_place_merges;
 use super::passes::*;
-use super::{Counted, FRAGMENT_BYTES, LOCAL_LENGTH, Storing, WindowJob};
+use super::{Counted, LOCAL_LENGTH, Storing, WindowJob};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Target;
@@ -13,38 +24,12 @@ use crate::passes::compose::{self, Composing, Cut};
 use crate::passes::project::Footprint;
 use crate::scene::{Falloff, LongLists};
 
-/// Lists of up to this length are sorted in registers.
-const NETWORK_LENGTH: u32 = 64;
-/// Blocks that a local sort begins with, each sorted in registers.
-const BLOCK_LENGTH: u32 = 32;
 /// Splats that one run of `abuffer/resolve-ordered` takes of a list: one iteration each.
 const ORDERED_TAKEN: u32 = 32_768;
-/// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
-pub const CLASSES: [(u32, &str); 8] = [
-    (1, "abuffer/resolve-1"),
-    (4, "abuffer/resolve-4"),
-    (8, "abuffer/resolve-8"),
-    (16, "abuffer/resolve-16"),
-    (32, "abuffer/resolve-32"),
-    (NETWORK_LENGTH, "abuffer/resolve-64"),
-    (128, "abuffer/resolve-128"),
-    (LOCAL_LENGTH, "abuffer/resolve-256"),
-];
-/// Words of a class in the table of classes: workgroups x, y, z; number of pixels; where its pixels begin in the work list; how
-/// many of them are in place; two unused.
-const CLASS_WORDS: u64 = 8;
-/// Place of the number of pixels among a class's words.
-const CLASS_TOTAL: u64 = 3;
-/// Place of where its pixels begin.
-const CLASS_START: u64 = 4;
-/// Place of how many of them are in place.
-const CLASS_PLACED: u64 = 5;
 /// Place of the number of long lists among the words of [`LongWork`].
 const LIST_COUNT: u64 = 7;
 /// Pixels of one invocation that classifies.
 const CLASSIFY_RUN: u64 = 64;
-/// Iterations of all loops of an invocation together: one driver ends loops silently after 65 535.
-const MOST_ITERATIONS: u32 = 60_000;
 
 /// Buffers of sorting and blending, kept from frame to frame.
 pub struct Blender {
@@ -341,103 +326,9 @@ impl Blender {
     }
 }
 
-/// Iterations of one step of an in-place merge: half as many comparisons as fragments, and the loop over steps.
-fn step_iterations(length: u32) -> u32 {
-    length.div_ceil(2) + 1
-}
-
-/// The longest list that is sorted in place: one step of a merge must stay within the iterations of an invocation.
-pub fn in_place_length() -> u32 {
-    2 * (MOST_ITERATIONS - 1)
-}
-
-/// The runs of `abuffer/merge-in-place` for lists of up to `longest` fragments: each level of merges is cut where its
-/// iterations would be too many.
-fn in_place_merges(longest: u32) -> Vec<InPlacePush> {
-    let at_once = (MOST_ITERATIONS / step_iterations(longest)).max(1);
-    let mut found = Vec::new();
-    for width_log in LOCAL_LENGTH.ilog2()..=(longest.max(2) - 1).ilog2() {
-        // A level takes one step more than the logarithm of its width.
-        for first in (0..=width_log).step_by(at_once as usize) {
-            let distance_log = width_log - first;
-            found.push(InPlacePush { width_log, distance_log, steps: at_once.min(distance_log + 1) });
-        }
-    }
-    found
-}
-
-/// The longest list of the classes before this one.
-pub fn lower_bound(class: usize) -> u32 {
-    class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
-}
-
-/// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
-pub(crate) fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
-    let classified = compose.text(&class_text());
-    if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
-}
-
-/// Whether lists of up to `capacity` fragments are sorted in registers.
-pub fn is_network(capacity: u32) -> bool {
-    capacity <= NETWORK_LENGTH
-}
-
 /// The variant of `abuffer/resolve-ordered`.
 fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
     compose::shape_variant(Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
-}
-
-/// The variant of the passes that know the classes.
-fn class_variant() -> Variant {
-    Variant::plain().text(&class_text())
-}
-
-/// The variant of `abuffer/sort-runs`.
-fn sort_runs_variant() -> Variant {
-    local_sort(Variant::plain(), LOCAL_LENGTH)
-}
-
-/// What shaders/shared/local_sort.wgsl needs.
-fn local_sort(variant: Variant, capacity: u32) -> Variant {
-    variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
-}
-
-/// WGSL of the table of classes: the function counts the bounds that a length exceeds; empty lists are in no class.
-fn class_text() -> String {
-    let exceeded: Vec<String> = CLASSES.iter().map(|(bound, _)| format!("select(0u, 1u, n > {bound}u)")).collect();
-    let count = CLASSES.len() + 1;
-    let sum = exceeded.join(" + ");
-    format!("const CLASS_COUNT = {count}u;\nfn class_of(n: u32) -> u32 {{ return select({count}u, {sum}, n > 0u); }}\n")
-}
-
-/// Bytes that sorting and blending must at least read and write, from the lengths of all lists; `None` without these, and
-/// for other passes.
-pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
-    // Of each fragment the record and the splat's color; of each pixel its place in the work list, two offsets, the result.
-    let blended = |fragments: u64, pixels: u64| fragments * (FRAGMENT_BYTES + 16) + pixels * (4 + 8 + 20);
-    let between = |low: u32, high: u32| {
-        let found = lengths.iter().filter(|n| (low + 1..=high).contains(*n));
-        found.fold((0u64, 0u64), |(fragments, pixels), n| (fragments + u64::from(*n), pixels + 1))
-    };
-    if lengths.is_empty() {
-        return None;
-    }
-    if let Some(class) = CLASSES.iter().position(|(_, class)| *class == name) {
-        let (fragments, pixels) = between(lower_bound(class), CLASSES[class].0);
-        return Some(blended(fragments, pixels));
-    }
-    let (fragments, _) = between(LOCAL_LENGTH, u32::MAX);
-    let longest = lengths.iter().copied().max().unwrap_or(0);
-    match name {
-        "abuffer/sort-runs" => Some(fragments * 2 * FRAGMENT_BYTES),
-        // Every merge moves all long lists, whether they are done already or not.
-        "abuffer/merge" => {
-            let merges = u64::from(longest.div_ceil(LOCAL_LENGTH).next_power_of_two().ilog2());
-            Some(fragments * 2 * FRAGMENT_BYTES * merges)
-        }
-        "abuffer/blend-runs" => Some(blended(fragments, 0)),
-        _ => None,
-    }
 }
 
 /// Pixels and depths of nothing: no color, no coverage, infinitely far.
@@ -456,11 +347,6 @@ pub(crate) const CONSTANTS: [(&str, u32); 6] = [
     ("CLASSIFY_RUN", CLASSIFY_RUN as u32),
     ("RUN_LENGTH", LOCAL_LENGTH),
 ];
-
-/// The variants of kernels for the lengths of lists that `wanted` picks, from those of what they compose.
-pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) -> bool) -> Vec<Variant> {
-    CLASSES.iter().filter(|(capacity, _)| wanted(*capacity)).flat_map(|(capacity, _)| composed(*capacity)).collect()
-}
 
 /// The passes of sorting and blending with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
@@ -482,43 +368,4 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::new::<BlendRuns>(compose::variants()),
         Shader::plain::<Combine>(),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn least_bytes_by_hand() {
-        let lengths = [0, 1, 1, 3, 300, 600];
-        assert_eq!(least_bytes("abuffer/resolve-1", &lengths), Some(2 * 24 + 2 * 32));
-        assert_eq!(least_bytes("abuffer/resolve-4", &lengths), Some(3 * 24 + 32));
-        assert_eq!(least_bytes("abuffer/resolve-8", &lengths), Some(0));
-        assert_eq!(least_bytes("abuffer/sort-runs", &lengths), Some(900 * 16));
-        // 600 fragments are three runs: two merges.
-        assert_eq!(least_bytes("abuffer/merge", &lengths), Some(900 * 32));
-        assert_eq!(least_bytes("abuffer/resolve-1", &[]), None);
-        assert_eq!(least_bytes("splat/project", &lengths), None);
-    }
-
-    #[test]
-    fn merges_in_place_are_complete_and_within_the_iterations() {
-        for longest in [257, 512, 513, 4000, 8192, 8193, 65_536, 65_537, in_place_length()] {
-            let merges = in_place_merges(longest);
-            let steps: Vec<_> =
-                merges.iter().flat_map(|m| (0..m.steps).map(|s| (m.width_log, m.distance_log - s))).collect();
-            let widths = 8..u32::BITS - (longest - 1).leading_zeros();
-            assert_eq!(steps, widths.flat_map(|w| (0..=w).rev().map(move |d| (w, d))).collect::<Vec<_>>(), "{longest}");
-            assert!(merges.iter().all(|m| m.steps * step_iterations(longest) <= MOST_ITERATIONS), "{longest}");
-        }
-        assert!(step_iterations(in_place_length() + 1) > MOST_ITERATIONS);
-    }
-
-    #[test]
-    fn classes_cover_every_length_once() {
-        for n in 1..=LOCAL_LENGTH {
-            let classes = CLASSES.iter().enumerate().filter(|(i, (most, _))| n > lower_bound(*i) && n <= *most);
-            assert_eq!(classes.count(), 1, "{n}");
-        }
-    }
 }

@@ -1,0 +1,88 @@
+//! Classes of list lengths, and the kernels that sort their lists.
+
+use crate::gpu::Variant;
+use crate::methods::abuffer::LOCAL_LENGTH;
+
+/// Lists of up to this length are sorted in registers.
+const NETWORK_LENGTH: u32 = 64;
+/// Blocks that a local sort begins with, each sorted in registers.
+const BLOCK_LENGTH: u32 = 32;
+
+/// Upper bounds of the classes of list lengths, and the names of their kernels; longer lists make one class more.
+pub const CLASSES: [(u32, &str); 8] = [
+    (1, "abuffer/resolve-1"),
+    (4, "abuffer/resolve-4"),
+    (8, "abuffer/resolve-8"),
+    (16, "abuffer/resolve-16"),
+    (32, "abuffer/resolve-32"),
+    (NETWORK_LENGTH, "abuffer/resolve-64"),
+    (128, "abuffer/resolve-128"),
+    (LOCAL_LENGTH, "abuffer/resolve-256"),
+];
+
+/// Words of a class in the table of classes: workgroups x, y, z; number of pixels; where its pixels begin in the work list; how
+/// many of them are in place; two unused.
+pub(super) const CLASS_WORDS: u64 = 8;
+/// Place of the number of pixels among a class's words.
+pub(super) const CLASS_TOTAL: u64 = 3;
+/// Place of where its pixels begin.
+pub(super) const CLASS_START: u64 = 4;
+/// Place of how many of them are in place.
+pub(super) const CLASS_PLACED: u64 = 5;
+
+/// The longest list of the classes before this one.
+pub fn lower_bound(class: usize) -> u32 {
+    class.checked_sub(1).map_or(0, |i| CLASSES[i].0)
+}
+
+/// The variant of the kernel for lists of up to `capacity` fragments; which of the two kernels it is, [`is_network`] says.
+pub(crate) fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
+    let classified = compose.text(&class_text());
+    if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
+}
+
+/// Whether lists of up to `capacity` fragments are sorted in registers.
+pub fn is_network(capacity: u32) -> bool {
+    capacity <= NETWORK_LENGTH
+}
+
+/// The variant of the passes that know the classes.
+pub(super) fn class_variant() -> Variant {
+    Variant::plain().text(&class_text())
+}
+
+/// WGSL of the table of classes: the function counts the bounds that a length exceeds; empty lists are in no class.
+fn class_text() -> String {
+    let exceeded: Vec<String> = CLASSES.iter().map(|(bound, _)| format!("select(0u, 1u, n > {bound}u)")).collect();
+    let count = CLASSES.len() + 1;
+    let sum = exceeded.join(" + ");
+    format!("const CLASS_COUNT = {count}u;\nfn class_of(n: u32) -> u32 {{ return select({count}u, {sum}, n > 0u); }}\n")
+}
+
+/// The variant of `abuffer/sort-runs`.
+pub(super) fn sort_runs_variant() -> Variant {
+    local_sort(Variant::plain(), LOCAL_LENGTH)
+}
+
+/// What shaders/shared/local_sort.wgsl needs.
+fn local_sort(variant: Variant, capacity: u32) -> Variant {
+    variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
+}
+
+/// The variants of kernels for the lengths of lists that `wanted` picks, from those of what they compose.
+pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) -> bool) -> Vec<Variant> {
+    CLASSES.iter().filter(|(capacity, _)| wanted(*capacity)).flat_map(|(capacity, _)| composed(*capacity)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_cover_every_length_once() {
+        for n in 1..=LOCAL_LENGTH {
+            let classes = CLASSES.iter().enumerate().filter(|(i, (most, _))| n > lower_bound(*i) && n <= *most);
+            assert_eq!(classes.count(), 1, "{n}");
+        }
+    }
+}

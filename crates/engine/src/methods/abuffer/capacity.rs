@@ -1,0 +1,130 @@
+//! How many fragments the memory has room for, and the bands of pixels that follow from it.
+
+use super::{ABuffer, Counted, FRAGMENT_BYTES, PIXEL_BYTES, RANK_BYTES, Storing, WindowJob, in_place_length};
+use crate::gpu::{self, Device};
+use crate::methods::Error;
+use crate::methods::linked_list;
+use crate::methods::soft::{self, Interior, Spheres};
+use crate::passes::bands::{self, Band, Budget};
+use crate::scene::LongLists;
+
+impl ABuffer {
+    /// Fragments that fit at a time: within the budget, and within a binding.
+    fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
+        let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
+        let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
+        let need = Need::of(job, counted);
+        let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
+        (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
+    }
+
+    pub(super) fn plan_bands(
+        &self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        counted: &Counted,
+    ) -> Result<Vec<Band>, Error> {
+        let window = job.raster.window;
+        let (length, most) = (counted.lengths.longest, in_place_length());
+        if job.discs.long_lists == LongLists::InPlace && length > most {
+            return Err(Error::ListTooLong { length, most });
+        }
+        let capacity = Self::capacity(device, job, counted);
+        if u64::from(counted.total) <= capacity {
+            return Ok(vec![Band::whole(window, u64::from(counted.total))]);
+        }
+        let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
+        bands::bands(&offsets, capacity).map_err(|_| {
+            let (pixel, length) = bands::longest(&offsets);
+            let [x, y] = bands::place(window, pixel);
+            let need = Need::of(job, counted);
+            let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
+            if bytes > limit {
+                let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
+                return gpu::Error::TooLarge { name, bytes, limit, limit_name: "maxStorageBufferRange" }.into();
+            }
+            let each = need.bytes();
+            let needed = u64::from(length) * each;
+            Error::PixelOverBudget { x, y, length, needed, available: capacity * each, budget: Budget::wanted(needed) }
+        })
+    }
+
+    pub(super) fn reserve_fragments(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        bands: &[Band],
+        counted: &Counted,
+    ) -> Result<(), Error> {
+        let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
+        // What an earlier frame left may be more than this one's budget allows.
+        let limit = Self::capacity(device, job, counted).max(most);
+        let need = Need::of(job, counted);
+        // What this frame does not need goes first, since the budget is for all of it.
+        if !need.spare {
+            self.spare.release();
+        }
+        if !need.links {
+            self.linked.release();
+        }
+        // In records of eight bytes.
+        let records = |fragments: u64| (fragments * need.fragment).div_ceil(FRAGMENT_BYTES);
+        self.fragments.reserve_within(device, records(most), records(limit))?;
+        if need.records {
+            self.records.reserve_within(device, most, limit)?;
+        } else {
+            // Bound, but not looked at.
+            self.records.release();
+            self.records.reserve(device, 1)?;
+        }
+        if need.spare {
+            self.spare.reserve_within(device, most, limit)?;
+        }
+        if need.links {
+            self.linked.reserve(device, most, limit)?;
+        }
+        let long = if need.runs { most.min(counted.lengths.in_long_lists.into()) } else { 0 };
+        let events = if need.segments { [most, limit] } else { [0, 0] };
+        self.blender.reserve_spheres(device, job.storing.spheres().filter(|_| need.runs).map(|_| long), events)?;
+        Ok(self.blender.reserve(device, bands::pixels(job.raster.window), long)?)
+    }
+}
+
+/// What a window's fragments need beside the fragment buffer.
+#[derive(Clone, Copy)]
+pub(super) struct Need {
+    /// Bytes of a fragment itself: ordered lists hold only ranks.
+    fragment: u64,
+    /// Room for the fragments once more.
+    pub(super) spare: bool,
+    /// Links of nodes.
+    links: bool,
+    /// Records of long lists and their runs.
+    runs: bool,
+    /// Optical depths of segments.
+    segments: bool,
+    /// What packed events carry.
+    pub(super) records: bool,
+}
+
+impl Need {
+    pub(super) fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
+        let links = matches!(job.storing, Storing::Links);
+        let sorted = matches!(job.storing, Storing::Ordered(_));
+        let runs = !sorted && counted.lengths.in_long_lists > 0;
+        let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
+        let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());
+        let records = job.storing.spheres().is_some_and(|spheres| spheres.kind.interior == Interior::Packed);
+        let spare = links || (runs && job.discs.long_lists == LongLists::Merge);
+        Self { fragment, spare, links, runs, segments, records }
+    }
+
+    /// Bytes for each fragment of a band, those in the fragment buffer included.
+    fn bytes(self) -> u64 {
+        let spare = if self.spare { FRAGMENT_BYTES } else { 0 };
+        let links = if self.links { linked_list::LINK_BYTES } else { 0 };
+        let segments = if self.segments { soft::SEGMENT_BYTES } else { 0 };
+        let records = if self.records { soft::RECORD_BYTES } else { 0 };
+        self.fragment + spare + links + segments + records + u64::from(self.runs)
+    }
+}

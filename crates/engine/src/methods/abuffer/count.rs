@@ -1,0 +1,108 @@
+//! Counts a window's fragments, and finds where each pixel's list begins.
+
+use super::passes::{Count, CountPush, CountTiles, Lengths, Measure};
+use super::{ABuffer, LOCAL_LENGTH, Storing, WindowJob};
+use crate::gpu::{Device, Dispatch, Run, Variant};
+use crate::methods::{Error, Facts, Timeline};
+use crate::passes::bands::{self, Band};
+use crate::passes::raster::Chunk;
+use crate::passes::scan::Scan;
+
+/// Pixels of one invocation of `abuffer/measure`.
+const MEASURE_RUN: u64 = 64;
+
+/// What count and scan found in a window.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Counted {
+    pub(super) overflow: bool,
+    pub(super) total: u32,
+    pub(super) lengths: Lengths,
+    /// As the last two, but a sphere counts once, however many events it has.
+    spheres: u32,
+    most_spheres: u32,
+}
+
+impl Counted {
+    pub(super) fn note(&self, bands: &[Band], facts: &mut Facts) {
+        facts.bands += bands.len() as u64;
+        facts.fragments += u64::from(self.spheres);
+        facts.max_list = facts.max_list.max(self.most_spheres);
+        facts.max_events = facts.max_events.max(self.lengths.longest);
+    }
+}
+
+impl ABuffer {
+    pub(super) fn count(
+        &mut self,
+        device: &Device,
+        job: &WindowJob<'_>,
+        timeline: &mut Timeline,
+    ) -> Result<Counted, Error> {
+        let pixels = bands::pixels(job.raster.window);
+        self.counts.reserve(device, pixels + 1)?;
+        self.offsets.reserve(device, pixels + 1)?;
+        // A smaller one is freed before a larger one is made.
+        let kept = self.scan.take().filter(|s| s.capacity() > pixels);
+        let scan = &*self.scan.insert(match kept {
+            Some(scan) => scan,
+            None => Scan::new(device, pixels + 1)?,
+        });
+        let counted = job.storing.spheres().filter(|spheres| spheres.kind.interior.counted());
+        self.spheres.reserve(device, if counted.is_some() { pixels } else { 1 })?;
+        let (counts, offsets) = (self.counts.get(), self.offsets.get());
+
+        let mut recorder = device.recorder()?;
+        recorder.fill("abuffer/clear", counts.slice(0, pixels + 1), 0)?;
+        recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
+        recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
+        let whole = Band::whole(job.raster.window, 0);
+        if let Storing::Ordered(tiles) = job.storing {
+            let counts = counts.all();
+            let view = job.raster.cloud.view();
+            tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
+        } else if let Some(spheres) = job.storing.spheres() {
+            recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;
+            recorder.fill("abuffer/clear", self.sphere_lengths.all(), 0)?;
+            job.raster.record_tiles(&mut recorder)?;
+            spheres.record_count(&mut recorder, &job.raster, counts.all(), self.spheres.get().all())?;
+        } else {
+            job.raster.record_tiles(&mut recorder)?;
+            job.raster.record(&mut recorder, &whole, |chunk: Chunk<'_>| Count { chunk, counts: counts.all() })?;
+        }
+        let measure = Run::new(Dispatch::Invocations(pixels.div_ceil(MEASURE_RUN)));
+        let push = CountPush { count: pixels as u32 };
+        if counted.is_some() {
+            let run = measure.clone().variant(measure_variant(0));
+            let of_spheres = Measure { counts: self.spheres.get().all(), lengths: self.sphere_lengths.all() };
+            recorder.run(&of_spheres, push, &run)?;
+        }
+        let measure = measure.variant(measure_variant(LOCAL_LENGTH));
+        recorder.run(&Measure { counts: counts.all(), lengths: self.lengths.all() }, push, &measure)?;
+        scan.record(&mut recorder, counts.slice(0, pixels + 1), offsets.slice(0, pixels + 1), self.overflow.all())?;
+        if !matches!(job.storing, Storing::Links) {
+            // From here on the counts are the cursors that hand out slots.
+            recorder.copy("abuffer/cursors", offsets.slice(0, pixels + 1), counts.slice(0, pixels + 1))?;
+        }
+        recorder.copy("abuffer/summary", self.overflow.all(), self.summary.slice(0, 1))?;
+        recorder.copy("abuffer/summary", self.lengths.all().cast(), self.summary.slice(1, 2))?;
+        recorder.copy("abuffer/summary", offsets.slice(pixels, 1), self.summary.slice(3, 1))?;
+        if counted.is_some() {
+            recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
+        }
+        timeline.add(recorder.submit("abuffer/count and scan")?);
+        let words = self.summary.mapped_slice();
+        let (longest, total) = (words[1], words[3]);
+        let [most_spheres, spheres] = match job.storing.spheres() {
+            Some(spheres) if spheres.kind.interior.counted() => [words[4], words[5]],
+            Some(_) => [longest / 2, total / 2],
+            None => [longest, total],
+        };
+        let lengths = Lengths { longest, in_long_lists: words[2] };
+        Ok(Counted { overflow: words[0] != 0, lengths, total, spheres, most_spheres })
+    }
+}
+
+/// The variant of `abuffer/measure`: lists longer than `long` are long.
+pub(super) fn measure_variant(long: u32) -> Variant {
+    Variant::plain().with("RUN", MEASURE_RUN as f64).with("LONG", long)
+}
