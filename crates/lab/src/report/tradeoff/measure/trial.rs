@@ -1,0 +1,197 @@
+//! The first frames of a setting: memory, errors, pictures, and about how long a frame takes.
+
+use std::time::Instant;
+
+use pellucid_engine::Result;
+use pellucid_engine::image::{Image, LinearImage};
+use pellucid_engine::methods::{self, Facts, Rendered, Renderer};
+use pellucid_engine::metrics::{self, difference_picture};
+use pellucid_engine::prepare::Arranged;
+
+use super::{ALONE_SHARE, FRAME_SHARE, Run};
+use crate::report::tradeoff::partial::{Measured, Timed, Trial};
+use crate::report::tradeoff::repeats::Seeds;
+use crate::report::tradeoff::settings::Setting;
+use crate::report::tradeoff::{DIFFERENCE_GAIN, Errors, analytic};
+
+/// The images of a stochastic setting take at most 1/`SEEDS_SHARE` of the time, beyond the two that it needs.
+const SEEDS_SHARE: f64 = 80.0;
+/// Part of the time for first frames, errors and seeds.
+const TRIALS_SHARE: f64 = 0.6;
+
+impl Run<'_> {
+    /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
+    /// were not.
+    pub(super) fn trial(&mut self, setting: &Setting, before: &[Setting]) -> Result<bool> {
+        if self.partial.content.settings.contains_key(&setting.key()) {
+            return Ok(true);
+        }
+        if let Some(reason) = self.too_slow(setting, before) {
+            self.skipped.push(setting.skipped(reason));
+            return Ok(false);
+        }
+        match self.first_frames(setting) {
+            Ok(measured) => {
+                self.device.check_validation()?;
+                self.partial.content.settings.insert(setting.key(), measured);
+                self.partial.save()?;
+                Ok(true)
+            }
+            Err(pellucid_engine::Error::Render(error)) if error.is_refusal() => {
+                self.skipped.push(setting.skipped(error.to_string()));
+                Ok(false)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Why a setting would take too long, by the steps of its ladder before.
+    fn too_slow(&self, setting: &Setting, before: &[Setting]) -> Option<String> {
+        let all = self.options.seconds;
+        let trial = |other: &Setting| Some(&self.partial.content.settings.get(&other.key())?.trial);
+        let times: Vec<(f64, f64)> = before
+            .iter()
+            .filter(|other| other.series == setting.series)
+            .filter_map(|other| Some((other.effort?, trial(other)?.seconds)))
+            .collect();
+        let seconds = predict(&times, setting.effort?)?;
+        let about = format!("a frame would take about {seconds:.1} s by the settings before; of {all} s in all");
+        let most = all / FRAME_SHARE;
+        if seconds > most {
+            return Some(format!("{about} one may take {most:.1} s"));
+        }
+        let images = |trial: &Trial| trial.repeats.as_ref().map_or(2, |repeats| repeats.seeds.max(2));
+        let spent: f64 = before.iter().filter_map(trial).map(|trial| f64::from(images(trial)) * trial.seconds).sum();
+        // Two of them, as of every setting.
+        let left = TRIALS_SHARE * all - spent;
+        (2.0 * seconds > left).then(|| format!("{about} {:.1} s are left for first frames", left.max(0.0)))
+    }
+
+    /// Renders a setting with fresh buffers: measures memory, errors, pictures, and the approximate time of a frame,
+    /// which is final for slow settings.
+    fn first_frames(&mut self, setting: &Setting) -> Result<Measured> {
+        let mut renderer = Renderer::new(self.device)?;
+        let first = self.render(&mut renderer, setting, 0)?;
+        let image = self.linear(&first.image);
+        let silhouette = self.made.silhouette.as_ref();
+        let holes = silhouette.and_then(|silhouette| silhouette.holes(&first.image));
+        let rmse_inside = silhouette.and_then(|silhouette| silhouette.rmse(&self.made.reference, &image));
+        renderer.recycle(first.image);
+        // The first one paid for shaders and buffers.
+        let start = Instant::now();
+        let second = self.render_anew(&mut renderer, setting, 1)?;
+        let with_upload = start.elapsed().as_secs_f64();
+        let seconds = second.profile.wall.as_secs_f64();
+        let alone = seconds > self.options.seconds / ALONE_SHARE;
+        let frames = alone.then(|| Timed::new(&second.profile, self.partial.content.sittings)).into_iter().collect();
+        let errors = self.errors(&image);
+        let (errors, repeats, rmse_analytic) = if setting.is_stochastic() {
+            let mut seeds = Seeds::new(image.pixels.len());
+            seeds.add(&image.pixels, &self.made.reference.pixels, errors, self.rmse_analytic(&image));
+            self.add(&mut seeds, &second.image);
+            renderer.recycle(second.image);
+            let allowed = (self.options.seconds / SEEDS_SHARE / with_upload) as u32;
+            for number in 2..allowed.min(self.options.seeds) {
+                let rendered = self.render_anew(&mut renderer, setting, number)?;
+                self.add(&mut seeds, &rendered.image);
+                renderer.recycle(rendered.image);
+            }
+            (seeds.errors(), Some(seeds.repeats()), seeds.rmse_analytic())
+        } else {
+            (errors, None, self.rmse_analytic(&image))
+        };
+        // Written last, so that a skipped setting leaves no pictures.
+        let [picture, difference] = self.pictures(setting, &image)?;
+        let Facts { peak_device_bytes, fragment_bytes, .. } = first.facts;
+        let trial = Trial {
+            peak_device_bytes,
+            fragment_bytes,
+            errors,
+            repeats,
+            rmse_analytic,
+            holes,
+            rmse_inside,
+            picture,
+            difference,
+            seconds,
+        };
+        Ok(Measured { trial, frames })
+    }
+
+    /// Like [`Run::render`], but deals points to other ensembles: their choice is as random as the samples.
+    fn render_anew(
+        &mut self,
+        renderer: &mut Renderer,
+        setting: &Setting,
+        image: u32,
+    ) -> Result<Rendered, methods::Error> {
+        match self.subject.arranged {
+            Arranged::Dealt(dealt) => {
+                let frame = self.frame_of(setting, image);
+                let mut cloud = renderer.upload_dealt(&dealt.again(frame.seed))?;
+                renderer.render(&mut cloud, &frame)
+            }
+            Arranged::Canonical(_) => self.render(renderer, setting, image),
+        }
+    }
+
+    fn add(&self, seeds: &mut Seeds, image: &Image) {
+        let image = self.linear(image);
+        seeds.add(&image.pixels, &self.made.reference.pixels, self.errors(&image), self.rmse_analytic(&image));
+    }
+
+    fn rmse_analytic(&self, image: &LinearImage) -> Option<f64> {
+        self.analytic.as_ref().map(|analytic| analytic::rmse(analytic.color, image))
+    }
+
+    fn errors(&self, image: &LinearImage) -> Errors {
+        errors(&self.made.reference, image)
+    }
+
+    fn pictures(&self, setting: &Setting, image: &LinearImage) -> Result<[String; 2]> {
+        let names = [format!("{}.png", setting.stem()), format!("{}-difference.png", setting.stem())];
+        self.write_picture(&names[0], &image.pixels)?;
+        let difference = difference_picture(&self.made.reference.pixels, &image.pixels, DIFFERENCE_GAIN);
+        self.write_picture(&names[1], &difference)?;
+        Ok(names)
+    }
+}
+
+/// Predicts the seconds of a frame with this effort from (effort, seconds) of earlier steps: on the line through the
+/// last two, or in proportion to the effort. `None` without earlier steps.
+fn predict(times: &[(f64, f64)], effort: f64) -> Option<f64> {
+    let &(last, seconds) = times.last()?;
+    Some(match times.iter().rev().find(|(before, _)| *before < last) {
+        Some((before, less)) => seconds + ((seconds - less) / (last - before)).max(0.0) * (effort - last),
+        None => seconds * effort / last,
+    })
+}
+
+/// All errors of an image.
+fn errors(reference: &LinearImage, image: &LinearImage) -> Errors {
+    let all = metrics::compare(reference, image).expect("both are frames of one size");
+    Errors {
+        rmse: all.rmse,
+        nmse: all.nmse,
+        psnr: Some(all.psnr).filter(|psnr| psnr.is_finite()),
+        ssim: all.ssim,
+        flip: all.flip,
+        max: all.max.value,
+        above_1_255: all.above_1_255,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_settings_are_seen_coming() {
+        assert_eq!(predict(&[], 4.0), None);
+        assert_eq!(predict(&[(1.0, 2.0)], 4.0), Some(8.0));
+        // One and four samples are both one stratum.
+        assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5)], 4.0), Some(10.0));
+        assert_eq!(predict(&[(1.0, 2.0), (1.0, 2.5), (4.0, 4.0)], 16.0), Some(10.0));
+        assert_eq!(predict(&[(1.0, 3.0), (4.0, 2.0)], 16.0), Some(2.0));
+    }
+}
