@@ -1,0 +1,261 @@
+//! How the splats of a window are binned: its tiles, and the runs of splats that subgroups take.
+
+use super::passes::{TilePush, TileWalk};
+use super::{Job, RECORD_BYTES, order_bytes, splat_bytes};
+use crate::gpu::Device;
+use crate::passes::Error;
+use crate::passes::bands::{self, Budget, Window};
+use crate::passes::project::Stats;
+use crate::passes::radix::Runs;
+use crate::passes::raster::Raster;
+use crate::passes::scan::Scan;
+
+/// Side of a tile in pixels.
+pub(super) const TILE_SIDE: u32 = 16;
+/// Side of a block of pixels.
+pub(super) const BLOCK_SIDE: u32 = 8;
+/// Blocks of a tile.
+pub(super) const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
+/// Tiles along the side of a block of tiles that one subgroup walks, where splats meet very many.
+const WALK_BLOCK: u32 = 32;
+/// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
+const MOST_ITERATIONS: u64 = 50_000;
+/// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
+/// the smallest opacities don't round away in a sum of millions.
+pub(super) const SEGMENT: u32 = 2048;
+/// Shortest run of splats that a subgroup walks.
+pub(super) const SHORTEST_RUN: u64 = 256;
+/// Shorter than any run that fills up, whatever the splats' extent.
+const LEAST_RUN: u64 = 128;
+
+/// How the drawn splats of a window are binned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Binning {
+    pub(super) drawn: u64,
+    pub(super) runs: Runs,
+    pub(super) columns: u32,
+    rows: u32,
+    block: [u32; 2],
+    /// Most columns and rows of tiles that a splat meets.
+    met_tiles: [u32; 2],
+    pub(super) subgroup: u32,
+}
+
+impl Binning {
+    /// Of what a window shows; `None` if that is nothing.
+    pub(super) fn of(device: &Device, job: &Job<'_>) -> Result<Option<Self>, Error> {
+        let info = device.info();
+        let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
+        let Raster { stats, window, .. } = job.raster;
+        let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
+        let binning = || Self::new(info.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
+        Ok((drawn > 0).then(binning))
+    }
+
+    /// `drawn` splats, each over at most `extent` columns and rows of pixels.
+    fn new(concurrent: u64, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
+        let [columns, rows] =
+            [(window[2] - window[0]).div_ceil(TILE_SIDE), (window[3] - window[1]).div_ceil(TILE_SIDE)];
+        // A span of n pixels meets at most this many tiles.
+        let span = extent.map(|n| n.saturating_sub(1) / TILE_SIDE + 2);
+        let met_tiles = [span[0].min(columns), span[1].min(rows)];
+        let walk = [WALK_BLOCK; 2];
+        let block = if steps(met_tiles, subgroup) > steps(walk, subgroup) { walk } else { [columns, rows] };
+        let most = steps([met_tiles[0].min(block[0]), met_tiles[1].min(block[1])], subgroup);
+        let longest = MOST_ITERATIONS / (most + 2);
+        let runs = Runs::new(concurrent, drawn, SHORTEST_RUN.min(longest), longest);
+        Self { drawn, runs, columns, rows, block, met_tiles, subgroup }
+    }
+
+    pub(super) fn tiles(&self) -> u64 {
+        u64::from(self.columns) * u64::from(self.rows)
+    }
+
+    /// Counters: one for each tile and run, and one more, whose prefix sum is the total.
+    pub(super) fn cells(&self) -> u64 {
+        self.tiles() * u64::from(self.runs.runs) + 1
+    }
+
+    pub(super) fn push(&self) -> TilePush {
+        TilePush {
+            count: self.drawn as u32,
+            runs: self.runs.runs,
+            run_length: self.runs.length,
+            columns: self.columns,
+            rows: self.rows,
+            block_columns: self.block[0],
+            block_rows: self.block[1],
+            blocks_x: self.columns.div_ceil(self.block[0]),
+        }
+    }
+
+    /// Subgroups of `bin/tile-store`: one for each run and block.
+    pub(super) fn groups(&self) -> u64 {
+        let blocks = self.columns.div_ceil(self.block[0]) * self.rows.div_ceil(self.block[1]);
+        u64::from(self.runs.runs) * u64::from(blocks)
+    }
+
+    /// Bytes left for the tiles' entries; `None` if the window must be cut.
+    pub(super) fn left(&self, device: &Device, job: &Job<'_>) -> Result<Option<u64>, Error> {
+        let (points, binding) = (job.raster.cloud.len(), device.limits().binding_bytes);
+        if points * RECORD_BYTES > binding {
+            return Err(Error::TooManyPoints { points, limit: binding / RECORD_BYTES });
+        }
+        let each = splat_bytes(job.raster.cloud);
+        let splats = |drawn: u64| order_bytes(device, job.order, points, drawn) + drawn * each;
+        let table = |cells: u64| cells * 8 + Scan::bytes(cells);
+        // However small the window, there is a tile with all of its splats.
+        let least = |drawn: u64| splats(drawn) + table(drawn / LEAST_RUN + 2) + drawn * 4;
+        let available = job.budget.left(job.counted_bytes);
+        if least(self.drawn) > available {
+            // A larger budget makes larger windows, with up to all splats in each.
+            let needed = least(points);
+            return Err(Error::SortOverBudget { points, needed, available, budget: Budget::wanted(needed) });
+        }
+        let cells = self.cells();
+        let used = splats(self.drawn) + table(cells);
+        // `bin/tile-count` visits the tiles of a splat one by one.
+        let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
+        let fits = cells * 4 <= binding && self.drawn * 16 <= binding && met <= MOST_ITERATIONS;
+        if !fits && bands::pixels(job.raster.window) == 1 {
+            return Err(Error::TooManyPoints { points: self.drawn, limit: binding / 16 });
+        }
+        Ok((fits && used <= available).then(|| (available - used).min(binding)))
+    }
+}
+
+/// A window whose splats are binned.
+#[derive(Debug, Clone, Copy)]
+pub struct Binned {
+    pub(super) binning: Binning,
+    /// Which of the buffers of records holds the sorted ones.
+    pub(super) records: usize,
+    /// Key of the nearest depth.
+    pub nearest: u32,
+    /// Pairs of splat and tile.
+    pub(super) entries: u32,
+    /// Splats of the tile with most of them.
+    pub(super) longest: u32,
+}
+
+impl Binned {
+    /// The part `segment` of each tile's splats, of all tiles.
+    pub fn walk(&self, segment: u32) -> TileWalk {
+        TileWalk {
+            columns: self.binning.columns,
+            first_tile: 0,
+            tiles: self.tiles(),
+            runs: self.binning.runs.runs,
+            nearest: self.nearest,
+            segment,
+        }
+    }
+
+    /// Tiles of the window.
+    pub fn tiles(&self) -> u32 {
+        self.binning.tiles() as u32
+    }
+
+    /// Blocks of all tiles.
+    pub fn blocks(&self) -> u64 {
+        self.binning.tiles() * u64::from(BLOCKS)
+    }
+
+    /// Counters of the tiles' splats by run.
+    pub fn cells(&self) -> u64 {
+        self.binning.cells()
+    }
+
+    /// Pairs of a splat and a tile that it meets.
+    pub fn entries(&self) -> u64 {
+        self.entries.into()
+    }
+
+    /// The subgroup size of stages that go through the tiles.
+    pub fn subgroup(&self) -> u32 {
+        self.binning.subgroup
+    }
+
+    /// Runs over all tiles that it takes to get through the longest list.
+    pub fn segments(&self) -> u32 {
+        self.longest.div_ceil(SEGMENT).max(1)
+    }
+}
+
+/// Steps in which a subgroup walks so many columns and rows of tiles.
+fn steps(tiles: [u32; 2], subgroup: u32) -> u64 {
+    let [columns, rows] = pattern(subgroup);
+    u64::from(tiles[0].div_ceil(columns)) * u64::from(tiles[1].div_ceil(rows))
+}
+
+/// Columns and rows of the pattern of tiles that the invocations of a subgroup own.
+pub(super) fn pattern(subgroup: u32) -> [u32; 2] {
+    let columns = match subgroup {
+        32 => 8,
+        8.. => 4,
+        _ => 2,
+    };
+    [columns, subgroup / columns]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Most iterations of an invocation of `bin/tile-store`, by the loops as they stand in the shader.
+    fn iterations(binning: &Binning) -> u64 {
+        let [columns, rows] = binning.block.map(u64::from);
+        // In the worst case each splat meets as many of a block's tiles as any splat meets at all.
+        let [lane_columns, lane_rows] = pattern(binning.subgroup).map(u64::from);
+        let most = binning.met_tiles.map(u64::from);
+        let walked = most[0].min(columns).div_ceil(lane_columns) * most[1].min(rows).div_ceil(lane_rows);
+        let length = u64::from(binning.runs.length);
+        length * (walked + 1) + length.div_ceil(u64::from(binning.subgroup))
+    }
+
+    #[test]
+    fn no_invocation_loops_longer_than_drivers_allow() {
+        let sides = [1, 15, 16, 17, 31, 512, 513, 1920, 4096, 16_384];
+        let mut longest = 0;
+        for subgroup in [4, 8, 16, 32] {
+            for (width, height) in sides.iter().flat_map(|w| sides.map(|h| (*w, h))) {
+                for (x, y) in sides.iter().flat_map(|x| sides.map(|y| (*x.min(&width), y.min(height)))) {
+                    for drawn in [1, 255, 100_000, 30_000_000] {
+                        for concurrent in [32, 4096] {
+                            let window = [3, 5, 3 + width, 5 + height];
+                            let binning = Binning::new(concurrent, window, drawn, [x, y], subgroup);
+                            let Runs { runs, length } = binning.runs;
+                            assert!(u64::from(runs) * u64::from(length) >= drawn, "every splat: {binning:?}");
+                            assert!(drawn > u64::from(runs - 1) * u64::from(length), "no empty run: {binning:?}");
+                            assert!(u64::from(runs) <= drawn / LEAST_RUN + 1, "as memory is counted: {binning:?}");
+                            longest = longest.max(iterations(&binning));
+                        }
+                    }
+                }
+            }
+        }
+        assert!((MOST_ITERATIONS / 2..60_000).contains(&longest), "{longest}");
+        // Blending: up to four blocks of every splat, and the steps.
+        for subgroup in [4, 8, 16, 32] {
+            assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
+            // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
+            let steps = SEGMENT.div_ceil(subgroup);
+            assert!(steps + (SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
+        }
+    }
+
+    #[test]
+    fn a_splat_never_meets_more_tiles_than_binning_expects() {
+        for extent in 1..=70u32 {
+            let met = Binning::new(32, [0, 0, 1600, 1600], 1, [extent; 2], 8).met_tiles[0];
+            let tiles = |first: u32| (first + extent - 1) / TILE_SIDE - first / TILE_SIDE + 1;
+            assert!((0..TILE_SIDE).all(|first| tiles(first) <= met), "{extent}");
+            assert!((0..TILE_SIDE).any(|first| tiles(first) + 1 >= met), "{extent}: at most one too many");
+        }
+    }
+
+    #[test]
+    fn patterns_of_tiles_fill_a_subgroup() {
+        assert_eq!([4, 8, 16, 32].map(pattern), [[2, 2], [4, 2], [4, 4], [8, 4]]);
+    }
+}

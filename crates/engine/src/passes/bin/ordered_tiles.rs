@@ -1,0 +1,98 @@
+//! Tiles with their splats in order, and the stages that go through them.
+
+use super::binning::{BLOCK_SIDE, BLOCKS, Binned, SEGMENT, TILE_SIDE, pattern};
+use super::passes::{Folding, Gathering, TileWalk, TilesPush};
+use crate::gpu::{Dispatch, Pass, Recorder, Run, Slice, Variant};
+use crate::passes::Error;
+use crate::passes::bands::{Band, Window};
+use crate::passes::project::{Bounds, Footprint, View};
+
+/// Tiles with their splats in order.
+#[derive(Clone, Copy)]
+pub struct OrderedTiles<'a> {
+    /// How they were made.
+    pub binned: Binned,
+    pub(super) ends: Slice<'a, u32>,
+    pub(super) entries: Slice<'a, u32>,
+    /// Depth key less [`Binned::nearest`], and index of the splat, by rank.
+    pub records: Slice<'a, [u32; 2]>,
+    /// Fractions, pixel and radius, by rank.
+    pub footprints: Slice<'a, [u32; 4]>,
+    /// Colors as blended, and opacities, by rank.
+    pub colors: Slice<'a, [f32; 4]>,
+    /// Tilts by rank; a single element unless the cloud has normals.
+    pub slopes: Slice<'a, [f32; 4]>,
+    /// Rectangles of pixels, by rank.
+    pub rectangles: Slice<'a, Bounds>,
+}
+
+impl<'a> OrderedTiles<'a> {
+    /// What a stage binds that goes through the tiles with whole splats (shaders/shared/tile_fold.wgsl).
+    pub fn folding(&self, view: Slice<'a, View>) -> Folding<'a> {
+        let Self { ends, entries, records, footprints, colors, slopes, .. } = *self;
+        Folding { view, ends, entries, records, footprints, colors, slopes }
+    }
+
+    /// Records a stage that collects the fragments of a band's pixels.
+    pub fn record<P: Pass<Push = TilesPush> + 'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        view: Slice<'a, View>,
+        window: Window,
+        band: &Band,
+        stage: impl Fn(Gathering<'a>) -> P,
+    ) -> Result<(), Error> {
+        let Self { binned, ends, entries, footprints, .. } = *self;
+        let binning = binned.binning;
+        let pass = stage(Gathering { view, ends, entries, footprints });
+        let row = |pixel: u32| pixel / (window[2] - window[0]) / TILE_SIDE;
+        let (first, last) = (row(band.pixels[0]), row(band.pixels[1].max(1) - 1));
+        let tiles = (last - first + 1) * binning.columns;
+        for segment in 0..binned.segments() {
+            let push = TilesPush {
+                walk: TileWalk { first_tile: first * binning.columns, tiles, ..binned.walk(segment) },
+                band_start: band.pixels[0],
+                band_end: band.pixels[1],
+                first_fragment: band.first_fragment,
+            };
+            let run = Run::new(Dispatch::Groups(tiles.into())).variant(gather_variant(binning.subgroup));
+            recorder.run(&pass, push, &run)?;
+        }
+        Ok(())
+    }
+}
+
+/// The variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a run that goes on
+/// from what earlier ones left.
+pub(crate) fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+    blocks(shape, subgroup).with("LATER", u32::from(later))
+}
+
+/// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
+pub(crate) fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+    let columns = pattern(subgroup)[0];
+    fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
+}
+
+/// The same where each block of a tile has a subgroup of its own ([`Binned::blocks`]): for stages that hold much for each pixel.
+pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
+    let mut variant = fold_variant(shape, later, subgroup).with("SHARED", BLOCKS);
+    for (_, count) in &mut variant.counts {
+        *count /= BLOCKS;
+    }
+    variant
+}
+
+/// The variant of stages that go through ordered tiles.
+pub(crate) fn gather_variant(subgroup: u32) -> Variant {
+    blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
+}
+
+/// What shaders/shared/blocks.wgsl needs, and how many of a tile's splats a run takes.
+fn blocks(variant: Variant, subgroup: u32) -> Variant {
+    variant
+        .with("TAKEN", SEGMENT)
+        .subgroup(subgroup)
+        .each("block", BLOCKS)
+        .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)
+}

@@ -1,0 +1,182 @@
+//! The passes of binning, and what stages bind that go through ordered tiles.
+
+use crate::passes::compose::ComposingGroup;
+use crate::passes::project::{Bounds, Splat, View};
+use crate::{gpu_struct, group, pass};
+
+gpu_struct! {
+    /// Push constants of `bin/keys`; the shader says what the members are.
+    pub struct KeysPush {
+        count: u32,
+        first: u32,
+        nearest: u32,
+        none: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of the passes that meet splats with tiles; shaders/shared/tile_push.wgsl says what the members are.
+    pub struct TilePush {
+        count: u32,
+        runs: u32,
+        run_length: u32,
+        columns: u32,
+        rows: u32,
+        block_columns: u32,
+        block_rows: u32,
+        blocks_x: u32,
+    }
+}
+
+pass! {
+    /// Writes the sort key and index of each point's splat; splats that are not drawn come last. The key is the depth
+    /// above the nearest possible one; for `unsorted` the place in the files; nothing where any order does.
+    pub Keys(KeysPush) = "bin/keys" {
+        splats: Read<Splat>,
+        bounds: Read<Bounds>,
+        points: Read<[u32; 4]>,
+        records: ReadWrite<[u32; 2]>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `bin/gather`: drawn splats, and the key of the nearest depth.
+    pub struct GatherPush {
+        count: u32,
+        nearest: u32,
+    }
+}
+
+pass! {
+    /// Copies depth, footprint, color, tilt and rectangle of each drawn splat to its place in the order.
+    pub Gather(GatherPush) = "bin/gather" {
+        composing: Shared<ComposingGroup>,
+        bounds: Read<Bounds>,
+        records: ReadWrite<[u32; 2]>,
+        footprints: ReadWrite<[u32; 4]>,
+        colors: ReadWrite<[f32; 4]>,
+        slopes: ReadWrite<[f32; 4]>,
+        rectangles: ReadWrite<[u32; 2]>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl says what the members are.
+    pub struct PresortedPush {
+        count: u32,
+        run_length: u32,
+        backward: u32,
+    }
+}
+
+pass! {
+    /// Counts the drawn points of each run of a presorted order, by one subgroup.
+    pub Pick(PresortedPush) = "bin/pick" {
+        order: Read<u32>,
+        bounds: Read<Bounds>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Writes the record of each drawn point of a presorted order to its place among them, over the same runs as
+    /// `bin/pick`.
+    pub Place(PresortedPush) = "bin/place" {
+        order: Read<u32>,
+        bounds: Read<Bounds>,
+        starts: Read<u32>,
+        records: ReadWrite<[u32; 2]>,
+    }
+}
+
+pass! {
+    /// Counts the splats of each run in each tile: one increment for each drawn splat and tile that its rectangle meets.
+    pub TileCount(TilePush) = "bin/tile-count" in "bin/tile_count" {
+        view: Uniform<View>,
+        rectangles: Read<[u32; 2]>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Stores each splat in the lists of its tiles: one subgroup for each run of splats and block of tiles, in order.
+    pub TileStore(TilePush) = "bin/tile-store" in "bin/tile_store" {
+        view: Uniform<View>,
+        rectangles: Read<[u32; 2]>,
+        cursors: ReadWrite<u32>,
+        entries: ReadWrite<u32>,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of `bin/measure`: tiles, and cells of each.
+    pub struct MeasurePush {
+        tiles: u32,
+        runs: u32,
+    }
+}
+
+pass! {
+    /// Finds the longest list of a tile.
+    pub Measure(MeasurePush) = "bin/measure" {
+        starts: Read<u32>,
+        longest: ReadWrite<u32>,
+    }
+}
+
+gpu_struct! {
+    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl says
+    /// what the members are.
+    pub struct TileWalk {
+        columns: u32,
+        first_tile: u32,
+        tiles: u32,
+        runs: u32,
+        nearest: u32,
+        segment: u32,
+    }
+}
+
+gpu_struct! {
+    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl says what the members are.
+    pub struct TilesPush {
+        walk: TileWalk,
+        band_start: u32,
+        band_end: u32,
+        first_fragment: u32,
+    }
+}
+
+group! {
+    /// What a stage binds that goes through ordered tiles.
+    pub Gathering as GatheringGroup {
+        /// The camera.
+        view: Uniform<View>,
+        /// Where each cell's entries end.
+        ends: Read<u32>,
+        /// Ranks of the tiles' splats.
+        entries: Read<u32>,
+        /// Place, pixel and radius, by rank.
+        footprints: Read<[u32; 4]>,
+    }
+}
+
+group! {
+    /// What a stage binds that goes through tiles with whole splats.
+    pub Folding as FoldingGroup {
+        /// The camera.
+        view: Uniform<View>,
+        /// Where each cell's entries end.
+        ends: Read<u32>,
+        /// Ranks of the tiles' splats.
+        entries: Read<u32>,
+        /// Relative depth key and index, by rank.
+        records: Read<[u32; 2]>,
+        /// Place, pixel and radius, by rank.
+        footprints: Read<[u32; 4]>,
+        /// Colors as blended, and opacities, by rank.
+        colors: Read<[f32; 4]>,
+        /// Tilts, by rank.
+        slopes: Read<[f32; 4]>,
+    }
+}

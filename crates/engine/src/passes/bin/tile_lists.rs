@@ -1,0 +1,63 @@
+//! The lists of the tiles: counted, then stored.
+
+use super::binning::{Binning, pattern};
+use super::passes::{Measure, MeasurePush, TileCount, TileStore};
+use super::{Bins, Job};
+use crate::gpu::{Dispatch, Expected, Recorder, Run, Variant};
+use crate::passes::Error;
+
+impl Bins {
+    /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
+    pub(super) fn record_tile_count<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &Job<'a>,
+        binning: &Binning,
+    ) -> Result<(), Error> {
+        let Some(scan) = &self.scan else { return Ok(()) };
+        let cells = binning.cells();
+        let (counts, cursors) = (self.counts.get().slice(0, cells), self.cursors.get().slice(0, cells));
+        recorder.fill("bin/clear", counts, 0)?;
+        recorder.fill("bin/clear", self.overflow.all(), 0)?;
+        let rectangles = self.rectangles.get().all();
+        let run = Run::new(Dispatch::Invocations(binning.drawn));
+        recorder.run(&TileCount { view: job.raster.cloud.view(), rectangles, counts }, binning.push(), &run)?;
+        scan.record(recorder, counts, cursors, self.overflow.all())?;
+        let (tiles, longest) = (binning.tiles(), self.longest.all());
+        recorder.fill("bin/clear", longest, 0)?;
+        let run = Run::new(Dispatch::Invocations(tiles));
+        let push = MeasurePush { tiles: tiles as u32, runs: binning.runs.runs };
+        recorder.run(&Measure { starts: cursors, longest }, push, &run)?;
+        recorder.copy("bin/summary", self.overflow.all(), self.summary.slice(0, 1))?;
+        recorder.copy("bin/summary", cursors.skip(cells - 1), self.summary.slice(1, 1))?;
+        recorder.copy("bin/summary", longest, self.summary.slice(2, 1))?;
+        Ok(())
+    }
+
+    pub(super) fn record_tile_store<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        job: &Job<'a>,
+        binning: &Binning,
+    ) -> Result<(), Error> {
+        let store = TileStore {
+            view: job.raster.cloud.view(),
+            rectangles: self.rectangles.get().all(),
+            cursors: self.cursors.get().slice(0, binning.cells()),
+            entries: self.entries.get().all(),
+        };
+        let run = Run::new(Dispatch::Groups(binning.groups()));
+        recorder.run(&store, binning.push(), &run.variant(store_variant(binning.subgroup)))?;
+        // Each cell ends where the next one began; the last one is empty and has kept its cursor, the total.
+        let inner = binning.cells() - 1;
+        let (cursors, counts) = (self.cursors.get(), self.counts.get().slice(1, inner));
+        let next = Expected::Below { ends: cursors.slice(1, inner), counts };
+        Ok(recorder.agree("bin/tile-store", "run of a tile", cursors.slice(0, inner), next)?)
+    }
+}
+
+/// The variant of `bin/tile-store`.
+pub(super) fn store_variant(subgroup: u32) -> Variant {
+    let [columns, rows] = pattern(subgroup);
+    Variant::plain().subgroup(subgroup).constant("LANE_COLUMNS", columns).constant("LANE_ROWS", rows)
+}
