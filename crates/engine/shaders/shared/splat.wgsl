@@ -2,7 +2,7 @@
 #import elementary
 #import view
 
-// A value of Footprint in src/passes/project.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel is always covered.
+// A value of Footprint in src/passes/project/footprint.rs. SHAPE_SPHERE is a soft sphere (shared/sphere.wgsl): no pixel is always covered.
 // SHAPE_EXACT_SPHERE is one so dense that float32 would show: its tilt holds the rest of its place.
 override SHAPE: u32 = 0u;
 

@@ -1,0 +1,81 @@
+//! The columns of vectors that the device holds of each point.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::gpu::{Buffer, Error};
+use crate::points::Points;
+
+/// What a device holds of each point, a vector each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column {
+    /// The position relative to the cloud's origin, rounded, and the radius.
+    High = 0,
+    /// The rest of the position, and the opacity.
+    Low = 1,
+    /// Color, and as the bits of the fourth where in the files the point stood.
+    Color = 2,
+    /// The normal, of clouds that have some, and the share of light: 1.
+    Normal = 3,
+}
+
+/// Bytes that a point has in each column.
+pub const COLUMN_BYTES: u64 = size_of::<[f32; 4]>() as u64;
+
+impl Column {
+    /// All of them, normals last.
+    pub const ALL: [Self; 4] = [Self::High, Self::Low, Self::Color, Self::Normal];
+
+    /// The column of some points.
+    pub(super) fn of(
+        self,
+        points: &Points,
+        origin: DVec3,
+        range: Range<usize>,
+    ) -> impl IndexedParallelIterator<Item = [f32; 4]> + '_ {
+        range.into_par_iter().map(move |i| self.of_point(points, origin, i))
+    }
+
+    /// Brings the column of all points to the front of a buffer.
+    pub(super) fn upload(self, points: &Points, origin: DVec3, buffer: &Buffer<[f32; 4]>) -> Result<(), Error> {
+        buffer.upload_by(points.len() as u64, |range, to| {
+            self.of(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
+        })
+    }
+
+    fn of_point(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
+        let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
+        match self {
+            Self::High => with(split(points.positions[i] - origin).0, points.radii[i]),
+            Self::Low => with(split(points.positions[i] - origin).1, points.opacities[i]),
+            Self::Color => {
+                let place = points.file_order.get(i).copied().unwrap_or(i as u32);
+                with(points.colors[i], f32::from_bits(place))
+            }
+            Self::Normal => with(points.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]), 1.0),
+        }
+    }
+}
+
+/// Splits coordinates into a float and the rest.
+pub(in crate::passes::project) fn split(v: DVec3) -> (Vec3, Vec3) {
+    let hi = v.as_vec3();
+    (hi, (v - hi.as_dvec3()).as_vec3())
+}
+
+/// Points that tell the middle of all.
+const TELLING: usize = 4096;
+
+/// What positions are counted from: the median of each coordinate, of evenly many of them if they are many. Points far off,
+/// however far, take no digits from the others, as they do from the middle of a box around all.
+pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
+    let step = positions.len().div_ceil(TELLING).max(1);
+    let median = |axis: usize| {
+        let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
+        let half = all.len() / 2;
+        if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
+    };
+    DVec3::new(median(0), median(1), median(2))
+}

@@ -1,0 +1,55 @@
+//! Shares of light of the points on the device, which stand beside their normals.
+
+use rayon::prelude::*;
+
+use super::{Column, DeviceCloud};
+use crate::cloud::shadow_texture::Casting;
+use crate::gpu::{Device, Error, Memory};
+use crate::points::Points;
+
+impl DeviceCloud {
+    /// Room for shares of light, which clouds without normals have none for yet. What was there belongs to no light from here on.
+    pub fn reserve_shares(&mut self, device: &Device) -> Result<(), Error> {
+        self.casting = None;
+        if self.normals.len() < self.len {
+            self.normals = device.buffer("normals", self.len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// What the shares of light belong to; `None`: no shadows were cast, or others put there.
+    pub fn casting(&self) -> Option<&Casting> {
+        self.casting.as_ref()
+    }
+
+    /// Says what the shares of light belong to that were put there.
+    pub fn set_casting(&mut self, casting: Casting) {
+        self.casting = Some(casting);
+    }
+
+    /// Puts shares of light there that were found before, in the order of the points that were uploaded.
+    pub fn put_lit(
+        &mut self,
+        device: &Device,
+        points: &Points,
+        casting: Casting,
+        lit: impl Fn(usize) -> f32 + Sync,
+    ) -> Result<(), Error> {
+        self.reserve_shares(device)?;
+        self.normals.upload_by(self.len, |range, to| {
+            let first = range.start;
+            let column = Column::Normal.of(points, self.origin, range).zip(to).enumerate();
+            column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
+        })?;
+        self.set_casting(casting);
+        Ok(())
+    }
+
+    /// m of each point, the share of light that reaches it, in the order of the points that were uploaded; 1 without shadows.
+    pub fn lit(&self) -> Result<Vec<f32>, Error> {
+        match self.casting {
+            Some(_) => Ok(self.normals.read(0, self.len)?.into_iter().map(|normal| normal[3]).collect()),
+            None => Ok(vec![1.0; self.len as usize]),
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! Points on the device, with room for their splats.
+
+mod change;
+mod column;
+mod lit;
+mod placed;
+
+pub(super) use column::split;
+pub use column::{COLUMN_BYTES, Column};
+pub use placed::Placed;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use self::column::middle;
+use super::part::{Parts, fields_and_radii};
+use super::view::View;
+use super::{Bounds, Footprint, Projecting, Splat, Stats, Tilt};
+use crate::cloud::Bounds as Box3;
+use crate::cloud::shadow_texture::Casting;
+use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Slice};
+use crate::points::Points;
+use crate::prepare::axes;
+use crate::prepare::ensembles::Dealt;
+use crate::scene::{ColorSpace, Shading, ShadingModel};
+
+/// A cloud on the device, with room for its splats.
+///
+/// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
+pub struct DeviceCloud {
+    pub(super) origin: DVec3,
+    /// Of the points' box.
+    pub(super) corners: [DVec3; 8],
+    len: u64,
+    chunk_len: u64,
+    pub(super) has_normals: bool,
+    pub(super) has_fields: bool,
+    pub(super) opacity_factor: f32,
+    most_opacity: f32,
+    most_color: f32,
+    most_radius: f32,
+    /// What depths of splats are relative to.
+    pub(super) depth_origin: f32,
+    /// Field and radius of each point, if there is a field; and what was last found in them.
+    fields_and_radii: Vec<[f32; 2]>,
+    parts: Option<(f32, Parts)>,
+    /// World positions, if there is a field: what orders along the axes are made from, and those that were asked for.
+    positions: Vec<DVec3>,
+    orders: [Option<Buffer<u32>>; 3],
+    orders_made: u32,
+    /// The clouds of a dealt list.
+    surfaces: Option<Vec<Placed>>,
+    /// What the shares of light belong to that normals carry.
+    casting: Option<Casting>,
+    /// The points of a dealt list: whether they fit the device, the frame decides.
+    host: Option<Arc<Points>>,
+    /// Positions relative to the cloud's origin, rounded, with radii.
+    pub points_hi: Buffer<[f32; 4]>,
+    /// The rest of the positions, with opacities.
+    pub points_lo: Buffer<[f32; 4]>,
+    /// Their colors, linear, and as the bits of the fourth where in the files each point stood.
+    pub point_colors: Buffer<[f32; 4]>,
+    /// Their normals, and the share of light that reaches each point, 1 without shadows. A single element if there are neither.
+    pub normals: Buffer<[f32; 4]>,
+    /// Their scalar field; a single element if there is none.
+    pub fields: Buffer<f32>,
+    /// Projected splats.
+    pub splats: Buffer<Splat>,
+    /// Their tilts; a single element unless the cloud has normals, or had to be exact.
+    pub tilts: Buffer<Tilt>,
+    /// Their rectangles.
+    pub bounds: Buffer<Bounds>,
+    /// Their colors, as blended, and opacities.
+    pub colors: Buffer<[f32; 4]>,
+    /// Per chunk, the chunk's large splats.
+    pub large: Buffer<u32>,
+    /// Tiles of each large splat.
+    pub tile_counts: Buffer<u32>,
+    /// One for each chunk.
+    pub(super) stats: Buffer<Stats>,
+    pub(super) stats_host: Buffer<Stats>,
+    pub(super) view: Buffer<View>,
+}
+
+impl DeviceCloud {
+    /// Uploads a scene's points.
+    pub fn new(device: &Device, points: &Points) -> Result<Self, Error> {
+        let mut cloud = Self::without_columns(device, points)?;
+        cloud.upload_columns(device, points)?;
+        cloud.make_room(device)?;
+        Ok(cloud)
+    }
+
+    /// Takes points that were dealt. They come to the device when a frame asks for them: all by [`Self::make_resident`], or
+    /// some after others by [`Self::pack`]. Room for splats is made when a method asks for it.
+    pub fn of_dealt(device: &Device, dealt: &Dealt) -> Result<Self, Error> {
+        let mut cloud = Self::without_columns(device, &dealt.points)?;
+        cloud.surfaces = Some(Placed::all(&dealt.points, &dealt.surfaces));
+        cloud.host = Some(dealt.points.clone());
+        Ok(cloud)
+    }
+
+    /// Uploads all points of a cloud that was dealt, unless they are there.
+    pub fn make_resident(&mut self, device: &Device) -> Result<(), Error> {
+        match self.host.clone() {
+            Some(points) if self.points_hi.len() < self.len => self.upload_columns(device, &points),
+            _ => Ok(()),
+        }
+    }
+
+    /// Frees what a cloud that was dealt has on the device, of which the host keeps the points.
+    pub fn release(&mut self, device: &Device) -> Result<(), Error> {
+        if self.host.is_some() && !self.points_hi.is_empty() {
+            let (points_hi, points_lo) = (empty(device, "points, hi")?, empty(device, "points, lo")?);
+            (self.points_hi, self.points_lo) = (points_hi, points_lo);
+            (self.point_colors, self.normals) = (empty(device, "point colors")?, empty(device, "normals")?);
+            (self.fields, self.orders) = (empty(device, "fields")?, [None, None, None]);
+            self.casting = None;
+            (self.splats, self.tilts) = (empty(device, "splats")?, empty(device, "tilts")?);
+            (self.bounds, self.colors) = (empty(device, "splat bounds")?, empty(device, "splat colors")?);
+            (self.large, self.tile_counts) = (empty(device, "large splats")?, empty(device, "tile counts")?);
+        }
+        Ok(())
+    }
+
+    /// What the device holds of each point.
+    pub fn columns(&self) -> &'static [Column] {
+        if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
+    }
+
+    /// Device bytes of all columns.
+    pub fn column_bytes(&self) -> u64 {
+        self.len * self.columns().len() as u64 * COLUMN_BYTES
+    }
+
+    /// Puts a column of some points of a cloud that was dealt behind what is there.
+    pub fn pack(&self, column: Column, range: Range<u64>, into: &mut Vec<[f32; 4]>) {
+        if let Some(points) = &self.host {
+            into.par_extend(column.of(points, self.origin, range.start as usize..range.end as usize));
+        }
+    }
+
+    /// Makes room for splats, unless there is.
+    pub fn make_room(&mut self, device: &Device) -> Result<(), Error> {
+        let len = self.len;
+        if self.splats.len() < len {
+            self.splats = device.buffer("splats", len, Memory::Device)?;
+            self.tilts = device.buffer("tilts", if self.has_normals { len } else { 1 }, Memory::Device)?;
+            self.bounds = device.buffer("splat bounds", len, Memory::Device)?;
+            self.colors = device.buffer("splat colors", len, Memory::Device)?;
+            self.large = device.buffer("large splats", len, Memory::Device)?;
+            self.tile_counts = device.buffer("tile counts", len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// Uploads the columns, and the fields.
+    fn upload_columns(&mut self, device: &Device, points: &Points) -> Result<(), Error> {
+        let upload = |name, column: Column| -> Result<_, Error> {
+            let buffer = device.buffer(name, (points.len() as u64).max(1), Memory::Device)?;
+            column.upload(points, self.origin, &buffer)?;
+            Ok(buffer)
+        };
+        let (points_hi, points_lo) = (upload("points, hi", Column::High)?, upload("points, lo", Column::Low)?);
+        let point_colors = upload("point colors", Column::Color)?;
+        let normals = if self.has_normals { upload("normals", Column::Normal)? } else { empty(device, "normals")? };
+        self.fields = device.upload("fields", &points.fields)?;
+        (self.points_hi, self.points_lo) = (points_hi, points_lo);
+        (self.point_colors, self.normals) = (point_colors, normals);
+        self.casting = None;
+        Ok(())
+    }
+
+    fn without_columns(device: &Device, points: &Points) -> Result<Self, Error> {
+        let origin = middle(&points.positions);
+        let len = points.len() as u64;
+        let has_normals = points.normals.as_ref().is_some_and(|normals| !normals.is_empty());
+        // Splats are the widest element; a chunk starts at a multiple of any device's offset alignment.
+        let chunk_len = ((device.limits().binding_bytes / size_of::<Splat>() as u64) & !0xffff).max(0x1_0000);
+        let chunks = len.div_ceil(chunk_len).max(1);
+        Ok(Self {
+            origin,
+            corners: points.bounds().map_or([origin; 8], |b| b.corners()),
+            len,
+            chunk_len,
+            has_normals,
+            has_fields: !points.fields.is_empty(),
+            opacity_factor: 1.0,
+            depth_origin: 0.0,
+            most_opacity: most(&points.opacities),
+            most_color: most_of_colors(&points.colors),
+            most_radius: most(&points.radii),
+            fields_and_radii: fields_and_radii(points),
+            parts: None,
+            positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
+            orders: [None, None, None],
+            orders_made: 0,
+            surfaces: None,
+            casting: None,
+            host: None,
+            points_hi: empty(device, "points, hi")?,
+            points_lo: empty(device, "points, lo")?,
+            point_colors: empty(device, "point colors")?,
+            normals: empty(device, "normals")?,
+            fields: empty(device, "fields")?,
+            splats: empty(device, "splats")?,
+            tilts: empty(device, "tilts")?,
+            bounds: empty(device, "splat bounds")?,
+            colors: empty(device, "splat colors")?,
+            large: empty(device, "large splats")?,
+            tile_counts: empty(device, "tile counts")?,
+            stats: device.buffer("splat stats", chunks, Memory::Device)?,
+            stats_host: device.buffer("splat stats, host", chunks, Memory::Readback)?,
+            view: device.buffer("view", 1, Memory::Upload)?,
+        })
+    }
+
+    /// Makes room for tilts, for a footprint that has some.
+    pub fn reserve_tilts(&mut self, device: &Device, footprint: Footprint) -> Result<(), Error> {
+        if footprint.has_tilts() && self.tilts.len() < self.len {
+            self.tilts = device.buffer("tilts", self.len, Memory::Device)?;
+        }
+        Ok(())
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Device bytes of the cloud and its splats.
+    pub fn bytes(&self) -> u64 {
+        self.points_hi.bytes()
+            + self.points_lo.bytes()
+            + self.point_colors.bytes()
+            + self.normals.bytes()
+            + self.fields.bytes()
+            + self.splats.bytes()
+            + self.tilts.bytes()
+            + self.bounds.bytes()
+            + self.colors.bytes()
+            + self.large.bytes()
+            + self.tile_counts.bytes()
+            + self.orders.iter().flatten().map(Buffer::bytes).sum::<u64>()
+    }
+
+    /// Whether points have normals.
+    pub fn has_normals(&self) -> bool {
+        self.has_normals
+    }
+
+    /// The largest opacity, with the factor of the last [`Self::set_view`].
+    pub fn most_opacity(&self) -> f32 {
+        (self.most_opacity * self.opacity_factor).min(1.0)
+    }
+
+    /// The depth that those of splats are relative to since the last [`Self::set_view`]: 0, or the nearest of the points' box.
+    pub fn depth_origin(&self) -> f32 {
+        self.depth_origin
+    }
+
+    /// Diagonal of the points' box in world units; 0 without points.
+    pub fn diagonal(&self) -> f64 {
+        self.bounds().diagonal()
+    }
+
+    /// The points' box; a single place without points.
+    pub fn bounds(&self) -> Box3 {
+        Box3 { min: self.corners[0], max: self.corners[7] }
+    }
+
+    /// The largest radius of all points, as uploaded.
+    pub fn most_radius(&self) -> f32 {
+        self.most_radius
+    }
+
+    /// How many points a threshold makes solid and soft.
+    pub fn parts(&mut self, threshold: f32) -> Parts {
+        match self.parts {
+            Some((known, parts)) if known == threshold => parts,
+            _ => {
+                let parts = Parts::new(self.len, &self.fields_and_radii, threshold);
+                self.parts = Some((threshold, parts));
+                parts
+            }
+        }
+    }
+
+    /// Puts the points of a cloud with a field into order along an axis, the first time that it is asked for; it stays with
+    /// the cloud, whatever threshold, densities and views come.
+    pub fn sort_along(&mut self, device: &Device, axis: usize) -> Result<(), Error> {
+        if self.orders[axis].is_none() && self.has_fields {
+            let order = axes::order(&self.positions, axis);
+            self.orders[axis] = Some(device.upload("points along an axis", &order)?);
+            self.orders_made += 1;
+        }
+        Ok(())
+    }
+
+    /// How often points were put into order along an axis.
+    pub fn orders_made(&self) -> u32 {
+        self.orders_made
+    }
+
+    /// Indices of the points along an axis; `None` before [`Self::sort_along`], and without a field.
+    pub fn along(&self, axis: usize) -> Option<Slice<'_, u32>> {
+        self.orders[axis].as_ref().map(Buffer::all)
+    }
+
+    /// The largest color component that blending may meet, once shaded and encoded.
+    pub fn most_color(&self, how: &Projecting) -> f32 {
+        let Shading { model, ambient, diffuse, specular, .. } = how.shading;
+        let shaded = match model {
+            ShadingModel::None => self.most_color,
+            ShadingModel::Lambert => self.most_color * (ambient + diffuse).max(1.0),
+            ShadingModel::Phong => self.most_color * (ambient + diffuse).max(1.0) + specular,
+        };
+        // Rounding up: shading and encoding round by themselves.
+        1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }
+    }
+
+    /// The clouds of a dealt list; `None` if the points were not dealt.
+    pub fn surfaces(&self) -> Option<&[Placed]> {
+        self.surfaces.as_deref()
+    }
+
+    /// Points that can be bound at a time.
+    pub fn longest(&self) -> u64 {
+        self.chunk_len
+    }
+
+    /// First point and number of points of each chunk.
+    pub fn chunks(&self) -> impl Iterator<Item = (u64, u64)> + use<> {
+        let (len, chunk_len) = (self.len, self.chunk_len);
+        (0..len.div_ceil(chunk_len)).map(move |i| (i * chunk_len, chunk_len.min(len - i * chunk_len)))
+    }
+
+    /// Tilts of a chunk, or the single element that stands for none.
+    pub fn tilts_of(&self, first: u64, count: u64) -> Slice<'_, Tilt> {
+        if self.tilts.len() == self.len { self.tilts.slice(first, count) } else { self.tilts.all() }
+    }
+}
+
+/// A buffer for nothing.
+fn empty<T: GpuType>(device: &Device, name: &str) -> Result<Buffer<T>, Error> {
+    device.buffer(name, 0, Memory::Device)
+}
+
+/// The largest value; 0 of none.
+fn most(values: &[f32]) -> f32 {
+    values.par_iter().copied().reduce(|| 0.0, f32::max)
+}
+
+fn most_of_colors(colors: &[Vec3]) -> f32 {
+    colors.par_iter().map(|c| c.max_element()).reduce(|| 0.0, f32::max)
+}

@@ -1,0 +1,112 @@
+//! The part of a cloud that is projected: a threshold on the field tells solid from soft points.
+
+use crate::points::Points;
+
+/// Which points of a cloud are projected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// All.
+    All,
+    /// Those whose field is at most the threshold.
+    Solid(f32),
+    /// Those whose field is above it. Their splats' fourth component is W of Seemann et al., Eq. 22, not an opacity.
+    Soft {
+        /// t
+        threshold: f32,
+        /// l_m
+        modulation: Option<f32>,
+    },
+    /// All; the fourth component of their splats is 1 for those whose field is at most the threshold, else 0.
+    Marked(f32),
+}
+
+impl Part {
+    /// The value of `PART` in WGSL.
+    pub(super) fn value(self) -> u32 {
+        match self {
+            Self::All => PART_ALL,
+            Self::Solid(_) => PART_SOLID,
+            Self::Soft { .. } => PART_SOFT,
+            Self::Marked(_) => PART_MARKED,
+        }
+    }
+
+    pub(super) fn modulation(self) -> f32 {
+        match self {
+            Self::Soft { modulation: Some(most), .. } => most,
+            _ => 0.0,
+        }
+    }
+
+    pub(super) fn threshold(self) -> f32 {
+        match self {
+            Self::All => 0.0,
+            Self::Solid(threshold) | Self::Marked(threshold) | Self::Soft { threshold, .. } => threshold,
+        }
+    }
+}
+
+const PART_ALL: u32 = 0;
+pub(super) const PART_SOLID: u32 = 1;
+pub(super) const PART_SOFT: u32 = 2;
+pub(super) const PART_MARKED: u32 = 3;
+
+/// What a threshold makes of a cloud.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parts {
+    /// Points with a field of at most the threshold; all if there is no field.
+    pub solid: u64,
+    /// Points with a field above it.
+    pub soft: u64,
+    /// Median radius of these in world units, 0 if there are none.
+    pub median_radius: f32,
+}
+
+impl Parts {
+    /// Of a scene's points.
+    pub fn of(points: &Points, threshold: f32) -> Self {
+        Self::new(points.len() as u64, &fields_and_radii(points), threshold)
+    }
+
+    /// Of `len` points, of which fields and radii are known if there is a field.
+    pub(super) fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
+        let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
+        let soft = radii.len() as u64;
+        Self { solid: len - soft, soft, median_radius: median(&mut radii) }
+    }
+}
+
+/// Field and radius of each point; nothing without a field.
+pub(super) fn fields_and_radii(points: &Points) -> Vec<[f32; 2]> {
+    points.fields.iter().zip(&points.radii).map(|(field, radius)| [*field, *radius]).collect()
+}
+
+/// The median, the mean of the middle two of an even number; 0 of none.
+fn median(values: &mut [f32]) -> f32 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (_, upper, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
+    let upper = *upper;
+    if values.len().is_multiple_of(2) {
+        let lower = values[..middle].iter().copied().fold(f32::MIN, f32::max);
+        0.5 * lower + 0.5 * upper
+    } else {
+        upper
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_threshold_parts_a_cloud() {
+        let points = [[0.2, 9.0], [0.6, 3.0], [0.5, 7.0], [0.9, 1.0], [0.7, 2.0], [0.8, 8.0]];
+        assert_eq!(Parts::new(6, &points, 0.5), Parts { solid: 2, soft: 4, median_radius: 2.5 });
+        assert_eq!(Parts::new(6, &points, 0.6), Parts { solid: 3, soft: 3, median_radius: 2.0 });
+        assert_eq!(Parts::new(6, &points, 1.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
+        assert_eq!(Parts::new(6, &[], 0.0), Parts { solid: 6, soft: 0, median_radius: 0.0 });
+    }
+}

@@ -1,0 +1,61 @@
+//! The variants of shaders that shade points (shaders/shared/shade.wgsl).
+
+use super::Projecting;
+use crate::choices;
+use crate::gpu::Variant;
+use crate::gpu::shader::Choices;
+use crate::passes::compose::Cut;
+use crate::scene::{ColorSpace, ShadingModel};
+
+impl Projecting {
+    /// How points of a cloud with or without normals are shaded.
+    pub(crate) fn shaded(&self, normals: bool) -> Shaded {
+        Shaded { model: self.shading.model, color: self.color, lit: self.lit, normals }
+    }
+}
+
+/// What shaders depend on that shade points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shaded {
+    model: ShadingModel,
+    color: ColorSpace,
+    lit: bool,
+    pub(super) normals: bool,
+}
+
+choices!(
+    enum ShadingModel {
+        None,
+        Lambert,
+        Phong,
+    }
+);
+
+choices!(
+    enum ColorSpace {
+        Linear,
+        Encoded,
+    }
+);
+
+choices!(struct Shaded { model, color, lit, normals });
+
+impl Shaded {
+    /// The variant of shaders/shared/shade.wgsl.
+    pub(crate) fn variant(self) -> Variant {
+        // Without a normal there is still a share of light.
+        let model = if self.normals || self.lit { self.model } else { ShadingModel::None };
+        let variant = Variant::plain().with("SHADING", model as u32).with("LIT", u32::from(self.lit));
+        variant.with("ENCODED", self.color as u32)
+    }
+
+    /// That variant of a shader that reads points in parts.
+    pub(crate) fn cut(self, cut: Cut) -> Variant {
+        self.variant().with("PARTS", cut.parts).with("PART_LENGTH", cut.len)
+    }
+
+    /// The variants of such a shader.
+    pub(crate) fn cut_variants() -> Vec<Variant> {
+        <(Self, Cut)>::all().into_iter().map(|(shaded, cut)| shaded.cut(cut)).collect()
+    }
+}

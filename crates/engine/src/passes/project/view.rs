@@ -1,0 +1,101 @@
+//! The camera, as shaders read it.
+
+use glam::{DVec3, Vec3};
+
+use super::Projecting;
+use super::cloud::{DeviceCloud, split};
+use crate::camera::{Camera, Projection};
+use crate::gpu::Slice;
+use crate::gpu_struct;
+use crate::scene::Light;
+
+gpu_struct! {
+    /// The camera and the part of the image in work; shaders/shared/view.wgsl says what the members are.
+    pub struct View {
+        right: [f32; 4],
+        right_lo: [f32; 4],
+        down: [f32; 4],
+        down_lo: [f32; 4],
+        forward: [f32; 4],
+        forward_lo: [f32; 4],
+        eye_hi: [f32; 4],
+        eye_lo: [f32; 4],
+        light: [f32; 4],
+        material: [f32; 4],
+        window: [u32; 4],
+        size: [u32; 2],
+        focal: [f32; 2],
+        depth_range: [f32; 2],
+        radius_limits: [f32; 2],
+        orthographic: u32,
+        opacity_factor: f32,
+        threshold: f32,
+        modulation: f32,
+    }
+}
+
+impl DeviceCloud {
+    /// The view of the last [`Self::set_view`].
+    pub fn view(&self) -> Slice<'_, View> {
+        self.view.all()
+    }
+
+    /// Sets the camera and the rectangle of pixels that is rendered next.
+    pub fn set_view(&mut self, camera: &Camera, size: [u32; 2], window: [u32; 4], how: &Projecting) {
+        let rows = |v: DVec3| {
+            let (hi, lo) = split(v);
+            (padded(hi), padded(lo))
+        };
+        let (mut eye_hi, mut eye_lo) = rows(camera.eye - self.origin);
+        let depths = self.corners.map(|corner| camera.to_view(corner).z);
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min).max(0.0) as f32;
+        eye_hi[3] = if how.relative_depth { nearest } else { 0.0 };
+        eye_lo[3] = (camera.near - f64::from(eye_hi[3])) as f32;
+        let (right, right_lo) = rows(camera.right);
+        let (down, down_lo) = rows(-camera.up);
+        let (forward, forward_lo) = rows(camera.forward);
+        let (focal, focal_lo) = split(DVec3::splat(camera.focal_px(size[1])));
+        let view = View {
+            right,
+            right_lo,
+            down,
+            down_lo,
+            forward,
+            forward_lo,
+            eye_hi,
+            eye_lo,
+            light: light(camera, &how.shading.light),
+            material: [how.shading.ambient, how.shading.diffuse, how.shading.specular, how.shading.shininess],
+            window,
+            size,
+            focal: [focal.x, focal_lo.x],
+            depth_range: [camera.near as f32, camera.far as f32],
+            radius_limits: [how.radius_factor, how.max_radius_px],
+            orthographic: u32::from(matches!(camera.projection, Projection::Orthographic { .. })),
+            opacity_factor: how.opacity_factor,
+            threshold: how.part.threshold(),
+            modulation: how.part.modulation(),
+        };
+        self.opacity_factor = how.opacity_factor;
+        self.depth_origin = eye_hi[3];
+        self.view.write(&[view]);
+    }
+}
+
+fn padded(v: Vec3) -> [f32; 4] {
+    [v.x, v.y, v.z, 0.0]
+}
+
+/// To the light (w = 0), or its place relative to the eye (w = 1), in camera axes.
+fn light(camera: &Camera, light: &Light) -> [f32; 4] {
+    let axes = |v: DVec3| DVec3::new(v.dot(camera.right), -v.dot(camera.up), v.dot(camera.forward));
+    let (v, w) = match *light {
+        Light::Direction(direction) => (axes(-direction.normalize_or_zero()), 0.0),
+        Light::Position(position) => (axes(position - camera.eye), 1.0),
+        Light::Headlight => match camera.projection {
+            Projection::Perspective { .. } => (DVec3::ZERO, 1.0),
+            Projection::Orthographic { .. } => (DVec3::NEG_Z, 0.0),
+        },
+    };
+    [v.x as f32, v.y as f32, v.z as f32, w]
+}
