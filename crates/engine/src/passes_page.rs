@@ -68,15 +68,15 @@ const UNDECLARED: [(&str, &str, &str); 25] = [
         "Copies points to the device before the dispatches over them, where the device has no room for all of them.",
     ),
     (
-        "splat/clear",
+        "project/clear",
         "fill",
         "Sets the statistics of the projection to 0, and for opaque methods all pixels to \"nothing\".",
     ),
-    ("splat/stats", "copy", "Copies the numbers of visible and large splats, and of their tiles, to the host."),
+    ("project/stats", "copy", "Copies the numbers of visible and large splats, and of their tiles, to the host."),
     (
-        "splat/tile-cursors",
+        "tiles/cursors",
         "copy",
-        "Copies the start of each tile's list to the cursor that `splat/tile-store` counts up.",
+        "Copies the start of each tile's list to the cursor that `tiles/store` counts up.",
     ),
 ];
 

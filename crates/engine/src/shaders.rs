@@ -4,8 +4,8 @@ use include_dir::include_dir;
 
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
-    abuffer, approximate, image_space, linked_list, one_layer, peel, peel_layers, points, shadows, soft, sorted, spbr,
-    splat, splats, stochastic,
+    abuffer, approximate, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
+    sorted, spbr, splats, stochastic,
 };
 use crate::passes::{bin, compose, project, radix, scan, tiles};
 
@@ -17,11 +17,11 @@ pub static SHADERS: Sources = Sources {
         &bin::CONSTANTS,
         &compose::CONSTANTS,
         &image_space::CONSTANTS,
+        &opaque::CONSTANTS,
         &project::CONSTANTS,
         &soft::CONSTANTS,
         &sorted::CONSTANTS,
         &spbr::CONSTANTS,
-        &splat::CONSTANTS,
         &tiles::CONSTANTS,
     ],
 };
@@ -39,6 +39,7 @@ pub fn shaders() -> Vec<Shader> {
         image_space::shaders,
         linked_list::shaders,
         one_layer::shaders,
+        opaque::shaders,
         peel::shaders,
         peel_layers::shaders,
         points::shaders,
@@ -46,7 +47,6 @@ pub fn shaders() -> Vec<Shader> {
         soft::shaders,
         sorted::shaders,
         spbr::shaders,
-        splat::shaders,
         splats::shaders,
         stochastic::shaders,
     ];

@@ -22,7 +22,7 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
-use pellucid_engine::methods::splat::Nearest;
+use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
@@ -242,7 +242,7 @@ fn race_all(device: &Device, frames: usize) -> Result<()> {
         };
         add("abuffer/count + store", &transparent);
         if device.info().int64_atomics {
-            add("splat/nearest", &race_opaque(device, &mut renderer, &mut cloud, frames)?);
+            add("opaque/nearest", &race_opaque(device, &mut renderer, &mut cloud, frames)?);
         }
     }
     for column in table.column_iter_mut() {
@@ -294,7 +294,7 @@ fn frame(method: Method) -> Frame {
 }
 
 /// The passes that only compute needs, for large splats; the prefix sums are shared with other work and left out.
-const TILING: [&str; 3] = ["splat/tile-count", "splat/tile-cursors", "splat/tile-store"];
+const TILING: [&str; 3] = ["tiles/count", "tiles/cursors", "tiles/store"];
 
 /// Device time of some passes of a frame.
 fn milliseconds(rendered: &Rendered, passes: &[&str]) -> f64 {
@@ -314,7 +314,7 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
             Raster::Auto => {
                 let rendered = renderer.render(cloud, &automatic)?;
                 return Ok((
-                    milliseconds(&rendered, &[&TILING[..], &["splat/nearest"]].concat()),
+                    milliseconds(&rendered, &[&TILING[..], &["opaque/nearest"]].concat()),
                     rendered.facts.raster,
                 ));
             }
@@ -323,7 +323,7 @@ fn race_opaque(device: &Device, renderer: &mut Renderer, cloud: &mut DeviceCloud
     })
 }
 
-/// The resources of `splat/nearest` besides the cloud.
+/// The resources of `opaque/nearest` besides the cloud.
 struct Course {
     tiles: Tiles,
     nearest: Buffer<u64>,
@@ -335,7 +335,7 @@ impl Course {
         Ok(Self { tiles: Tiles::new(device)?, nearest: device.buffer("nearest splats", pixels, Memory::Device)? })
     }
 
-    /// Milliseconds of `splat/nearest`.
+    /// Milliseconds of `opaque/nearest`.
     fn nearest(&mut self, device: &Device, cloud: &mut DeviceCloud, walker: Walker) -> Result<f64> {
         let window = [0, 0, SIDE, SIDE];
         let how = Projecting {
@@ -353,23 +353,23 @@ impl Course {
         let cloud = &*cloud;
         let mut recorder = device.recorder()?;
         cloud.record_project(&mut recorder, &how)?;
-        recorder.submit("splat/project")?;
+        recorder.submit("project/splats")?;
 
         let stats = cloud.stats();
         self.tiles.reserve(device, &stats, window)?;
         let raster =
             raster::Raster { cloud, stats: &stats, tiles: &self.tiles, walker, footprint: Footprint::Disc, window };
         let mut recorder = device.recorder()?;
-        recorder.fill("splat/clear", self.nearest.all(), u32::MAX)?;
+        recorder.fill("project/clear", self.nearest.all(), u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
         raster.record(&mut recorder, &Band::whole(window, 0), |chunk: Chunk<'_>| Nearest {
             chunk,
             nearest: self.nearest.all(),
         })?;
-        let passes = recorder.submit("splat/nearest")?.passes;
+        let passes = recorder.submit("opaque/nearest")?.passes;
         Ok(passes
             .iter()
-            .filter(|pass| pass.name == "splat/nearest" || TILING.contains(&pass.name))
+            .filter(|pass| pass.name == "opaque/nearest" || TILING.contains(&pass.name))
             .map(|pass| pass.gpu.as_secs_f64() * 1e3)
             .sum())
     }

@@ -21,7 +21,7 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::Result;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::{Buffer, Device, DeviceOptions, Memory};
-use pellucid_engine::methods::splat::Nearest;
+use pellucid_engine::methods::opaque::Nearest;
 use pellucid_engine::methods::{Factors, Frame, Rendered, Renderer, Stop};
 use pellucid_engine::passes::bands::Band;
 use pellucid_engine::passes::project::{DeviceCloud, Footprint, Part, Projecting};
@@ -153,7 +153,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
     cloud.set_view(&frame(Method::Points, false).camera, [SIDE; 2], window, &how);
     let mut recorder = device.recorder()?;
     cloud.record_project(&mut recorder, &how)?;
-    recorder.submit("splat/project")?;
+    recorder.submit("project/splats")?;
     let stats = cloud.stats();
     let mut tiles = Tiles::new(device)?;
     tiles.reserve(device, &stats, window)?;
@@ -163,13 +163,13 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
     let mut times = Vec::new();
     for _ in 0..=frames {
         let mut recorder = device.recorder()?;
-        recorder.fill("splat/clear", nearest.all(), u32::MAX)?;
+        recorder.fill("project/clear", nearest.all(), u32::MAX)?;
         raster.record(&mut recorder, &Band::whole(window, 0), |chunk: Chunk<'_>| Nearest {
             chunk,
             nearest: nearest.all(),
         })?;
-        let passes = recorder.submit("splat/nearest")?.passes;
-        times.push(passes.iter().filter(|p| p.name == "splat/nearest").map(|p| p.gpu.as_secs_f64()).sum());
+        let passes = recorder.submit("opaque/nearest")?.passes;
+        times.push(passes.iter().filter(|p| p.name == "opaque/nearest").map(|p| p.gpu.as_secs_f64()).sum());
     }
     Ok(count as f64 / median(&mut times[1..]))
 }

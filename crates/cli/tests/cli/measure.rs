@@ -179,7 +179,7 @@ fn the_plan_is_what_runs() {
     let has = |passes: &[String], name: &str| passes.iter().any(|pass| pass == name);
 
     let short = assert_planned(&folder, &[&tori, "--size", "40x30"]);
-    assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "splat/resolve"));
+    assert!(has(&short, "abuffer/resolve-8") && !has(&short, "abuffer/merge") && !has(&short, "opaque/resolve"));
     let long = assert_planned(&folder, &[&stack]);
     assert!(has(&long, "abuffer/resolve-ordered") && !has(&long, "abuffer/merge"), "large flat discs: {long:?}");
     let linked = assert_planned(&folder, &[&stack, "--method", "linked-list"]);
@@ -197,7 +197,7 @@ fn the_plan_is_what_runs() {
     let opaque = assert_planned(&folder, &["-q", &tori, "--size", "40x30", "--method", "points"]);
     assert!(
         has(&opaque, "points/resolve")
-            && !has(&opaque, "splat/project")
+            && !has(&opaque, "project/splats")
             && !opaque.iter().any(|pass| pass.starts_with("abuffer")),
         "{opaque:?}"
     );
@@ -230,7 +230,7 @@ fn the_plan_is_what_runs() {
             let peeled = assert_planned(&folder, &[&[input, "--opacity", "0.5"], &peel[..], more].concat());
             assert!(has(&peeled, "peel/blend") && has(&peeled, "peel/count"), "{peeled:?}");
             assert!(
-                !has(&peeled, "splat/resolve") && !peeled.iter().any(|pass| pass.starts_with("abuffer")),
+                !has(&peeled, "opaque/resolve") && !peeled.iter().any(|pass| pass.starts_with("abuffer")),
                 "{peeled:?}"
             );
         }
@@ -278,7 +278,7 @@ fn the_plan_is_what_runs() {
     for method in ["hqs", "splats"] {
         for args in [["row.ply", "--size", "7x9"], [&tori, "--memory-budget", "400KiB"], [&tori, "--size", "40x30"]] {
             let planned = assert_planned(&folder, &[&["-q"], &args[..], &["--method", method]].concat());
-            assert!(has(&planned, "splats/normalise") && !has(&planned, "splat/nearest"), "{planned:?}");
+            assert!(has(&planned, "splats/normalise") && !has(&planned, "opaque/nearest"), "{planned:?}");
         }
     }
     // Soft discs before solid points: with many of either, with few, and in several windows.

@@ -55,7 +55,7 @@ fn assert_cell(cell: &Value) {
     assert!(number(cell, "bytes_per_fragment") > 8.0, "{cell}");
     // Peeling has windows, but no bands.
     assert_eq!(number(cell, "bands") >= 1.0, cell["method"] != "peel", "{cell}");
-    assert!(cell["passes"].as_array().unwrap().iter().any(|pass| pass["name"] == "splat/project"), "{cell}");
+    assert!(cell["passes"].as_array().unwrap().iter().any(|pass| pass["name"] == "project/splats"), "{cell}");
     // Of each layer the product with T, the sum and T itself are rounded; all of them are at most 1.
     let bound = 3.0 * (layers + 1.0) * 2f64.powi(-24);
     let error = &cell["error"];

@@ -5,7 +5,7 @@
 #import dispatch
 #import peel_work
 
-// As splat/nearest leaves it, or nearest-depth and nearest-id.
+// As opaque/nearest leaves it, or nearest-depth and nearest-id.
 struct Nearest {
     id: u32,
     key: u32,

@@ -219,7 +219,7 @@ pub(crate) fn project(
     cloud.set_view(&frame.camera, frame.size, window, how);
     let mut recorder = device.recorder()?;
     cloud.record_project(&mut recorder, how)?;
-    timeline.add(recorder.submit("splat/project")?);
+    timeline.add(recorder.submit("project/splats")?);
     Ok(cloud.stats())
 }
 

@@ -53,7 +53,7 @@ pub(crate) const NOTHING: &str = "no splat touches the image";
 pub(crate) const EACH_PIXEL: &str = "tiles give each pixel to one subgroup";
 
 /// Counters and pixels that most methods clear, and the results of the projection.
-pub(crate) const COUNTERS: [&str; 2] = ["splat/clear", "splat/stats"];
+pub(crate) const COUNTERS: [&str; 2] = ["project/clear", "project/stats"];
 /// The passes that sort splats, four of them, and put them into tiles.
 pub(crate) const ORDER: [&str; 10] = [
     "bin/keys",
@@ -72,7 +72,7 @@ pub(crate) const PRESORTED: [&str; 2] = ["bin/pick", "bin/place"];
 /// The pass that empties pixels.
 pub(crate) const CLEAR: [&str; 1] = ["image/clear"];
 /// The passes that list the large splats of tiles.
-pub(crate) const TILES: [&str; 3] = ["splat/tile-count", "splat/tile-cursors", "splat/tile-store"];
+pub(crate) const TILES: [&str; 3] = ["tiles/count", "tiles/cursors", "tiles/store"];
 /// The passes of prefix sums.
 pub(crate) const SCAN: [&str; 2] = ["scan/reduce", "scan/spread"];
 
@@ -174,26 +174,26 @@ impl Plan<'_> {
 
     /// Empty counters.
     pub fn cleared(&mut self) {
-        self.add("splat/clear", true, "counters, and pixels of the opaque methods, start empty");
+        self.add("project/clear", true, "counters, and pixels of the opaque methods, start empty");
     }
 
     /// Explains the projection of points to splats, and its results.
     pub fn projected(&mut self) {
         self.cleared();
         let points = self.facts.points;
-        self.add("splat/project", points > 0, format!("{points} points; {}", self.shading()));
+        self.add("project/splats", points > 0, format!("{points} points; {}", self.shading()));
         self.found();
     }
 
     /// Points that become pixels, without splats.
     pub fn not_projected(&mut self) {
-        self.add("splat/project", false, "a point is one pixel or a square: no splats");
+        self.add("project/splats", false, "a point is one pixel or a square: no splats");
     }
 
     /// Explains the results of the projection.
     pub fn found(&mut self) {
         let met = format!("{} splats touch the image, {} of them large", self.facts.visible, self.facts.large);
-        self.add("splat/stats", true, met);
+        self.add("project/stats", true, met);
     }
 
     /// Explains the lists of `large` large splats by tile; returns the length of the longest prefix sum that they need.

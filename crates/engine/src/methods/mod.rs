@@ -15,6 +15,7 @@ mod frame_profile;
 pub mod image_space;
 pub mod linked_list;
 pub mod one_layer;
+pub mod opaque;
 pub mod peel;
 pub mod peel_layers;
 pub mod points;
@@ -25,7 +26,6 @@ pub mod shadows;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;
-pub mod splat;
 pub mod splats;
 pub mod stochastic;
 mod target;
@@ -57,7 +57,7 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
     use approximate::{ApproximateEngine, Kind};
     use soft::{ExpressEngine, Interior, SpheresEngine};
     let relief = method.relief();
-    let nearest = |splats, footprint| Box::new(splat::NearestEngine { splats, footprint, relief });
+    let nearest = |splats, footprint| Box::new(opaque::NearestEngine { splats, footprint, relief });
     let outlined = |of: Interpolated| nearest(of.splats, projecting::outlined(of.shape));
     let three_pass = |settings, footprint| Box::new(splats::SplatsEngine { settings, footprint });
     let approximate = |discs, kind| Box::new(ApproximateEngine { discs, kind });
@@ -93,7 +93,7 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
 
 /// All passes that some frame runs, in the order in which plans list those that a frame leaves out.
 pub(crate) fn pass_groups() -> Vec<PassGroup> {
-    let mut groups = vec![splat::counter_group(), spbr::pass_group(), tiled::order_group(), tiled::presorted_group()];
+    let mut groups = vec![opaque::counter_group(), spbr::pass_group(), tiled::order_group(), tiled::presorted_group()];
     groups.extend(stochastic::pass_groups());
     groups.extend([
         soft::disc_group(),
@@ -105,11 +105,11 @@ pub(crate) fn pass_groups() -> Vec<PassGroup> {
         splats::pass_group(),
         one_layer::pass_group(),
         PassGroup::new(&CLEAR, Absent::Discs("every pixel is written")),
-        splat::tile_group(),
+        opaque::tile_group(),
         PassGroup::new(&SCAN, Absent::Always("nothing is counted")),
         image_space::pass_group(),
         peel_layers::pass_group(),
-        splat::pass_group(),
+        opaque::pass_group(),
         points::pass_group(),
     ]);
     groups
@@ -134,7 +134,7 @@ pub(crate) struct Machines {
     /// Solid points of a window that has soft ones; soft points of one whose layer they are.
     pub layer: soft::Layer,
     /// The nearest splats and points.
-    pub opaque: splat::Opaque,
+    pub opaque: opaque::Opaque,
     /// Filtered images of points.
     pub filterer: image_space::Filterer,
     /// Sums for each pixel.
@@ -164,7 +164,7 @@ impl Buffers {
             bins: Bins::new(device)?,
             splatter: splats::Splatter::default(),
             layer: soft::Layer::default(),
-            opaque: splat::Opaque::default(),
+            opaque: opaque::Opaque::default(),
             filterer: image_space::Filterer::new(device)?,
             approximations: approximate::Approximations::default(),
             sampler: stochastic::Sampler::new(),

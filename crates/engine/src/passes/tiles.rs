@@ -22,7 +22,7 @@ gpu_struct! {
 
 pass! {
     /// Counts the large splats of each tile, from all pairs of a large splat and a tile that its rectangle meets.
-    pub TileCount(TilePush) = "splat/tile-count" in "splat/tile_count" {
+    pub TileCount(TilePush) = "tiles/count" {
         view: Uniform<View>,
         bounds: Read<Bounds>,
         large: Read<u32>,
@@ -32,8 +32,8 @@ pass! {
 }
 
 pass! {
-    /// Stores the large splats of each tile in its list, from the same pairs as `splat/tile-count`.
-    pub TileStore(TilePush) = "splat/tile-store" in "splat/tile_store" {
+    /// Stores the large splats of each tile in its list, from the same pairs as `tiles/count`.
+    pub TileStore(TilePush) = "tiles/store" {
         view: Uniform<View>,
         bounds: Read<Bounds>,
         large: Read<u32>,
@@ -124,14 +124,14 @@ impl Tiles {
             let push = TilePush { large_count: s.large, pairs: s.tiles() as u32 };
             let run = Run::new(Dispatch::Invocations(s.tiles()));
             scan.record(recorder, cloud.tile_counts.slice(first, u64::from(s.large)), pair_offsets, overflow)?;
-            recorder.fill("splat/clear", cursors, 0)?;
+            recorder.fill("project/clear", cursors, 0)?;
             recorder.run(&TileCount { view, bounds, large, pair_offsets, counts: cursors }, push, &run)?;
             scan.record(recorder, cursors, starts, overflow)?;
-            recorder.copy("splat/tile-cursors", starts, cursors)?;
+            recorder.copy("tiles/cursors", starts, cursors)?;
             let entries = self.entries_of(stats, chunk);
             recorder.run(&TileStore { view, bounds, large, pair_offsets, cursors, entries }, push, &run)?;
             let (ends, next) = (cursors.first(len - 1), starts.skip(1));
-            recorder.agree("splat/tile-store", "tile", ends, Expected::Words(next))?;
+            recorder.agree("tiles/store", "tile", ends, Expected::Words(next))?;
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ pub mod dealing;
 pub mod field;
 pub mod image_space;
 pub mod one_layer;
+pub mod opaque;
 pub mod peel;
 pub mod peel_layers;
 pub mod scan;
@@ -18,7 +19,6 @@ pub mod shadows;
 pub mod soft;
 pub mod sorted;
 pub mod spbr;
-pub mod splat;
 pub mod splats;
 pub mod stochastic;
 

@@ -129,7 +129,7 @@ fn every_pass_is_listed_once_with_a_reason_whatever_the_method() {
             let nearest =
                 |stem: &str| ["nearest", "nearest-depth", "nearest-id"].map(|end| on(&format!("{stem}/{end}")));
             let wanted = |of: bool| if of { [wide, !wide, !wide] } else { [false; 3] };
-            assert_eq!(nearest("splat"), wanted(matches!(method, Method::Circles(_))));
+            assert_eq!(nearest("opaque"), wanted(matches!(method, Method::Circles(_))));
             let direct = method == Method::Points || method.filters().is_some();
             assert_eq!(nearest("points"), wanted(direct));
             assert_eq!(nearest("spbr"), [false; 3]);

@@ -8,7 +8,7 @@ use pellucid_engine::passes::scan;
 use pellucid_engine::{SHADERS, gpu, gpu_struct, pass};
 
 /// The vertex shader of every pass that draws, which no pass names.
-const QUAD: &str = "splat/quad.vert";
+const QUAD: &str = "raster/quad.vert";
 
 /// Every pass of the engine and of the device layer.
 fn shaders() -> Vec<Shader> {

@@ -70,7 +70,7 @@ fn equal_the_reference_where_coverage_is_safe() {
                         reference::coverage::margin_px(
                             &camera,
                             size,
-                            &reference::splat::splat(&all, *i, shape, &settings),
+                            &reference::opaque::splat(&all, *i, shape, &settings),
                         ) > 0.02
                     })
                     .collect();
@@ -87,7 +87,7 @@ fn equal_the_reference_where_coverage_is_safe() {
                 let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
                 let image = render_both(device, &points, &frame(camera, size, method));
                 let wanted =
-                    reference::splat::render(&camera, size, &points, &colors, shape, &settings, method.relief());
+                    reference::opaque::render(&camera, size, &points, &colors, shape, &settings, method.relief());
                 let (largest, over) = difference(&image, &wanted, 1e-6);
                 assert!(over == 0.0, "{method:?}: {largest}, {over} of the pixels");
                 for (found, wanted) in image.depth.iter().zip(&wanted.depth) {

@@ -9,7 +9,7 @@ use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::points::Points;
 use pellucid_engine::reference::abuffer::{Composite, Fragment, composite, depth_margin, lists, lists_at};
 use pellucid_engine::reference::coverage::{Coverage, Shape, Splat, footprint, margin_px};
-use pellucid_engine::reference::{Picture, abuffer, scan, shading, sorted, splat};
+use pellucid_engine::reference::{Picture, abuffer, scan, shading, sorted};
 use pellucid_engine::scene::{
     ColorSpace, DiscShape, Discs, Falloff, Light, Raster, Relief, ScreenSplats, Shading, ShadingModel,
 };

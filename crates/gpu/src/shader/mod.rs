@@ -60,7 +60,7 @@ pub fn compile<P: Pass>(variant: &Variant) -> Result<Vec<u32>, Error> {
 }
 
 /// The vertex shader of every pass that draws: two triangles over each splat's rectangle.
-const QUAD: &str = "splat/quad.vert";
+const QUAD: &str = "raster/quad.vert";
 
 /// SPIR-V of the vertex and fragment shaders of a pass that draws. The vertex shader uses only some of the bindings.
 pub fn compile_draw<P: Pass>(variant: &Variant) -> Result<[Vec<u32>; 2], Error> {

@@ -22,7 +22,7 @@ pub use passes::{
 use super::engine::Work;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
-use super::splat::NearestSplat;
+use super::opaque::NearestSplat;
 use super::{Error, Facts};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
 use crate::passes::bands::{self, Budget, Window};

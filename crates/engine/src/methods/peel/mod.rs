@@ -11,7 +11,7 @@ pub(crate) use engine::{PeelEngine, pass_group};
 
 use super::abuffer::CountPush;
 use super::engine::Work;
-use super::splat::NearestSplat;
+use super::opaque::NearestSplat;
 use super::{Error, Facts, Target};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};

@@ -4,7 +4,7 @@ use super::NEAREST;
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, PassGroup, Plan};
-use crate::methods::{Buffers, Error, Frame, Outcome, splat};
+use crate::methods::{Buffers, Error, Frame, Outcome, opaque};
 use crate::passes::bands::{Budget, Window};
 use crate::passes::project::DeviceCloud;
 use crate::passes::raster::Walker;
@@ -14,7 +14,7 @@ pub(crate) struct PointsEngine;
 
 impl Engine for PointsEngine {
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(windows_of(frame, budget, splat::PIXEL_BYTES))
+        Ok(windows_of(frame, budget, opaque::PIXEL_BYTES))
     }
 
     fn channels(&self) -> Channels {
@@ -51,7 +51,7 @@ impl Engine for PointsEngine {
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         let (facts, pixels) = (pass.facts, pass.pixels());
         match pass.name {
-            "splat/clear" => Some(pixels * 8),
+            "project/clear" => Some(pixels * 8),
             "points/nearest" => Some(facts.points * 32 * facts.windows.max(1) + facts.visible * 8),
             "points/resolve" => Some(pixels * (8 + 16 + 20)),
             _ => None,

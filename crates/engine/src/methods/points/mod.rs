@@ -1,14 +1,14 @@
 //! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel, and
 //! only those that win there are shaded.
 //!
-//! The equations are those of the other opaque methods ([`super::splat`]), the projection is `splat/project`'s own.
+//! The equations are those of the other opaque methods ([`super::splat`]), the projection is `project/splats`'s own.
 
 mod engine;
 
 pub(crate) use engine::{PointsEngine, pass_group};
 
 use super::engine::Work;
-use super::splat::{NearestSplat, Opaque};
+use super::opaque::{NearestSplat, Opaque};
 use super::{Error, abuffer};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Recorder, Run, Slice, Variant};
@@ -114,7 +114,7 @@ impl Opaque {
         self.nearest.reserve(device, pixels)?;
         let mut recorder = device.recorder()?;
         let nearest = self.nearest.get().slice(0, pixels);
-        recorder.fill("splat/clear", nearest, u32::MAX)?;
+        recorder.fill("project/clear", nearest, u32::MAX)?;
         cloud.record_clear(&mut recorder)?;
         record_nearest(&mut recorder, cloud, nearest, wide, &Choice::default())?;
         cloud.record_stats(&mut recorder)?;

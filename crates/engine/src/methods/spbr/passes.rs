@@ -1,7 +1,7 @@
 //! The passes.
 
 use crate::methods::abuffer::CountPush;
-use crate::methods::splat::NearestSplat;
+use crate::methods::opaque::NearestSplat;
 use crate::passes::project::View;
 use crate::{gpu_struct, group, pass};
 

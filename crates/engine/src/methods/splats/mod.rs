@@ -255,6 +255,6 @@ mod tests {
         // Colors too; the limit is read, a sum written.
         assert_eq!(least_bytes("splats/attributes", &facts, true, 10), Some(20 * 60 + 10 * 20));
         assert_eq!(least_bytes("splats/normalise", &facts, true, 10), Some(10 * 32));
-        assert_eq!(least_bytes("splat/nearest", &facts, true, 10), None);
+        assert_eq!(least_bytes("opaque/nearest", &facts, true, 10), None);
     }
 }

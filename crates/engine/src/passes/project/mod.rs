@@ -81,7 +81,7 @@ gpu_struct! {
 pass! {
     /// Projects each point to a splat: camera-relative position in two-float arithmetic, culling by near, far and
     /// window, shading, rectangle of pixels. It lists large splats for their tiles.
-    pub Project(ProjectPush) = "splat/project" {
+    pub Project(ProjectPush) = "project/splats" {
         camera: Uniform<View>,
         points_hi: Read<[f32; 4]>,
         points_lo: Read<[f32; 4]>,
@@ -150,7 +150,7 @@ group! {
     }
 }
 
-/// Points of one invocation of `splat/project`, at most 32: the more, the fewer atomics meet in the statistics.
+/// Points of one invocation of `project/splats`, at most 32: the more, the fewer atomics meet in the statistics.
 const PROJECT_RUN: u64 = 8;
 
 impl DeviceCloud {
@@ -188,12 +188,12 @@ impl DeviceCloud {
 
     /// Records that nothing has been found yet.
     pub fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        recorder.fill("splat/clear", self.stats.all(), 0)
+        recorder.fill("project/clear", self.stats.all(), 0)
     }
 
     /// Records the copy of what was found to the host, for [`Self::stats`].
     pub fn record_stats<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
-        recorder.copy("splat/stats", self.stats.all(), self.stats_host.all())
+        recorder.copy("project/stats", self.stats.all(), self.stats_host.all())
     }
 
     /// What a pass binds that takes the points of a chunk straight to their pixels.
@@ -208,7 +208,7 @@ impl DeviceCloud {
     }
 }
 
-/// The variant of `splat/project` for a cloud with or without normals.
+/// The variant of `project/splats` for a cloud with or without normals.
 fn project_variant(how: &Projecting, normals: bool) -> Variant {
     how.shaded(used_normals(how, normals)).project(how.footprint, how.part)
 }

@@ -1,5 +1,7 @@
 //! Opaque points, squares and circles, flat and moved toward the viewer.
 
+use pellucid_engine::reference::opaque;
+
 use super::*;
 
 fn render(positions: &[DVec3], shape: Shape, settings: ScreenSplats) -> Picture {
@@ -17,7 +19,7 @@ fn render_moved(positions: &[DVec3], shape: Shape, settings: ScreenSplats, relie
         fields: Vec::new(),
     };
     let colors: Vec<DVec3> = (0..positions.len()).map(|i| DVec3::splat(1.0 + i as f64)).collect();
-    splat::render(&orthographic(), SIZE, &points, &colors, shape, &settings, relief)
+    opaque::render(&orthographic(), SIZE, &points, &colors, shape, &settings, relief)
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn row(method: &str, step: Option<(&str, f64)>, ms: f64, rmse: f64, mib: u64) ->
         front: false,
         picture: String::new(),
         difference: String::new(),
-        passes: vec![("splat/project".into(), 0.2 * ms), (format!("{method}/blend"), 0.8 * ms)],
+        passes: vec![("project/splats".into(), 0.2 * ms), (format!("{method}/blend"), 0.8 * ms)],
     }
 }
 

@@ -47,6 +47,6 @@ mod tests {
         // 600 fragments are three runs: two merges.
         assert_eq!(least_bytes("abuffer/merge", &lengths), Some(900 * 32));
         assert_eq!(least_bytes("abuffer/resolve-1", &[]), None);
-        assert_eq!(least_bytes("splat/project", &lengths), None);
+        assert_eq!(least_bytes("project/splats", &lengths), None);
     }
 }

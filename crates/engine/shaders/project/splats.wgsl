@@ -1,4 +1,4 @@
-// splat/project: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
+// project/splats: points to splats on the screen, shaded, with the rectangle of pixels that each may cover.
 // One workgroup per WG_SIZE * RUN points of a chunk, so that few atomics meet. Points outside near and far, or whose
 // rectangle misses the part of the image in work, get empty bounds. Splats of more than SMALL_AREA pixels are listed apart, with the number of tiles they meet.
 #import splat

@@ -1,4 +1,4 @@
-// splat/nearest, splat/nearest-depth, splat/nearest-id: depth and index of each pixel's nearest splat.
+// opaque/nearest, opaque/nearest-depth, opaque/nearest-id: depth and index of each pixel's nearest splat.
 #import raster
 #piece
 

@@ -1,4 +1,4 @@
-// splat/tile-store: the large splats of each tile, in any order: tile t owns entries[starts[t] .. starts[t + 1]]. One
+// tiles/store: the large splats of each tile, in any order: tile t owns entries[starts[t] .. starts[t + 1]]. One
 // invocation per pair. cursors is a copy of starts before.
 #import tiles
 @group(0) @binding(4) var<storage, read_write> cursors: array<atomic<u32>>;

@@ -58,8 +58,8 @@ impl Engine for NearestEngine {
 
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
         match pass.name {
-            "splat/clear" => Some(pass.pixels() * 8),
-            "splat/resolve" => Some(pass.pixels() * (8 + 16 + 20)),
+            "project/clear" => Some(pass.pixels() * 8),
+            "opaque/resolve" => Some(pass.pixels() * (8 + 16 + 20)),
             _ => pass.projected(false),
         }
     }
@@ -70,12 +70,12 @@ impl Engine for NearestEngine {
         plan.scan(tiled, "tiles of large splats");
         let (seen, why) = (plan.seen(), plan.why);
         plan.nearest(NEAREST, seen, if seen { why } else { NOTHING });
-        plan.add("splat/resolve", true, "index of the nearest splat to color");
+        plan.add("opaque/resolve", true, "index of the nearest splat to color");
     }
 }
 
 /// The passes that find the nearest splats, by 64-bit atomics and without.
-const NEAREST: [&str; 3] = ["splat/nearest", "splat/nearest-depth", "splat/nearest-id"];
+const NEAREST: [&str; 3] = ["opaque/nearest", "opaque/nearest-depth", "opaque/nearest-id"];
 
 /// Counters that most methods clear, and the results of the projection.
 pub(crate) fn counter_group() -> PassGroup {
@@ -89,6 +89,6 @@ pub(crate) fn tile_group() -> PassGroup {
 
 /// The passes of opaque splats where only the nearest one counts.
 pub(crate) fn pass_group() -> PassGroup {
-    let names = NEAREST.into_iter().chain(["splat/resolve"]).collect();
+    let names = NEAREST.into_iter().chain(["opaque/resolve"]).collect();
     PassGroup { names, absent: Absent::Method("no opaque splats") }
 }

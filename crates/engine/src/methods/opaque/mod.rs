@@ -28,23 +28,23 @@ gpu_struct! {
 
 pass! {
     /// Takes the 64-bit atomic minimum of depth key and splat index at each covered pixel.
-    pub Nearest(RasterPush) = "splat/nearest" with "nearest_wide" {
+    pub Nearest(RasterPush) = "opaque/nearest" with "nearest_wide" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<u64>,
     }
 }
 
 pass! {
-    /// Finds the depth of `splat/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
-    pub NearestDepth(RasterPush) = "splat/nearest-depth" in "splat/nearest" with "nearest_depth" {
+    /// Finds the depth of `opaque/nearest` by a 32-bit minimum, where the device has no 64-bit atomics.
+    pub NearestDepth(RasterPush) = "opaque/nearest-depth" in "opaque/nearest" with "nearest_depth" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
 }
 
 pass! {
-    /// Finds the smallest index at the depth of `splat/nearest-depth`.
-    pub NearestId(RasterPush) = "splat/nearest-id" in "splat/nearest" with "nearest_id" {
+    /// Finds the smallest index at the depth of `opaque/nearest-depth`.
+    pub NearestId(RasterPush) = "opaque/nearest-id" in "opaque/nearest" with "nearest_id" {
         chunk: Shared<ChunkGroup>,
         nearest: ReadWrite<NearestSplat>,
     }
@@ -52,7 +52,7 @@ pass! {
 
 pass! {
     /// Turns the index of the nearest splat of each pixel into color and depth.
-    pub Resolve(abuffer::CountPush) = "splat/resolve" {
+    pub Resolve(abuffer::CountPush) = "opaque/resolve" {
         composing: Shared<ComposingGroup>,
         nearest: Read<NearestSplat>,
         image: ReadWrite<[f32; 4]>,
@@ -88,7 +88,7 @@ impl Opaque {
 
         let mut recorder = device.recorder()?;
         let nearest = self.nearest.get().slice(0, pixels);
-        recorder.fill("splat/clear", nearest, u32::MAX)?;
+        recorder.fill("project/clear", nearest, u32::MAX)?;
         raster.record_tiles(&mut recorder)?;
         let all = &Band::whole(raster.window, 0);
         let moved = |variant| relief_variant(variant, relief);
@@ -107,7 +107,7 @@ impl Opaque {
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("splat/nearest")?);
+        work.timeline.add(recorder.submit("opaque/nearest")?);
         Ok(())
     }
 }

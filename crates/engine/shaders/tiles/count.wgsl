@@ -1,4 +1,4 @@
-// splat/tile-count: how many large splats meet each tile. One invocation per pair. counts is zero before.
+// tiles/count: how many large splats meet each tile. One invocation per pair. counts is zero before.
 #import tiles
 @group(0) @binding(4) var<storage, read_write> counts: array<atomic<u32>>;
 

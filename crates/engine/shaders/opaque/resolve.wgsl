@@ -1,4 +1,4 @@
-// splat/resolve: index of the nearest splat to color and depth. One invocation per pixel.
+// opaque/resolve: index of the nearest splat to color and depth. One invocation per pixel.
 #import compose
 #import dispatch
 
