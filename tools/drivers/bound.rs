@@ -22,7 +22,7 @@ const FRAGMENT_ULP: f64 = 64.0;
 pub const FLIPS: f64 = 0.002;
 
 /// Largest difference of linear R, G, B and A, in pixels where no comparison came out the other way.
-pub fn of(met: Met) -> f64 {
+pub fn largest_difference(met: Met) -> f64 {
     (2.0 * FRAGMENT_ULP + 0.5 * met.longest as f64) * f64::from(f32::EPSILON)
 }
 
@@ -33,7 +33,7 @@ mod tests {
     #[test]
     fn by_hand() {
         // 128 units and a half for each of 100.
-        assert_eq!(of(Met { longest: 100 }), 178.0 * 2f64.powi(-23));
-        assert!(of(Met { longest: 1 }) < 1.6e-5);
+        assert_eq!(largest_difference(Met { longest: 100 }), 178.0 * 2f64.powi(-23));
+        assert!(largest_difference(Met { longest: 1 }) < 1.6e-5);
     }
 }

@@ -9,7 +9,7 @@ use pellucid_lab::check::{self, Lack, Subject};
 use serde_json::{Value, json};
 
 /// What one driver made of the subjects.
-pub struct Found {
+pub struct DriverImages {
     pub device: String,
     pub driver: String,
     /// In the order of the subjects.
@@ -81,14 +81,14 @@ fn write(path: &Path, image: &Image) -> Result<(), String> {
 }
 
 /// What [`render`] wrote.
-pub fn load(folder: &Path) -> Result<Found, String> {
+pub fn load(folder: &Path) -> Result<DriverImages, String> {
     let path = folder.join("index.json");
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let index: Value = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
     let word = |key: &str| index[key].as_str().unwrap_or_default().to_owned();
     let listed = index["outcomes"].as_array().ok_or("no outcomes")?;
     let outcomes = listed.iter().enumerate().map(|(number, value)| outcome(&folder.join(number.to_string()), value));
-    Ok(Found { device: word("device"), driver: word("driver"), outcomes: outcomes.collect::<Result<_, _>>()? })
+    Ok(DriverImages { device: word("device"), driver: word("driver"), outcomes: outcomes.collect::<Result<_, _>>()? })
 }
 
 fn outcome(path: &Path, value: &Value) -> Result<Outcome, String> {

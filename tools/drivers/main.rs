@@ -22,7 +22,7 @@ use std::process::{Command, ExitCode};
 use clap::Parser;
 use pellucid_lab::check;
 
-use images::Found;
+use images::DriverImages;
 
 #[derive(Debug, Parser)]
 struct Args {
@@ -96,7 +96,7 @@ fn compare(args: &Args) -> Result<bool, String> {
 }
 
 /// Has a driver render all subjects, in a process of its own.
-fn rendered_by(driver: &Driver, folder: &Path, only: Option<&str>) -> Result<Found, String> {
+fn rendered_by(driver: &Driver, folder: &Path, only: Option<&str>) -> Result<DriverImages, String> {
     let failed = |what: String| format!("{}: {what}", driver.name);
     std::fs::create_dir_all(folder).map_err(|e| failed(format!("{}: {e}", folder.display())))?;
     let program = std::env::current_exe().map_err(|e| failed(format!("this program's path: {e}")))?;

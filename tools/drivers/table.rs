@@ -6,7 +6,7 @@ use pellucid_engine::image::Image;
 use pellucid_lab::check::Subject;
 
 use crate::bound;
-use crate::images::{Found, Outcome};
+use crate::images::{DriverImages, Outcome};
 
 /// One image of a driver against the first driver's.
 pub struct Line {
@@ -38,7 +38,7 @@ pub struct Apart {
 
 impl Apart {
     /// Of two images of one size.
-    pub fn of(a: &Image, b: &Image, bound: f64) -> Self {
+    pub fn between(a: &Image, b: &Image, bound: f64) -> Self {
         let mut found = Self { pixels: a.rgba.len(), differ: 0, beyond: 0, largest: 0.0, rms: 0.0, bound };
         let mut squares = 0.0;
         for (i, (x, y)) in a.rgba.iter().zip(&b.rgba).enumerate() {
@@ -78,7 +78,7 @@ impl Verdict {
 }
 
 /// All drivers but the first against the first, subject by subject.
-pub fn lines(subjects: &[&Subject], found: &[Found]) -> Vec<Line> {
+pub fn lines(subjects: &[&Subject], found: &[DriverImages]) -> Vec<Line> {
     let Some((first, others)) = found.split_first() else { return Vec::new() };
     let mut lines = Vec::new();
     for (place, subject) in subjects.iter().enumerate() {
@@ -96,14 +96,14 @@ fn verdict(first: Option<&Outcome>, other: Option<&Outcome>) -> Verdict {
         (_, Some(Outcome::Lacks(what))) => Verdict::NotApplicable(format!("lacks: {what}")),
         (Some(Outcome::Lacks(what)), _) => Verdict::NotApplicable(format!("the first driver lacks: {what}")),
         (Some(Outcome::Image(a, met)), Some(Outcome::Image(b, _))) if a.rgba.len() == b.rgba.len() => {
-            Verdict::Compared(Apart::of(a, b, bound::of(*met)))
+            Verdict::Compared(Apart::between(a, b, bound::largest_difference(*met)))
         }
         _ => Verdict::Failed("no images of one size".into()),
     }
 }
 
 /// Which drivers these are.
-pub fn heads(found: &[Found]) -> String {
+pub fn heads(found: &[DriverImages]) -> String {
     let mut text = String::new();
     for (number, found) in found.iter().enumerate() {
         let what = if number == 0 { "compared with" } else { "compared" };
@@ -114,7 +114,7 @@ pub fn heads(found: &[Found]) -> String {
 
 /// The table, and below it how many images came out how on each driver. Without `all` those that are the same to the last bit
 /// have no row.
-pub fn markdown(lines: &[Line], found: &[Found], all: bool) -> String {
+pub fn markdown(lines: &[Line], found: &[DriverImages], all: bool) -> String {
     let mut text =
         "| image | driver | pixels that differ | largest | RMS | bound | |\n|---|---|--:|--:|--:|--:|---|\n".to_owned();
     let mut lacks: Vec<String> = Vec::new();
@@ -184,18 +184,18 @@ mod tests {
 
     #[test]
     fn what_differs_by_hand() {
-        let same = Apart::of(&image(0.5), &image(0.5), 1e-6);
+        let same = Apart::between(&image(0.5), &image(0.5), 1e-6);
         assert_eq!((same.differ, same.beyond, same.largest, same.rms), (0, 0, 0.0, 0.0));
         // Three pixels of 1000 by 0.25 in one of four channels: two may flip.
-        let other = Apart::of(&image(0.5), &image(0.25), 1e-6);
+        let other = Apart::between(&image(0.5), &image(0.25), 1e-6);
         assert_eq!((other.differ, other.beyond, other.largest), (3, 3, 0.25));
         assert!((other.rms - (3.0 * 0.0625 / 4000f64).sqrt()).abs() < 1e-12 && !other.passes());
-        assert!(Apart::of(&image(0.5), &image(0.25), 0.25).passes());
-        let none = Apart::of(&image(0.5), &image(f32::NAN), 1e-6);
+        assert!(Apart::between(&image(0.5), &image(0.25), 0.25).passes());
+        let none = Apart::between(&image(0.5), &image(f32::NAN), 1e-6);
         assert!(none.largest.is_infinite() && !none.passes());
         let mut far = image(0.5);
         far.depth[7] = f32::INFINITY;
-        let depths = Apart::of(&image(0.5), &far, 1e-6);
+        let depths = Apart::between(&image(0.5), &far, 1e-6);
         assert_eq!((depths.differ, depths.beyond), (1, 0));
     }
 
@@ -204,7 +204,7 @@ mod tests {
         let outcome = |red| Outcome::Image(Box::new(image(red)), Met { longest: 1 });
         let lacks = || Outcome::Lacks("shuffles".into());
         let failed = || Outcome::Failed("lost".into());
-        let found = |outcomes| Found { device: "d".into(), driver: "v".into(), outcomes };
+        let found = |outcomes| DriverImages { device: "d".into(), driver: "v".into(), outcomes };
         let all = [
             found(vec![outcome(0.5), outcome(0.5), outcome(0.5), outcome(0.5), lacks()]),
             found(vec![outcome(0.5), outcome(0.1), lacks(), failed(), outcome(0.5)]),

@@ -171,8 +171,8 @@ impl Stage {
                 }
             }
         }
-        let layers = Fit::of(&over_layers).told("layers of the tori", "a layer", "linear in layers");
-        let points = Fit::of(&over_points).told("millions of points of the tori", "a million", "linear in points");
+        let layers = Fit::through(&over_layers).told("layers of the tori", "a layer", "linear in layers");
+        let points = Fit::through(&over_points).told("millions of points of the tori", "a million", "linear in points");
         Ok(format!("Time of a frame of {side} × {side} pixels, by least squares:\n\n- {layers}\n- {points}"))
     }
 }

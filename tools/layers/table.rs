@@ -45,7 +45,7 @@ pub struct Fit {
 
 impl Fit {
     /// Through at least two points with different x.
-    pub fn of(points: &[(f64, f64)]) -> Self {
+    pub fn through(points: &[(f64, f64)]) -> Self {
         let n = points.len() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
         let (x, y) = (mean(|p| p.0), mean(|p| p.1));

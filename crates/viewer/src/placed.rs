@@ -75,7 +75,7 @@ impl Placed {
         let arranged = Tracked::new(scene, clouds, derived, *seed, progress)?;
         let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
         let Some(bounds) = arranged.points().bounds() else { return Err(no_points()) };
-        let subject = Subject { bounds, radius: most_radius(arranged.points()), up: scene::up_axis(clouds) };
+        let subject = Subject { bounds, radius: max_radius(arranged.points()), up: scene::up_axis(clouds) };
         progress.set_message("uploading points");
         let cloud = renderer.upload_lit(arranged.arranged(), texture.as_ref())?;
         Ok(Self {
@@ -130,7 +130,7 @@ impl Placed {
             self.thinned = None;
         }
         if changes.radii {
-            self.subject.radius = most_radius(self.arranged.points());
+            self.subject.radius = max_radius(self.arranged.points());
         }
         if changes.order {
             self.lighting = None;
@@ -138,6 +138,6 @@ impl Placed {
     }
 }
 
-fn most_radius(points: &Points) -> f64 {
+fn max_radius(points: &Points) -> f64 {
     points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)))
 }

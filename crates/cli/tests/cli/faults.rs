@@ -39,17 +39,17 @@ struct Case {
 }
 
 impl Case {
-    const fn of(args: &'static [&'static str], files: &'static [&'static str]) -> Self {
+    const fn new(args: &'static [&'static str], files: &'static [&'static str]) -> Self {
         Self { args, files, needs_device: true, together: true, repeats: true }
     }
 }
 
-const RENDER_PNG: Case = Case::of(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.png"], &["a.png"]);
-const RENDER_EXR: Case = Case::of(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"], &["a.exr"]);
+const RENDER_PNG: Case = Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.png"], &["a.png"]);
+const RENDER_EXR: Case = Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"], &["a.exr"]);
 const MEASURED: Case = Case {
     together: false,
     repeats: false,
-    ..Case::of(
+    ..Case::new(
         &[
             "render",
             "in/scene.toml",
@@ -69,29 +69,29 @@ const MEASURED: Case = Case {
 const PROFILE: Case = Case {
     together: false,
     repeats: false,
-    ..Case::of(
+    ..Case::new(
         &["profile", "in/scene.toml", "-q", "--size", "16x12", "--frames", "1", "--profile", "out/p.json", "--json"],
         &["p.json"],
     )
 };
 const STEPS: Case = Case {
     together: false,
-    ..Case::of(
+    ..Case::new(
         &["render", "in/steps.toml", "-q", "--frames", "--size", "16x12", "-o", "out/s%d.png"],
         &["s1.png", "s2.png"],
     )
 };
 const SCENE: Case = Case {
     needs_device: false,
-    ..Case::of(
+    ..Case::new(
         &["scene", "tori", "-o", "out", "--set", "points=400"],
         &["inner.ply", "middle.ply", "outer.ply", "scene.toml"],
     )
 };
 const PREPARE: Case =
-    Case { needs_device: false, ..Case::of(&["prepare", "in/cloud.ply", "-o", "out/p.ply", "-q"], &["p.ply"]) };
+    Case { needs_device: false, ..Case::new(&["prepare", "in/cloud.ply", "-o", "out/p.ply", "-q"], &["p.ply"]) };
 const COMPARE: Case =
-    Case { needs_device: false, ..Case::of(&["compare", "in/a.png", "in/b.png", "-o", "out/d.png"], &["d.png"]) };
+    Case { needs_device: false, ..Case::new(&["compare", "in/a.png", "in/b.png", "-o", "out/d.png"], &["d.png"]) };
 
 const CASES: [Case; 8] = [SCENE, PREPARE, COMPARE, RENDER_PNG, RENDER_EXR, MEASURED, PROFILE, STEPS];
 

@@ -28,7 +28,7 @@ fn main(
     for (var i = 0u; i < n; i++) {
         let fragment = list[sorted + i];
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
-        if i % LOOK == LOOK - 1u && done(sum, push.most_opacity, push.most_color) {
+        if i % LOOK == LOOK - 1u && done(sum, push.max_opacity, push.max_color) {
             break;
         }
     }

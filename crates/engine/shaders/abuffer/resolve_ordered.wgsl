@@ -17,8 +17,8 @@ struct Push {
     // Key of the nearest depth.
     nearest: u32,
     // Largest opacity, and largest color component, background included.
-    most_opacity: f32,
-    most_color: f32,
+    max_opacity: f32,
+    max_color: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -72,7 +72,7 @@ fn main(
     let before = total.key;
     // What comes after a run is a run, and may be opaque.
     let long = offsets[p + 1u] - offsets[p] > RUN_LENGTH;
-    let most_opacity = select(push.most_opacity, 1.0, long);
+    let max_opacity = select(push.max_opacity, 1.0, long);
     let start = first - push.first_fragment;
     let n = end - first;
     var run = Composed(vec4<f32>(0.0), NOTHING);
@@ -86,7 +86,7 @@ fn main(
         let joined = Composed(total.rgba + (1.0 - total.rgba.a) * run.rgba, select(total.key, run.key, total.key == NOTHING));
         // Within the first run nothing lies in front, and the run is the sum.
         let alone = push.segment == 0u && i < RUN_LENGTH;
-        let stops = (ends || (alone && i % LOOK == 0u)) && done(joined, most_opacity, push.most_color);
+        let stops = (ends || (alone && i % LOOK == 0u)) && done(joined, max_opacity, push.max_color);
         if ends || stops {
             total = joined;
             run = Composed(vec4<f32>(0.0), NOTHING);

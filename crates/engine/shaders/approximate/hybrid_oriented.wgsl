@@ -35,7 +35,7 @@ struct Slots {
 #each slot     slot{slot}: Slot,
 }
 
-struct Held {
+struct PixelState {
     state: State,
     slots: Slots,
 }
@@ -66,12 +66,12 @@ fn keep_slots(p: u32, s: Slots) {
 #each slot     slots[first + 2u + 2u * {slot}u] = bitcast<vec4<u32>>(s.slot{slot}.color);
 }
 
-fn begin(pixel: vec2<u32>) -> Held {
-    var held = Held(empty_state(), empty_slots());
+fn begin(pixel: vec2<u32>) -> PixelState {
+    var held = PixelState(empty_state(), empty_slots());
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         if LATER != 0u {
-            held = Held(kept_state(p), kept_slots(p));
+            held = PixelState(kept_state(p), kept_slots(p));
         } else if BEHIND != 0u {
             held.state.front = image[p];
             held.state.key = depth_key(depths[p]);
@@ -81,7 +81,7 @@ fn begin(pixel: vec2<u32>) -> Held {
     return held;
 }
 
-fn visit(before_it: Held, f: Fragment) -> Held {
+fn visit(before_it: PixelState, f: Fragment) -> PixelState {
     var state = before_it.state;
     var s = before_it.slots;
     let rank = Rank(f.depth_key, f.index);
@@ -95,10 +95,10 @@ fn visit(before_it: Held, f: Fragment) -> Held {
         state.coverage = covered(state.coverage, carried.color.a);
     }
     state.key = nearer(state.key, f);
-    return Held(state, s);
+    return PixelState(state, s);
 }
 
-fn finish(held: Held, pixel: vec2<u32>) {
+fn finish(held: PixelState, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }

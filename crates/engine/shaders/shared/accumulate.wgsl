@@ -2,22 +2,22 @@
 // leave as it is, and result(state), premultiplied color and A. It says of its push constants what shared/tile_fold wants.
 #import tile_state
 
-alias Held = State;
+alias PixelState = State;
 
-fn begin(pixel: vec2<u32>) -> Held {
+fn begin(pixel: vec2<u32>) -> PixelState {
     if LATER != 0u && all(pixel < view.window.zw) {
         return kept_state(window_index(pixel, view.window));
     }
     return empty_state();
 }
 
-fn visit(before: Held, fragment: Fragment) -> Held {
+fn visit(before: PixelState, fragment: Fragment) -> PixelState {
     var state = add(before, fragment);
     state.key = nearer(state.key, fragment);
     return state;
 }
 
-fn finish(state: Held, pixel: vec2<u32>) {
+fn finish(state: PixelState, pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         leave(window_index(pixel, view.window), state, result(state));
     }

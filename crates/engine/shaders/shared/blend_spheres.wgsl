@@ -53,7 +53,7 @@ fn blend_list(list: ptr<function, array<vec2<u32>, 2u * CAPACITY>>, start: u32, 
             count += 1u;
         }
         key = event.x;
-        if k % LOOK == LOOK - 1u && done(sum, 1.0, push.most_color) {
+        if k % LOOK == LOOK - 1u && done(sum, 1.0, push.max_color) {
             break;
         }
     }

@@ -4,15 +4,15 @@
 //
 // A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed to
 // all invocations one by one by shuffles. The stage defines what is handed over, and what becomes of it:
-//     Handed, Held                          a splat in an invocation's hands; what an invocation holds of each of its pixels
-//     begin(pixel) -> Held                  before the run's first splat, pixels outside the window included
-//     begin_run(cut)                        after that; `cut`: the tile has splats behind the run
-//     take(rank, corner) -> Handed          a splat by its rank, for a tile's corner
+//     Handed, PixelState                           a splat in an invocation's hands; the state of one of its pixels
+//     begin(pixel) -> PixelState                   before the run's first splat, pixels outside the window included
+//     begin_run(cut)                               after that; `cut`: the tile has splats behind the run
+//     take(rank, corner) -> Handed                 a splat by its rank, for a tile's corner
 //     may_touch(own, block, corner) -> bool
-//     handed(own, k, present, lane) -> Handed   that of lane k; without `present` it must change nothing
-//     show(held, handed, i, pixel) -> Held  to the invocation's i-th pixel
-//     STOPS, is_done(held) -> bool          whether pixels may be done before the last splat, and whether one is
-//     finish(held, pixel)                   after the run's last splat
+//     handed(own, k, present, lane) -> Handed      that of lane k; without `present` it must change nothing
+//     show(state, handed, i, pixel) -> PixelState  to the invocation's i-th pixel
+//     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
+//     finish(state, pixel)                         after the run's last splat
 // Held pixels are told apart in the text alone, which lavapipe compiles in half the time of one that picks them by an index.
 #import tile_run
 #import dispatch
@@ -22,7 +22,7 @@ override SHARED: u32 = 1u;
 // Steps between two looks at what may stop.
 const LOOK = 4u;
 
-#each held var<private> held{held}: Held;
+#each held var<private> held{held}: PixelState;
 
 // Shows the splats of one step that touch a block to its pixels.
 fn over_block(block: u32, hits: u32, own: Handed, corner: vec2<u32>, lane: u32) {

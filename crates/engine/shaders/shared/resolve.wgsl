@@ -6,8 +6,8 @@ struct Push {
     class_index: u32,
     first_fragment: u32,
     // Largest opacity, and largest color component, background included.
-    most_opacity: f32,
-    most_color: f32,
+    max_opacity: f32,
+    max_color: f32,
 }
 
 var<immediate> push: Push;

@@ -4,12 +4,12 @@ struct Push {
     class_index: u32,
     first_fragment: u32,
     // Largest color component, background included.
-    most_color: f32,
+    max_color: f32,
     // λ, and the opacity that stands for it in Eq. 22.
     lambda: f32,
     peak: f32,
     // For long lists: largest radius, and the first of the events of each list that a dispatch looks at.
-    most_radius: f32,
+    max_radius: f32,
     first: u32,
 }
 

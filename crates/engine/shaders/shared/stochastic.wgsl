@@ -17,8 +17,8 @@ var<immediate> push: Push;
 
 const NOTHING = 0xffffffffu;
 
-// What the samples of some strata hold: the smallest rank of the fragments that cover each, as depth key and index.
-struct Held {
+// The smallest rank of the fragments that cover each sample of some strata, as depth key and index.
+struct SampleRanks {
     keys: array<vec4<u32>, STRATA>,
     indices: array<vec4<u32>, STRATA>,
 }

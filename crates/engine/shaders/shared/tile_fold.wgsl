@@ -1,9 +1,9 @@
 // Shows the splats of each tile, in the order in which they were binned, as fragments to every pixel that they may cover
 // (shared/hand_over.wgsl). The stage imports `splat`, declares its push constants with a member `walk: TileWalk`, and then
-// imports this. It defines the type Held, what an invocation holds of each of its pixels, and
-//     begin(pixel) -> Held            before the first splat of a run
-//     visit(held, fragment) -> Held   for each splat that may cover the pixel
-//     finish(held, pixel)             after the last splat of the run
+// imports this. It defines the type PixelState, what an invocation holds of each of its pixels, and
+//     begin(pixel) -> PixelState             before the first splat of a run
+//     visit(state, fragment) -> PixelState   for each splat that may cover the pixel
+//     finish(state, pixel)                   after the last splat of the run
 // pixels outside the window included. A run takes TAKEN splats of each tile; with LATER = 1 it goes on from what earlier
 // ones left, wherever the stage keeps that.
 #import folding
@@ -11,7 +11,7 @@
 
 const STOPS = false;
 
-fn is_done(held: Held) -> bool {
+fn is_done(held: PixelState) -> bool {
     return false;
 }
 
@@ -26,6 +26,6 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return touches(own.splat, corner + block_corner(block));
 }
 
-fn show(held: Held, h: Handed, i: u32, pixel: vec2<u32>) -> Held {
+fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     return visit(held, fragment_of(h, pixel));
 }

@@ -15,7 +15,7 @@ struct Push {
 @group(0) @binding(3) var<storage, read> footprints: array<vec4<u32>>;
 var<immediate> push: Push;
 
-alias Held = u32;
+alias PixelState = u32;
 
 struct Handed {
     splat: Splat,

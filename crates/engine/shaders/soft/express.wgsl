@@ -11,7 +11,7 @@ struct Push {
     // Opacity in the middle of a disc, Seemann's lambda.
     peak: f32,
     // Largest color component, background included: a bound of what may still come.
-    most_color: f32,
+    max_color: f32,
 }
 
 @group(0) @binding(3) var<storage, read> records: array<vec2<u32>>;
@@ -38,7 +38,7 @@ override MODULATED: u32 = 0u;
 override COUNTED: u32 = 0u;
 
 // What an invocation holds of each of its pixels.
-struct Held {
+struct PixelState {
     sum: Composed,
     // Depth key of the solid point, NOTHING where there is none, 0 outside the window.
     wall: u32,
@@ -103,8 +103,8 @@ fn take(rank: u32, corner: vec2<u32>) -> Handed {
     return disc_of(splat_of(footprints[rank]), records[rank].x + push.walk.nearest, colors[rank], corner);
 }
 
-fn begin(pixel: vec2<u32>) -> Held {
-    return Held(left_by_others(pixel), wall_at(pixel), 0u);
+fn begin(pixel: vec2<u32>) -> PixelState {
+    return PixelState(left_by_others(pixel), wall_at(pixel), 0u);
 }
 
 fn begin_run(cut: bool) {
@@ -143,7 +143,7 @@ fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
 }
 
 // `disc.pixel` is relative to the invocation's first pixel.
-fn show(before: Held, disc: Handed, i: u32, pixel: vec2<u32>) -> Held {
+fn show(before: PixelState, disc: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let further = place(0u, i);
     var held = before;
     if COUNTED != 0u {
@@ -153,8 +153,8 @@ fn show(before: Held, disc: Handed, i: u32, pixel: vec2<u32>) -> Held {
     return held;
 }
 
-fn is_done(held: Held) -> bool {
-    return held.wall == 0u || done(held.sum, push.peak, push.most_color);
+fn is_done(held: PixelState) -> bool {
+    return held.wall == 0u || done(held.sum, push.peak, push.max_color);
 }
 
 // What the runs before left of a pixel.
@@ -176,7 +176,7 @@ fn wall_at(pixel: vec2<u32>) -> u32 {
     return depth_key(solid[window_index(pixel, view.window)]);
 }
 
-fn finish(held: Held, pixel: vec2<u32>) {
+fn finish(held: PixelState, pixel: vec2<u32>) {
     if all(pixel < view.window.zw) {
         let p = window_index(pixel, view.window);
         if COUNTED != 0u {

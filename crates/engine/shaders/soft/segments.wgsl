@@ -41,7 +41,7 @@ fn range_of(run: ListRun) -> vec2<u32> {
     let start = run.run * RUN_LENGTH;
     let nearest = key_depth(fragments[run.start + start].x);
     // No chord is longer than the largest sphere's diameter, as depth along the axis or not; give or take rounding.
-    let reach = 2.0 * push.most_radius;
+    let reach = 2.0 * push.max_radius;
     let low = max(first_behind(run, nearest - reach - 1e-5 * (abs(nearest) + reach)), push.first);
     let high = min(min(start + RUN_LENGTH, run.length), push.first + TAKEN);
     return vec2<u32>(low, max(low, high));

@@ -9,8 +9,8 @@
 struct Push {
     walk: TileWalk,
     // Largest opacity, and largest color component, background included: bounds of what may still come.
-    most_opacity: f32,
-    most_color: f32,
+    max_opacity: f32,
+    max_color: f32,
 }
 
 @group(0) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
@@ -18,21 +18,21 @@ struct Push {
 var<immediate> push: Push;
 
 // Runs are composed by themselves: a later one goes behind what the image holds.
-struct Held {
+struct PixelState {
     sum: Composed,
     front: Composed,
 }
 
 const STOPS = true;
 // Of what may come behind: another run may be opaque.
-var<private> most_opacity: f32;
+var<private> max_opacity: f32;
 
-fn begin(pixel: vec2<u32>) -> Held {
-    return Held(Composed(vec4<f32>(0.0), NOTHING), left_by_others(pixel));
+fn begin(pixel: vec2<u32>) -> PixelState {
+    return PixelState(Composed(vec4<f32>(0.0), NOTHING), left_by_others(pixel));
 }
 
 fn begin_run(cut: bool) {
-    most_opacity = select(push.most_opacity, 1.0, LATER != 0u || cut);
+    max_opacity = select(push.max_opacity, 1.0, LATER != 0u || cut);
 }
 
 // Flat splats bring their rank; one look-up at the end gives the depth.
@@ -44,22 +44,22 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return touches(own.splat, corner + block_corner(block));
 }
 
-fn show(held: Held, h: Handed, i: u32, pixel: vec2<u32>) -> Held {
+fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     let fragment = fragment_of(h, pixel);
     let key = select(h.record.x, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
-    return Held(behind(held.sum, key, fragment.color), held.front);
+    return PixelState(behind(held.sum, key, fragment.color), held.front);
 }
 
 // What this run composed, behind what lies in front of it.
-fn joined(held: Held) -> Composed {
+fn joined(held: PixelState) -> Composed {
     if LATER == 0u {
         return held.sum;
     }
     return Composed(held.front.rgba + (1.0 - held.front.rgba.a) * held.sum.rgba, held.front.key);
 }
 
-fn is_done(held: Held) -> bool {
-    return done(joined(held), most_opacity, push.most_color);
+fn is_done(held: PixelState) -> bool {
+    return done(joined(held), max_opacity, push.max_color);
 }
 
 // What the runs before left of a pixel. A depth stands for its key: nothing behind asks for the rank again.
@@ -71,7 +71,7 @@ fn left_by_others(pixel: vec2<u32>) -> Composed {
     return Composed(image[p], select(0u, NOTHING, depths[p] > 3.4e38));
 }
 
-fn finish(held: Held, pixel: vec2<u32>) {
+fn finish(held: PixelState, pixel: vec2<u32>) {
     if any(pixel >= view.window.zw) {
         return;
     }

@@ -24,7 +24,7 @@ struct Sums {
     exact: f32,
 }
 
-var<private> held: Held;
+var<private> held: SampleRanks;
 var<private> sum: Sums;
 
 // Samples of a stratum in which a fragment is visible: nothing nearer is held there.

@@ -5,14 +5,14 @@
 #import held
 #import random
 
-struct Held {
+struct Output {
     @builtin(frag_depth) depth: f32,
     @builtin(sample_mask) mask: u32,
     @location(0) index: f32,
 }
 
 @fragment
-fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) i: u32) -> Held {
+fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) i: u32) -> Output {
     view = camera;
     let pixel = vec2<u32>(position.xy) + view.window.xy;
     let found = quad_fragment(i, pixel);
@@ -21,5 +21,5 @@ fn main(@builtin(position) position: vec4<f32>, @location(0) @interpolate(flat) 
     if mask == 0u {
         discard;
     }
-    return Held(held_depth(found.depth_key, push.base, push.shift), mask, held_index(push.first + i));
+    return Output(held_depth(found.depth_key, push.base, push.shift), mask, held_index(push.first + i));
 }

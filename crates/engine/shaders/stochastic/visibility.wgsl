@@ -8,7 +8,7 @@
 @group(0) @binding(8) var<storage, read_write> held_keys: array<vec4<u32>>;
 @group(0) @binding(9) var<storage, read_write> held_indices: array<vec4<u32>>;
 
-var<private> held: Held;
+var<private> held: SampleRanks;
 
 fn hold(s: u32, mask: u32, fragment: Fragment) {
     let covered = (vec4<u32>(mask) & vec4<u32>(1u, 2u, 4u, 8u)) != vec4<u32>(0u);

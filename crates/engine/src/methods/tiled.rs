@@ -42,7 +42,7 @@ pub(crate) trait Stage {
         Ok(work.facts.note_survey(Bins::survey(work.device, bin)?))
     }
 
-    /// Bins a window and draws it; `most_color` bounds the color components.
+    /// Bins a window and draws it; `max_color` bounds the color components.
     ///
     /// # Errors
     /// Those of [`Bins::bin`] and of the drawing.
@@ -51,7 +51,7 @@ pub(crate) trait Stage {
         machines: &mut Machines,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
-        most_color: f32,
+        max_color: f32,
     ) -> Result<Outcome, Error>;
 }
 
@@ -75,10 +75,10 @@ pub(super) fn render(
     let visited = frame.fragments && walker == Walker::Compute;
     let Some(budget) = work.reserve_tiles(tiles, &stats, visited)? else { return Ok(Outcome::Overflow) };
     let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-    let (pixels, most_color) = (bands::pixels(window), cloud.most_color(&how));
+    let (pixels, max_color) = (bands::pixels(window), cloud.max_color(&how));
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
-        let stop = sorted::stop(frame.stop, frame.color, most_color);
+        let stop = sorted::stop(frame.stop, frame.color, max_color);
         let lists = abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, budget };
         if machines.lists.tally(work, &lists)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
@@ -86,7 +86,7 @@ pub(super) fn render(
         counted_bytes += pixels * abuffer::PIXEL_BYTES;
     }
     let bin = bin::Job { raster, order: stage.order(), depth_range: frame.depth_range(), budget, counted_bytes };
-    let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, most_color)? };
+    let outcome = if work.survey { stage.survey(work, &bin)? } else { stage.draw(machines, work, bin, max_color)? };
     if outcome == Outcome::Done {
         work.finish();
         work.facts.note(&stats, walker);

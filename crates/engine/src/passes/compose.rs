@@ -29,7 +29,7 @@ impl Cut {
     }
 
     /// The parts of a buffer; those beyond its end repeat its first element and are not read.
-    pub fn of<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
+    pub fn slices<T: GpuType>(self, buffer: &Buffer<T>) -> [Slice<'_, T>; PARTS] {
         let len = u64::from(self.len);
         std::array::from_fn(|i| {
             let start = i as u64 * len;
@@ -55,7 +55,7 @@ group! {
 impl<'a> Composing<'a> {
     /// The cloud, cut.
     pub fn new(cloud: &'a DeviceCloud, cut: Cut) -> Self {
-        let (colors, splats, tilts) = (cut.of(&cloud.colors), cut.of(&cloud.splats), cut.of(&cloud.tilts));
+        let (colors, splats, tilts) = (cut.slices(&cloud.colors), cut.slices(&cloud.splats), cut.slices(&cloud.tilts));
         Self { view: cloud.view(), colors, splats, tilts }
     }
 }

@@ -105,7 +105,7 @@ struct Doubt {
 
 impl Doubt {
     /// A few roundings of a flat disc's depth; an oriented one adds its slope. A Gaussian adds errors of ρ and of exp.
-    fn of(discs: &Discs) -> Self {
+    fn from_discs(discs: &Discs) -> Self {
         let depth = if discs.shape == DiscShape::Flat { 1e-6 } else { 4e-5 };
         let alpha = if discs.falloff == Falloff::Flat { 0.0 } else { 2e-5 };
         Self { depth, alpha }
@@ -134,7 +134,7 @@ fn compare(
     settings: &Stochastic,
     seed: u64,
 ) -> Result<f64, String> {
-    let doubt = Doubt::of(&settings.discs);
+    let doubt = Doubt::from_discs(&settings.discs);
     let stderr = image.stderr.as_deref().ok_or("no standard error")?;
     let mut clear = 0;
     for (at, list) in lists.iter().enumerate() {

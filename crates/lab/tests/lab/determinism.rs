@@ -17,7 +17,7 @@ use pellucid_testing::{is_llvmpipe, long_or, with_device, with_device_that_binds
 const SUBJECTS: usize = 44;
 
 /// A subject, its points in order, and its image as a renderer that has done nothing else makes it.
-struct Known {
+struct Baseline {
     subject: Subject,
     arranged: Arranged,
     first: Rendered,
@@ -28,12 +28,12 @@ fn fresh(device: &Device) -> Renderer {
 }
 
 /// All subjects that the device can render; what it lacks for the others is printed.
-fn known(device: &Device) -> Vec<Known> {
+fn known(device: &Device) -> Vec<Baseline> {
     let mut found = Vec::new();
     for subject in check::subjects() {
         let arranged = subject.arranged();
         match subject.render_arranged(&mut fresh(device), &arranged) {
-            Ok(first) => found.push(Known { subject, arranged, first }),
+            Ok(first) => found.push(Baseline { subject, arranged, first }),
             Err(error) if Lack::in_error(&error).is_some() => println!("not applicable: {}: {error}", subject.name),
             Err(error) => panic!("{}: {error}", subject.name),
         }
@@ -49,14 +49,14 @@ fn known(device: &Device) -> Vec<Known> {
 struct Wrong(Vec<String>);
 
 impl Wrong {
-    fn compare(&mut self, known: &Known, found: &Image, how: &str) {
+    fn compare(&mut self, known: &Baseline, found: &Image, how: &str) {
         if let Some(difference) = check::difference(&known.first.image, found) {
             self.0.push(format!("{}, {how}: {difference}", known.subject.name));
         }
     }
 
     /// The same of an image that was rendered with another frame.
-    fn compare_frame(&mut self, known: &Known, renderer: &mut Renderer, frame: Frame, how: &str) -> Option<Facts> {
+    fn compare_frame(&mut self, known: &Baseline, renderer: &mut Renderer, frame: Frame, how: &str) -> Option<Facts> {
         match known.subject.with(frame).render_arranged(renderer, &known.arranged) {
             Ok(rendered) => {
                 self.compare(known, &rendered.image, how);
@@ -76,7 +76,7 @@ impl Wrong {
 }
 
 /// Runs on a renderer that has rendered all the others before, in both directions, and on fresh ones.
-fn repeated(device: &Device, all: &[Known], times: usize, wrong: &mut Wrong) {
+fn repeated(device: &Device, all: &[Baseline], times: usize, wrong: &mut Wrong) {
     let mut kept = fresh(device);
     for round in 0..times {
         let places: Vec<usize> = if round % 2 == 0 { (0..all.len()).collect() } else { (0..all.len()).rev().collect() };
@@ -98,7 +98,7 @@ fn render(device: &Device, subject: &Subject) -> Image {
 }
 
 /// Points and clouds in other orders; where an order is part of the method, it must show.
-fn reordered(device: &Device, all: &[Known], seeds: u32, wrong: &mut Wrong) {
+fn reordered(device: &Device, all: &[Baseline], seeds: u32, wrong: &mut Wrong) {
     for known in all {
         let subject = &known.subject;
         let shuffled = (1..=seeds).map(|seed| (format!("points shuffled by {seed}"), subject.shuffled(seed), false));
@@ -121,7 +121,7 @@ fn reordered(device: &Device, all: &[Known], seeds: u32, wrong: &mut Wrong) {
 
 /// A budget that cuts the image into windows or its fragments into bands, between one that is enough for all and one that is
 /// enough for nothing, found by bisection; each image on the way is compared.
-fn budgeted(device: &Device, all: &[Known], wrong: &mut Wrong) {
+fn budgeted(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     let mut renderer = fresh(device);
     for known in all {
         let whole = &known.first.facts;
@@ -183,9 +183,9 @@ fn the_same_bytes_however_the_work_is_cut() {
 }
 
 /// A budget in which a large cloud goes through the device in several uploads.
-fn streamed(device: &Device, all: &[Known], wrong: &mut Wrong) {
+fn streamed(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     let dealt = all.iter().filter(|known| known.subject.frame.method.is_dealt());
-    let crowded: Vec<&Known> = dealt.filter(|known| known.arranged.points().len() > 65_536).collect();
+    let crowded: Vec<&Baseline> = dealt.filter(|known| known.arranged.points().len() > 65_536).collect();
     assert!(!crowded.is_empty(), "none has points enough to be streamed");
     for known in crowded {
         let frame = Frame { memory_budget: Some(2 << 20), ..known.subject.frame };
@@ -195,7 +195,7 @@ fn streamed(device: &Device, all: &[Known], wrong: &mut Wrong) {
 }
 
 /// Other atomics, ensembles in two stages and with few epochs, images without lists.
-fn otherwise(device: &Device, all: &[Known], wrong: &mut Wrong) {
+fn otherwise(device: &Device, all: &[Baseline], wrong: &mut Wrong) {
     type Change = fn(&mut Renderer);
     let changes: [(&str, Change); 3] = [
         ("32-bit atomics", |renderer| renderer.wide_atomics = false),
@@ -272,7 +272,7 @@ fn one_changed_bit_is_reported() {
         let arranged = subject.arranged();
         let first = subject.render_arranged(&mut fresh(device), &arranged).expect("renders");
         let mut other = first.image.clone();
-        let known = Known { subject, arranged, first };
+        let known = Baseline { subject, arranged, first };
         let place = 11 * other.width as usize + 30;
         let green = &mut other.rgba[place][1];
         *green = f32::from_bits(green.to_bits() ^ 1);

@@ -23,7 +23,7 @@ struct Holdings {
 
 impl Holdings {
     /// At rest.
-    fn of(window: &mut Window) -> Self {
+    fn measure(window: &mut Window) -> Self {
         let process = Path::new("/proc").join(window.process.id().to_string());
         let device_memory = window.wait_for("device memory: ");
         let status = std::fs::read_to_string(process.join("status")).unwrap();
@@ -80,9 +80,9 @@ fn resizing_hiding_and_opening_leave_nothing_behind() {
         display.do_it(&format!("windowfocus --sync {id}"));
         // Buffers that are kept have their sizes after a round.
         go_through(display, &mut window, &id, folder, [1, SIZES.len()]);
-        let before = Holdings::of(&mut window);
+        let before = Holdings::measure(&mut window);
         go_through(display, &mut window, &id, folder, [5, RESIZES]);
-        let after = Holdings::of(&mut window);
+        let after = Holdings::measure(&mut window);
         assert_eq!(after.device_memory, before.device_memory);
         assert_eq!(after.files, before.files);
         // Whoever kept a picture or an image of the window at each resize would hold so much more; the allocator's

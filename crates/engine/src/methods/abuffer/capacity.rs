@@ -13,7 +13,7 @@ impl ABuffer {
     fn capacity(device: &Device, job: &WindowJob<'_>, counted: &Counted) -> u64 {
         let pixel_bytes = PIXEL_BYTES + job.storing.spheres().map_or(0, Spheres::pixel_bytes);
         let left = job.budget.left(bands::pixels(job.raster.window) * pixel_bytes);
-        let need = Need::of(job, counted);
+        let need = Need::for_window(job, counted);
         let widest = if need.records { soft::RECORD_BYTES } else { need.fragment };
         (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
@@ -37,7 +37,7 @@ impl ABuffer {
         bands::bands(&offsets, capacity).map_err(|_| {
             let (pixel, length) = bands::longest(&offsets);
             let [x, y] = bands::place(window, pixel);
-            let need = Need::of(job, counted);
+            let need = Need::for_window(job, counted);
             let (bytes, limit) = (u64::from(length) * need.fragment, device.limits().binding_bytes);
             if bytes > limit {
                 let name = format!("the list of pixel ({x}, {y}) with {length} fragments");
@@ -59,7 +59,7 @@ impl ABuffer {
         let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
         // What an earlier frame left may be more than this one's budget allows.
         let limit = Self::capacity(device, job, counted).max(most);
-        let need = Need::of(job, counted);
+        let need = Need::for_window(job, counted);
         // What this frame does not need goes first, since the budget is for all of it.
         if !need.spare {
             self.spare.release();
@@ -108,7 +108,7 @@ pub(super) struct Need {
 }
 
 impl Need {
-    pub(super) fn of(job: &WindowJob<'_>, counted: &Counted) -> Self {
+    pub(super) fn for_window(job: &WindowJob<'_>, counted: &Counted) -> Self {
         let links = matches!(job.storing, Storing::Links);
         let sorted = matches!(job.storing, Storing::Ordered(_));
         let runs = !sorted && counted.lengths.in_long_lists > 0;

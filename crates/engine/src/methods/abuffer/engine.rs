@@ -94,7 +94,7 @@ impl Engine for ListEngine {
             return Ok(Outcome::Overflow);
         };
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
-        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
         let mut job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.depth_range(), budget, counted_bytes };

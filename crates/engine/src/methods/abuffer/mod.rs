@@ -154,14 +154,14 @@ impl ABuffer {
         self.reserve_fragments(device, job, &bands, &counted)?;
         let facts = &mut *work.facts;
         counted.note(&bands, facts);
-        let records = if Need::of(job, &counted).records { self.records.get().bytes() } else { 0 };
+        let records = if Need::for_window(job, &counted).records { self.records.get().bytes() } else { 0 };
         facts.fragment_bytes = facts.fragment_bytes.max(self.fragments.get().bytes() + records);
         let cut = Cut::new(device, job.raster.cloud.len())?;
         let stored = Stored {
             cut,
             offsets: self.offsets.get().all(),
             fragments: self.fragments.get().all(),
-            spare: Need::of(job, &counted).spare.then(|| self.spare.get().all()),
+            spare: Need::for_window(job, &counted).spare.then(|| self.spare.get().all()),
             records: self.records.get().all(),
         };
         for (i, band) in bands.iter().enumerate() {

@@ -27,8 +27,8 @@ gpu_struct! {
     pub struct ResolvePush {
         class_index: u32,
         first_fragment: u32,
-        most_opacity: f32,
-        most_color: f32,
+        max_opacity: f32,
+        max_color: f32,
     }
 }
 
@@ -137,8 +137,8 @@ gpu_struct! {
         first_fragment: u32,
         segment: u32,
         nearest: u32,
-        most_opacity: f32,
-        most_color: f32,
+        max_opacity: f32,
+        max_color: f32,
     }
 }
 

@@ -301,10 +301,10 @@ impl Filterer {
         self.record_list(recorder, job, Listed::Resolve, (0, 0), emptied)?;
         let resolve = Resolve {
             camera: cloud.view(),
-            points_hi: cut.of(&cloud.points_hi),
-            points_lo: cut.of(&cloud.points_lo),
-            point_colors: cut.of(&cloud.point_colors),
-            normals: cut.of(&cloud.normals),
+            points_hi: cut.slices(&cloud.points_hi),
+            points_lo: cut.slices(&cloud.points_lo),
+            point_colors: cut.slices(&cloud.point_colors),
+            normals: cut.slices(&cloud.normals),
             nearest: self.nearest(job).cast(),
             entries: self.entries.get().all(),
             depths: self.depths(job),

@@ -121,10 +121,10 @@ impl Opaque {
         let cut = Cut::new(device, cloud.len())?;
         let resolve = Resolve {
             camera: cloud.view(),
-            points_hi: cut.of(&cloud.points_hi),
-            points_lo: cut.of(&cloud.points_lo),
-            point_colors: cut.of(&cloud.point_colors),
-            normals: cut.of(&cloud.normals),
+            points_hi: cut.slices(&cloud.points_hi),
+            points_lo: cut.slices(&cloud.points_lo),
+            point_colors: cut.slices(&cloud.point_colors),
+            normals: cut.slices(&cloud.normals),
             nearest: nearest.cast(),
             image: target.image(),
             depths: target.depths(),

@@ -48,8 +48,8 @@ impl SpheresEngine {
     ) -> Result<Outcome, Error> {
         let (frame, window, interior) = (work.frame, work.window, self.interior);
         let model = SoftModel::new(&frame.method, &self.soft, parts.median_radius * frame.factors.radius);
-        let most_radius = cloud.most_radius() * frame.factors.radius;
-        let exact = model.is_stiff(interior, most_radius);
+        let max_radius = cloud.max_radius() * frame.factors.radius;
+        let exact = model.is_stiff(interior, max_radius);
         let kind = Kind { interior, exact, modulated: self.soft.modulation.is_some() };
         let how = self.projecting(frame, cloud, kind);
         let stats = work.project(cloud, &how)?;
@@ -61,9 +61,9 @@ impl SpheresEngine {
         let (walker, footprint) = (Walker::Compute, how.footprint);
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint, window };
         let layer = solid.then_some(&machines.layer);
-        let spheres = Spheres { kind, model, most_radius, origin: cloud.depth_origin(), layer };
+        let spheres = Spheres { kind, model, max_radius, origin: cloud.depth_origin(), layer };
         spheres.check(&frame.method, cloud.len())?;
-        let stop = sorted::stop(frame.stop, frame.color, cloud.most_color(&how));
+        let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
         let storing = Storing::Spheres(spheres);
         let job = abuffer::WindowJob { raster, discs: Discs::default(), storing, stop, budget };
         let outcome =
@@ -147,7 +147,7 @@ impl ExpressEngine {
                 model: SoftModel::new(&frame.method, soft, parts.median_radius * frame.factors.radius),
                 modulated: soft.modulation.is_some(),
                 layer: (parts.solid > 0).then_some(&machines.layer),
-                most_color: cloud.most_color(&how),
+                max_color: cloud.max_color(&how),
             };
             machines.soft_discs.render(&mut machines.bins, work, &job)?
         };

@@ -19,7 +19,7 @@ gpu_struct! {
     pub struct ExpressPush {
         walk: TileWalk,
         peak: f32,
-        most_color: f32,
+        max_color: f32,
     }
 }
 
@@ -51,7 +51,7 @@ pub struct WindowJob<'a> {
     /// The window's solid points, if there are any. Discs are drawn where their depth is less.
     pub layer: Option<&'a Layer>,
     /// Upper bound of the color components that are blended.
-    pub most_color: f32,
+    pub max_color: f32,
 }
 
 /// What is kept from frame to frame.
@@ -135,13 +135,13 @@ impl SoftDiscs {
         let tiles = bins.tiles(binned).folding(cloud.view());
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
-        let (stop, most_color) = sorted::stop(frame.stop, frame.color, job.most_color);
+        let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);
         for segment in 0..binned.segments() {
-            let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, most_color };
+            let push = ExpressPush { walk: binned.walk(segment), peak: job.model.lambda, max_color };
             let (modulated, counted) = (job.modulated, frame.fragments);
-            let way = Way { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
+            let kind = ExpressKind { stop, cut: job.layer.is_some(), modulated, counted, later: segment > 0 };
             let run = Run::new(Dispatch::Groups(binned.tiles().into()));
-            recorder.run(&express, push, &run.variant(express_variant(way, binned.subgroup())))?;
+            recorder.run(&express, push, &run.variant(express_variant(kind, binned.subgroup())))?;
         }
         Ok(())
     }
@@ -149,7 +149,7 @@ impl SoftDiscs {
 
 /// What a variant of `soft/express` depends on.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Way {
+pub(crate) struct ExpressKind {
     /// `STOP` in WGSL, from [`sorted::stop`].
     pub stop: u32,
     /// Whether solid points cut it.
@@ -163,22 +163,22 @@ pub(crate) struct Way {
 }
 
 /// A variant of `soft/express`.
-fn express_variant(way: Way, subgroup: u32) -> Variant {
+fn express_variant(kind: ExpressKind, subgroup: u32) -> Variant {
     let flat = Variant::plain().with("SHAPE", Footprint::Disc as u32);
-    bin::fold_variant(flat, way.later, subgroup)
-        .with("STOP", if way.counted { STOP_NEVER } else { way.stop })
-        .with("CUT", u32::from(way.cut))
-        .with("MODULATED", u32::from(way.modulated))
-        .with("COUNTED", u32::from(way.counted))
+    bin::fold_variant(flat, kind.later, subgroup)
+        .with("STOP", if kind.counted { STOP_NEVER } else { kind.stop })
+        .with("CUT", u32::from(kind.cut))
+        .with("MODULATED", u32::from(kind.modulated))
+        .with("COUNTED", u32::from(kind.counted))
 }
 
 /// The pass with its variants.
 pub(super) fn shaders() -> Vec<Shader> {
     let flags = <((bool, bool), (bool, bool))>::all();
-    let ways = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
-        STOPS.map(|stop| Way { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
+    let kinds = flags.iter().flat_map(|((cut, modulated), (counted, later))| {
+        STOPS.map(|stop| ExpressKind { stop, cut: *cut, modulated: *modulated, counted: *counted, later: *later })
     });
-    vec![Shader::new::<Express>(ways.flat_map(|way| SUBGROUPS.map(|size| express_variant(way, size))))]
+    vec![Shader::new::<Express>(kinds.flat_map(|kind| SUBGROUPS.map(|size| express_variant(kind, size))))]
 }
 
 #[cfg(test)]
@@ -202,7 +202,7 @@ mod tests {
             worst = worst.max((f64::from(profile(x)) - exact).abs());
         }
         assert!(worst < 3e-7, "{worst}");
-        // It falls all the way, but for rounding, and never beyond [0, 1].
+        // It falls all the kind, but for rounding, and never beyond [0, 1].
         let falls =
             (0..steps).all(|i| profile((i + 1) as f32 / steps as f32) <= profile(i as f32 / steps as f32) + 1e-6);
         assert!(falls);

@@ -32,9 +32,9 @@ impl Stage for SortedEngine {
         machines: &mut Machines,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
-        most_color: f32,
+        max_color: f32,
     ) -> Result<Outcome, Error> {
-        render(&mut machines.bins, work, &WindowJob { bin, discs: self.discs, most_color })
+        render(&mut machines.bins, work, &WindowJob { bin, discs: self.discs, max_color })
     }
 }
 

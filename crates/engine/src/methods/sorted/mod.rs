@@ -22,8 +22,8 @@ gpu_struct! {
     /// Push constants of `sorted/blend`; the shader says what the members are.
     pub struct BlendPush {
         walk: TileWalk,
-        most_opacity: f32,
-        most_color: f32,
+        max_opacity: f32,
+        max_color: f32,
     }
 }
 
@@ -58,7 +58,7 @@ pub struct WindowJob<'a> {
     /// Shape and falloff.
     pub discs: Discs,
     /// Upper bound of the color components that are blended.
-    pub most_color: f32,
+    pub max_color: f32,
 }
 
 /// Sorts, bins and blends a window into the target.
@@ -96,10 +96,10 @@ fn record_blend<'a>(
     let cloud = job.bin.raster.cloud;
     let tiles = bins.tiles(binned).folding(cloud.view());
     let blend = Blend { tiles, image: target.image(), depths: target.depths() };
-    let (stop, most_color) = stop(frame.stop, frame.color, job.most_color);
+    let (stop, max_color) = stop(frame.stop, frame.color, job.max_color);
     let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
-        let push = BlendPush { walk: binned.walk(segment), most_opacity: cloud.most_opacity(), most_color };
+        let push = BlendPush { walk: binned.walk(segment), max_opacity: cloud.max_opacity(), max_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
         recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.tiles().into())).variant(variant))?;
     }

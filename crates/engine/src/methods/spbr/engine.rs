@@ -20,7 +20,7 @@ pub(crate) struct EnsembleEngine {
 impl EnsembleEngine {
     /// The way the nearest points of an ensemble are found.
     fn form(work: &Work<'_>, cloud: &DeviceCloud, how: &Projecting, streamed: bool) -> Form {
-        match Form::of(work.device, cloud, how, work.switches.wide_atomics) {
+        match Form::choose(work.device, cloud, how, work.switches.wide_atomics) {
             // The color of the point that is replaced may not be there.
             Form::Single if !work.switches.single_pass || streamed => Form::Wide,
             form => form,

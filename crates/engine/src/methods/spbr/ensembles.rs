@@ -222,7 +222,7 @@ impl Ensembles {
             }
             Stage::Draw => {
                 let cut = Cut::new(device, cloud.len())?;
-                let point_colors = cut.of(&cloud.point_colors);
+                let point_colors = cut.slices(&cloud.point_colors);
                 let (pixels, squares) = (self.pixels.get().all().cast(), self.squares.get().all().cast());
                 let pass = Draw { slots, nearest, point_colors, pixels, squares };
                 recorder.run(&pass, push, &run.variant(draw_variant(variant, cut, job.how.color)))?;

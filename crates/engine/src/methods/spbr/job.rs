@@ -122,7 +122,7 @@ impl WindowJob<'_> {
     }
 
     pub(super) fn scale(&self) -> Scale {
-        Scale::new(self.ensembles(), self.cloud.most_color(self.how))
+        Scale::new(self.ensembles(), self.cloud.max_color(self.how))
     }
 
     /// Workgroups of a large square.
@@ -141,10 +141,10 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// For so many ensembles and colors of up to `most_color`: a power of two, at most 2^22.
-    pub fn new(ensembles: u32, most_color: f32) -> Self {
+    /// For so many ensembles and colors of up to `max_color`: a power of two, at most 2^22.
+    pub fn new(ensembles: u32, max_color: f32) -> Self {
         let most = f64::from(u32::MAX / ensembles.max(1));
-        let bits = (most / f64::from(most_color.max(1.0))).log2().floor().clamp(0.0, 22.0);
+        let bits = (most / f64::from(max_color.max(1.0))).log2().floor().clamp(0.0, 22.0);
         // Rounded down.
         let float = most as f32;
         Self { one: bits.exp2() as f32, most: if f64::from(float) > most { float.next_down() } else { float } }
@@ -158,11 +158,11 @@ mod tests {
     #[test]
     fn sums_of_whole_colors_fit_32_bits() {
         for ensembles in [1, 2, 3, 100, 1000, 1023, 1024, 65_535, 65_536] {
-            for most_color in [0.0f32, 0.3, 1.0, 1.001, 2.5, 1e3] {
-                let Scale { one, most } = Scale::new(ensembles, most_color);
+            for max_color in [0.0f32, 0.3, 1.0, 1.001, 2.5, 1e3] {
+                let Scale { one, most } = Scale::new(ensembles, max_color);
                 assert!(one.log2().fract() == 0.0 && (1.0..=4_194_304.0).contains(&one), "{one}");
                 assert!(f64::from(most) * f64::from(ensembles) <= f64::from(u32::MAX), "{ensembles}, {most}");
-                assert!(one * most_color <= most, "{ensembles}, {most_color}");
+                assert!(one * max_color <= most, "{ensembles}, {max_color}");
             }
         }
         // With 100 ensembles a color of 1 has all of the bits.

@@ -22,7 +22,7 @@ pub enum Form {
 
 impl Form {
     /// The form for a cloud, `wide` if there are 64-bit atomics.
-    pub fn of(device: &Device, cloud: &DeviceCloud, how: &Projecting, wide: bool) -> Self {
+    pub fn choose(device: &Device, cloud: &DeviceCloud, how: &Projecting, wide: bool) -> Self {
         let shaded = how.shading.model != ShadingModel::None && cloud.has_normals();
         match Cut::new(device, cloud.len()) {
             Ok(_) if wide && !shaded => Self::Single,

@@ -87,7 +87,7 @@ pass! {
 
 /// The variant of `stochastic/fold`.
 fn fold_variant(kind: Kind) -> Variant {
-    kind.of(Variant::plain())
+    kind.apply_to(Variant::plain())
 }
 
 /// How depth keys become depths for the test, which has 2³⁰ of them for 2³² keys: `held_depth` in WGSL.

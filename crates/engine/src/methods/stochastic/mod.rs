@@ -91,7 +91,7 @@ choices!(struct Kind { exact, spread });
 
 impl Kind {
     /// A variant with the overrides of both.
-    pub fn of(self, variant: Variant) -> Variant {
+    pub fn apply_to(self, variant: Variant) -> Variant {
         variant.with("SPREAD", u32::from(self.spread)).with("EXACT", u32::from(self.exact))
     }
 
@@ -103,12 +103,12 @@ impl Kind {
 
 /// The variant of `stochastic/gather`.
 fn gather_variant(kind: Kind, strata: u32) -> Variant {
-    kind.of(Variant::plain()).each("stratum", strata)
+    kind.apply_to(Variant::plain()).each("stratum", strata)
 }
 
 /// The variant of `stochastic/resolve`.
 fn resolve_variant(kind: Kind) -> Variant {
-    kind.of(Variant::plain())
+    kind.apply_to(Variant::plain())
 }
 
 /// The batches that make up so many samples.

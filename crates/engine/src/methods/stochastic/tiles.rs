@@ -93,7 +93,7 @@ impl Sampler {
         let kind = Kind { exact: job.kind().exact && batch.before == 0, ..job.kind() };
         for segment in 0..binned.segments() {
             let (push, variant) = runs(segment);
-            recorder.run(&accumulate, push, &dispatch().variant(kind.of(variant)))?;
+            recorder.run(&accumulate, push, &dispatch().variant(kind.apply_to(variant)))?;
         }
         Ok(())
     }
@@ -116,6 +116,6 @@ pub(super) fn shaders() -> Vec<Shader> {
         .flat_map(|(shape, later, size)| STRATA.map(|strata| tile_variant(shape.clone(), strata, later, size)))
         .collect();
     let kinds = || Kind::all().into_iter();
-    let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.of(tile.clone())));
+    let accumulate = tiles.iter().flat_map(|tile| kinds().map(move |kind| kind.apply_to(tile.clone())));
     vec![Shader::new::<Accumulate>(accumulate), Shader::new::<Visibility>(tiles.clone())]
 }

@@ -43,7 +43,7 @@ pub(super) struct Binning {
 
 impl Binning {
     /// Of what a window shows; `None` if that is nothing.
-    pub(super) fn of(device: &Device, job: &Job<'_>) -> Result<Option<Self>, Error> {
+    pub(super) fn for_window(device: &Device, job: &Job<'_>) -> Result<Option<Self>, Error> {
         let info = device.info();
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
         let Raster { stats, window, .. } = job.raster;

@@ -129,7 +129,7 @@ impl Bins {
 
     /// Sorts and bins a window's splats for stages that go through its tiles ([`Self::tiles`]).
     pub fn bin(&mut self, device: &Device, job: &Job<'_>, timeline: &mut Timeline) -> Result<Bin, Error> {
-        let Some(binning) = Binning::of(device, job)? else { return Ok(Bin::Nothing) };
+        let Some(binning) = Binning::for_window(device, job)? else { return Ok(Bin::Nothing) };
         let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(Bin::TooLarge) };
         let mut recorder = device.recorder()?;
         self.record_tile_store(&mut recorder, job, &binning)?;
@@ -200,7 +200,7 @@ impl Bins {
 
     /// Decides how a window is binned; sorts nothing.
     pub fn survey(device: &Device, job: &Job<'_>) -> Result<Survey, Error> {
-        let Some(binning) = Binning::of(device, job)? else { return Ok(Survey::Nothing) };
+        let Some(binning) = Binning::for_window(device, job)? else { return Ok(Survey::Nothing) };
         Ok(binning.left(device, job)?.map_or(Survey::TooLarge, |_| Survey::Cells(binning.cells())))
     }
 

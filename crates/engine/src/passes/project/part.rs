@@ -64,7 +64,7 @@ pub struct Parts {
 
 impl Parts {
     /// Of a scene's points.
-    pub fn of(points: &Points, threshold: f32) -> Self {
+    pub fn count(points: &Points, threshold: f32) -> Self {
         Self::new(points.len() as u64, &fields_and_radii(points), threshold)
     }
 

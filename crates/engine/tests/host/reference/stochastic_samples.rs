@@ -61,20 +61,20 @@ fn words_are_those_of_fragment_and_stratum() {
     }
 }
 
-fn of(color: f64, alpha: f64, weight: f64, depth: f64) -> Stratum {
+fn red_stratum(color: f64, alpha: f64, weight: f64, depth: f64) -> Stratum {
     Stratum { color: DVec3::X * color, alpha, weight, depth }
 }
 
 #[test]
 fn means_and_their_errors() {
     let Estimate { color, alpha, depth, stderr } =
-        estimate(&[of(0.5, 1.0, 1.0, 4.0), of(0.25, 0.5, 1.0, 3.0), of(0.75, 0.75, 1.0, f64::INFINITY)], None);
+        estimate(&[red_stratum(0.5, 1.0, 1.0, 4.0), red_stratum(0.25, 0.5, 1.0, 3.0), red_stratum(0.75, 0.75, 1.0, f64::INFINITY)], None);
     assert_eq!((color, alpha, depth), (DVec3::X * 0.5, 0.75, 3.0));
     // Deviations 0, −1/4, 1/4: sqrt((2/16) / 6).
     assert_close(stderr.x, (0.125f64 / 6.0).sqrt(), ROUNDING);
     assert_eq!([stderr.y, stderr.z], [0.0; 2]);
     // A last stratum of two samples counts half.
-    let partial = estimate(&[of(0.5, 1.0, 1.0, 4.0), of(0.2, 0.4, 0.5, 5.0)], None);
+    let partial = estimate(&[red_stratum(0.5, 1.0, 1.0, 4.0), red_stratum(0.2, 0.4, 0.5, 5.0)], None);
     assert_close(partial.color.x, 0.4, ROUNDING);
     assert_close(partial.alpha, 0.8, ROUNDING);
     // Weighted deviations 0.1 and −0.1 over the mean weight 3/4.
@@ -83,13 +83,13 @@ fn means_and_their_errors() {
 
 #[test]
 fn alpha_correction_scales_by_exact_over_sampled() {
-    let exact = estimate(&[of(0.5, 1.0, 1.0, 4.0), of(0.25, 0.5, 1.0, 4.0)], Some(0.6));
+    let exact = estimate(&[red_stratum(0.5, 1.0, 1.0, 4.0), red_stratum(0.25, 0.5, 1.0, 4.0)], Some(0.6));
     // Color and alpha of the strata are in proportion: the ratio is certain.
     assert_close(exact.color.x, 0.6 * 0.5, ROUNDING);
     assert_close(exact.stderr.x, 0.0, ROUNDING);
     assert_eq!(exact.alpha, 0.6);
     // R = 1/2: deviations 0.5 − 0.25 and 0.25 − 0.5, over the mean alpha 3/4.
-    let spread = estimate(&[of(0.5, 0.5, 1.0, 4.0), of(0.25, 1.0, 1.0, 4.0)], Some(0.6));
+    let spread = estimate(&[red_stratum(0.5, 0.5, 1.0, 4.0), red_stratum(0.25, 1.0, 1.0, 4.0)], Some(0.6));
     assert_close(spread.color.x, 0.6 * 0.5, ROUNDING);
     assert_close(spread.stderr.x, 0.6 / 0.75 * (0.125f64 / 2.0).sqrt(), ROUNDING);
 }
@@ -97,8 +97,8 @@ fn alpha_correction_scales_by_exact_over_sampled() {
 #[test]
 fn one_stratum_knows_no_error_and_nothing_sampled_is_nothing() {
     for exact in [None, Some(0.5)] {
-        assert_eq!(estimate(&[of(0.5, 0.5, 1.0, 4.0)], exact).stderr, DVec3::INFINITY);
-        let nothing = estimate(&[of(0.0, 0.0, 1.0, f64::INFINITY); 2], exact);
+        assert_eq!(estimate(&[red_stratum(0.5, 0.5, 1.0, 4.0)], exact).stderr, DVec3::INFINITY);
+        let nothing = estimate(&[red_stratum(0.0, 0.0, 1.0, f64::INFINITY); 2], exact);
         assert_eq!((nothing.color, nothing.stderr), (DVec3::ZERO, DVec3::ZERO));
         assert_eq!((nothing.alpha, nothing.depth), (exact.unwrap_or(0.0), f64::INFINITY));
     }

@@ -191,7 +191,7 @@ impl Setting {
 pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
     if let Some(soft) = method.soft() {
         let from_lambda = matches!(soft.density, Density::Lambda(_));
-        let model = SoftModel::new(method, soft, Parts::of(points, soft.threshold).median_radius);
+        let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
         // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
         let (shells, layout) = (Shells::default(), SoftLayout::default());
         return Ok(Formation::Soft {

@@ -91,7 +91,7 @@ pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
         color: ColorSpace::Linear,
         lit: false,
     };
-    let most = |cloud: &DeviceCloud| (cloud.most_opacity(), cloud.most_color(&how), cloud.most_radius());
+    let most = |cloud: &DeviceCloud| (cloud.max_opacity(), cloud.max_color(&how), cloud.max_radius());
     assert_eq!(most(live), most(fresh), "{what}");
     assert_eq!((live.parts(0.4), live.columns()), (fresh.parts(0.4), fresh.columns()), "{what}");
     let bits = |buffer: &Buffer<[f32; 4]>| -> Vec<[u32; 4]> {

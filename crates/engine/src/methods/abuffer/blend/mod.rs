@@ -132,8 +132,8 @@ impl Blender {
             let push = ResolvePush {
                 class_index: index as u32,
                 first_fragment: band.first_fragment,
-                most_opacity: job.raster.cloud.most_opacity(),
-                most_color: job.stop.1,
+                max_opacity: job.raster.cloud.max_opacity(),
+                max_color: job.stop.1,
             };
             let kernel = resolve_variant(variant.clone().with("STOP", job.stop.0), capacity);
             let run = self.over_class(index).label(name).variant(kernel);
@@ -232,8 +232,8 @@ impl Blender {
                 first_fragment: band.first_fragment,
                 segment,
                 nearest: tiles.binned.nearest,
-                most_opacity: cloud.most_opacity(),
-                most_color: job.stop.1,
+                max_opacity: cloud.max_opacity(),
+                max_color: job.stop.1,
             };
             let pixels = Dispatch::Invocations(u64::from(band.pixels[1] - band.pixels[0]));
             let run = Run::new(pixels).variant(ordered_variant(job.discs.falloff, job.stop.0));

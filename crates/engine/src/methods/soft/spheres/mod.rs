@@ -67,7 +67,7 @@ pub struct Spheres<'a> {
     /// How dense they are.
     pub model: SoftModel,
     /// Largest world radius.
-    pub most_radius: f32,
+    pub max_radius: f32,
     /// The depth that those of solid points are relative to.
     pub origin: f32,
     /// What the solid points left, if there are any.
@@ -132,9 +132,9 @@ impl<'a> Spheres<'a> {
     }
 
     /// Push constants of the kernels.
-    pub fn push(&self, class_index: u32, first_fragment: u32, most_color: f32) -> SoftPush {
+    pub fn push(&self, class_index: u32, first_fragment: u32, max_color: f32) -> SoftPush {
         let SoftModel { lambda, peak } = self.model;
-        SoftPush { class_index, first_fragment, most_color, lambda, peak, most_radius: self.most_radius, first: 0 }
+        SoftPush { class_index, first_fragment, max_color, lambda, peak, max_radius: self.max_radius, first: 0 }
     }
 
     /// The variant of the kernel for lists of up to `capacity` events.
@@ -256,7 +256,7 @@ mod tests {
         for (interior, limit) in limits {
             let model = SoftModel { lambda: 1.0, peak: 0.5 };
             let kind = Kind { interior, exact: false, modulated: false };
-            let spheres = Spheres { kind, model, most_radius: 1.0, origin: 0.0, layer: None };
+            let spheres = Spheres { kind, model, max_radius: 1.0, origin: 0.0, layer: None };
             assert!(spheres.check(&method, limit).is_ok());
             let refused = spheres.check(&method, limit + 1);
             assert!(matches!(refused, Err(Error::TooManySpheres { limit: most, .. }) if most == limit), "{refused:?}");

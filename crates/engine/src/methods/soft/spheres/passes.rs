@@ -10,10 +10,10 @@ gpu_struct! {
     pub struct SoftPush {
         class_index: u32,
         first_fragment: u32,
-        most_color: f32,
+        max_color: f32,
         lambda: f32,
         peak: f32,
-        most_radius: f32,
+        max_radius: f32,
         first: u32,
     }
 }

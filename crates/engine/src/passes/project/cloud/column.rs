@@ -29,23 +29,23 @@ impl Column {
     pub const ALL: [Self; 4] = [Self::High, Self::Low, Self::Color, Self::Normal];
 
     /// The column of some points.
-    pub(super) fn of(
+    pub(super) fn values(
         self,
         points: &Points,
         origin: DVec3,
         range: Range<usize>,
     ) -> impl IndexedParallelIterator<Item = [f32; 4]> + '_ {
-        range.into_par_iter().map(move |i| self.of_point(points, origin, i))
+        range.into_par_iter().map(move |i| self.value(points, origin, i))
     }
 
     /// Brings the column of all points to the front of a buffer.
     pub(super) fn upload(self, points: &Points, origin: DVec3, buffer: &Buffer<[f32; 4]>) -> Result<(), Error> {
         buffer.upload_by(points.len() as u64, |range, to| {
-            self.of(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
+            self.values(points, origin, range).zip(to).for_each(|(from, to)| *to = from);
         })
     }
 
-    fn of_point(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
+    fn value(self, points: &Points, origin: DVec3, i: usize) -> [f32; 4] {
         let with = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
         match self {
             Self::High => with(split(points.positions[i] - origin).0, points.radii[i]),
@@ -65,13 +65,13 @@ pub(in crate::passes::project) fn split(v: DVec3) -> (Vec3, Vec3) {
     (hi, (v - hi.as_dvec3()).as_vec3())
 }
 
-/// Points that tell the middle of all.
-const TELLING: usize = 4096;
+/// Most points whose median is taken for that of all.
+const SAMPLED_POINTS: usize = 4096;
 
 /// What positions are counted from: the median of each coordinate, of evenly many of them if they are many. Points far off,
 /// however far, take no digits from the others, as they do from the middle of a box around all.
 pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
-    let step = positions.len().div_ceil(TELLING).max(1);
+    let step = positions.len().div_ceil(SAMPLED_POINTS).max(1);
     let median = |axis: usize| {
         let mut all: Vec<f64> = positions.iter().step_by(step).map(|position| position[axis]).collect();
         let half = all.len() / 2;

@@ -38,7 +38,7 @@ impl DeviceCloud {
         self.reserve_shares(device)?;
         self.normals.upload_by(self.len, |range, to| {
             let first = range.start;
-            let column = Column::Normal.of(points, self.origin, range).zip(to).enumerate();
+            let column = Column::Normal.values(points, self.origin, range).zip(to).enumerate();
             column.for_each(|(i, ([x, y, z, _], to))| *to = [x, y, z, lit(first + i)]);
         })?;
         self.set_casting(casting);

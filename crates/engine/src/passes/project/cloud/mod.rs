@@ -39,9 +39,9 @@ pub struct DeviceCloud {
     pub(super) has_normals: bool,
     pub(super) has_fields: bool,
     pub(super) opacity_factor: f32,
-    most_opacity: f32,
-    most_color: f32,
-    most_radius: f32,
+    max_opacity: f32,
+    max_color: f32,
+    max_radius: f32,
     /// What depths of splats are relative to.
     pub(super) depth_origin: f32,
     /// Field and radius of each point, if there is a field; and what was last found in them.
@@ -139,7 +139,7 @@ impl DeviceCloud {
     /// Puts a column of some points of a cloud that was dealt behind what is there.
     pub fn pack(&self, column: Column, range: Range<u64>, into: &mut Vec<[f32; 4]>) {
         if let Some(points) = &self.host {
-            into.par_extend(column.of(points, self.origin, range.start as usize..range.end as usize));
+            into.par_extend(column.values(points, self.origin, range.start as usize..range.end as usize));
         }
     }
 
@@ -190,9 +190,9 @@ impl DeviceCloud {
             has_fields: !points.fields.is_empty(),
             opacity_factor: 1.0,
             depth_origin: 0.0,
-            most_opacity: most(&points.opacities),
-            most_color: most_of_colors(&points.colors),
-            most_radius: most(&points.radii),
+            max_opacity: largest(&points.opacities),
+            max_color: largest_component(&points.colors),
+            max_radius: largest(&points.radii),
             fields_and_radii: fields_and_radii(points),
             parts: None,
             positions: if points.fields.is_empty() { Vec::new() } else { points.positions.clone() },
@@ -258,8 +258,8 @@ impl DeviceCloud {
     }
 
     /// The largest opacity, with the factor of the last [`Self::set_view`].
-    pub fn most_opacity(&self) -> f32 {
-        (self.most_opacity * self.opacity_factor).min(1.0)
+    pub fn max_opacity(&self) -> f32 {
+        (self.max_opacity * self.opacity_factor).min(1.0)
     }
 
     /// The depth that those of splats are relative to since the last [`Self::set_view`]: 0, or the nearest of the points' box.
@@ -278,8 +278,8 @@ impl DeviceCloud {
     }
 
     /// The largest radius of all points, as uploaded.
-    pub fn most_radius(&self) -> f32 {
-        self.most_radius
+    pub fn max_radius(&self) -> f32 {
+        self.max_radius
     }
 
     /// How many points a threshold makes solid and soft.
@@ -316,12 +316,12 @@ impl DeviceCloud {
     }
 
     /// The largest color component that blending may meet, once shaded and encoded.
-    pub fn most_color(&self, how: &Projecting) -> f32 {
+    pub fn max_color(&self, how: &Projecting) -> f32 {
         let Shading { model, ambient, diffuse, specular, .. } = how.shading;
         let shaded = match model {
-            ShadingModel::None => self.most_color,
-            ShadingModel::Lambert => self.most_color * (ambient + diffuse).max(1.0),
-            ShadingModel::Phong => self.most_color * (ambient + diffuse).max(1.0) + specular,
+            ShadingModel::None => self.max_color,
+            ShadingModel::Lambert => self.max_color * (ambient + diffuse).max(1.0),
+            ShadingModel::Phong => self.max_color * (ambient + diffuse).max(1.0) + specular,
         };
         // Rounding up: shading and encoding round by themselves.
         1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }
@@ -355,10 +355,10 @@ fn empty<T: GpuType>(device: &Device, name: &str) -> Result<Buffer<T>, Error> {
 }
 
 /// The largest value; 0 of none.
-fn most(values: &[f32]) -> f32 {
+fn largest(values: &[f32]) -> f32 {
     values.par_iter().copied().reduce(|| 0.0, f32::max)
 }
 
-fn most_of_colors(colors: &[Vec3]) -> f32 {
+fn largest_component(colors: &[Vec3]) -> f32 {
     colors.par_iter().map(|c| c.max_element()).reduce(|| 0.0, f32::max)
 }
