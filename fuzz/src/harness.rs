@@ -1,10 +1,10 @@
-//! What counts as a finding: a panic that nothing caught, and too much memory. The fuzzer looks after time.
+//! Findings: a panic that nothing caught, and too much memory. The fuzzer looks after time.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use peak_alloc::PeakAlloc;
 
-/// What a target does with an input. It returns if all is well, be the file read or refused.
+/// A target: takes an input, and returns if all is well, be the file read or refused.
 pub type Body = fn(&[u8]);
 
 /// Bytes that a small file may take: what refusing a file promises to stay under.

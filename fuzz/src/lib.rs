@@ -1,4 +1,4 @@
-//! What the fuzz targets share; `crates/cli/tests/fuzz.rs` of the main package uses the same files. CONTRIBUTING.md says how to fuzz.
+//! Shared by the fuzz targets and by `crates/cli/tests/fuzz.rs` of the main package. CONTRIBUTING.md says how to fuzz.
 
 pub mod bodies;
 pub mod harness;

@@ -8,7 +8,7 @@ use pellucid_engine::methods::{Facts, Renderer};
 use pellucid_lab::check::{self, Lack, Subject};
 use serde_json::{Value, json};
 
-/// What one driver made of the subjects.
+/// The images of all subjects on one driver.
 pub struct DriverImages {
     pub device: String,
     pub driver: String,
@@ -23,7 +23,7 @@ pub enum Outcome {
     Failed(String),
 }
 
-/// What an image's bound depends on.
+/// Quantities on which an image's bound depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Met {
     /// Fragments of the longest list, or splats and points of the whole scene.
@@ -60,7 +60,7 @@ pub fn render(folder: &Path, only: Option<&str>) -> Result<(), String> {
     put(&folder.join("index.json"), index.to_string().as_bytes())
 }
 
-/// What may come together in a pixel.
+/// Counts the fragments, splats or points that may come together in a pixel.
 fn longest(subject: &Subject, facts: &Facts) -> u64 {
     match u64::from(facts.max_list.max(facts.max_events)) {
         0 => subject.clouds.iter().map(|cloud| cloud.len() as u64).sum(),
@@ -80,7 +80,7 @@ fn write(path: &Path, image: &Image) -> Result<(), String> {
     put(path, &parts.concat())
 }
 
-/// What [`render`] wrote.
+/// Reads the files that [`render`] wrote.
 pub fn load(folder: &Path) -> Result<DriverImages, String> {
     let path = folder.join("index.json");
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;

@@ -29,7 +29,7 @@ struct Args {
     /// A driver to compare: its name, its manifest, and perhaps the folder of its libraries.
     #[arg(long = "driver", value_name = "NAME=MANIFEST[,LIBRARIES]", value_parser = driver)]
     drivers: Vec<Driver>,
-    /// What the others are compared with, instead of the driver that the environment gives.
+    /// The driver that the others are compared with, instead of the one that the environment gives.
     #[arg(long, value_name = "NAME=MANIFEST[,LIBRARIES]", value_parser = driver)]
     first: Option<Driver>,
     /// Only subjects whose name contains this.

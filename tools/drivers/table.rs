@@ -47,7 +47,7 @@ impl Apart {
             let count = |image: &Image| image.fragments.as_ref().map(|counts| counts[i]);
             found.differ += usize::from(!same_color || !same_depth || count(a) != count(b));
             let each = x.iter().zip(y).map(|(x, y)| (f64::from(*x) - f64::from(*y)).abs());
-            // What is no number differs from everything.
+            // A value that is no number differs from everything.
             let each: Vec<f64> = each.map(|d| if d.is_nan() { f64::INFINITY } else { d }).collect();
             let most = if same_color { 0.0 } else { each.iter().copied().fold(0.0, f64::max) };
             squares += if same_color { 0.0 } else { each.iter().map(|d| d * d).sum::<f64>() };

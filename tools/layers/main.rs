@@ -6,7 +6,7 @@
 //! cargo run --release --example layers-experiments -- --scale 1       # all of them: 4 GB of memory
 //! ```
 //!
-//! What is printed is Markdown. The paper's figures are ratios of its frame rates: 68 per second with local illumination and 23
+//! The output is Markdown. The paper's figures are ratios of its frame rates: 68 per second with local illumination and 23
 //! with three layers are 2.96. Real data (the dragon, the volumes) are looked for in `PELLUCID_TEST_DATA`, else beside the
 //! project; what is missing is left out with a note.
 

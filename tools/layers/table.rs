@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// What is measured of a cloud at a size: local illumination, 3 and 6 layers, shadows of 1, 5 and 10 samples.
+/// Measurements of a cloud at a size: local illumination, 3 and 6 layers, shadows of 1, 5 and 10 samples.
 pub const COLUMNS: usize = 6;
 
 /// One line of the table.
@@ -66,5 +66,5 @@ impl Fit {
     }
 }
 
-/// What counts as a line.
+/// The least share of the variance that makes a line.
 const LINEAR: f64 = 0.98;

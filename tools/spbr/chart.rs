@@ -22,7 +22,7 @@ pub fn figure(folder: &Path, name: &str, x: Axis, y: Axis, panels: &[(String, Ve
             let range_y = [row.found - row.spread, row.found + row.spread];
             Point { range_y, ..Point::new(row.x, row.found) }
         };
-        // What was measured lies on top.
+        // Measured points lie on top.
         let series = [
             Series {
                 name: 1,

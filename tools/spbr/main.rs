@@ -5,7 +5,7 @@
 //! cargo run --release --example spbr-experiments -- --scale 1    # their sizes: 8 GB of memory
 //! ```
 //!
-//! What is written, as SVG for people and as CSV for programs:
+//! Figures, as SVG for people and as CSV for programs:
 //!
 //! - `opacity` (Tanaka, Fig. 5): mean and spread of the pixels of a white plane of opacity α, for two numbers of points.
 //! - `noise` (Uchida, Fig. 6): NMSE of a plane of which a tenth of the points is moved and red, against the plane without

@@ -80,7 +80,7 @@ fn nmse(standard: &Image, target: &Image) -> f64 {
 /// Pixels behind an expected value: it is found to about 1%.
 const TRIALS: usize = 50_000;
 
-/// What theory says of a pixel away from the plane's rim, by chance alone, without a geometry: a Poisson number of white
+/// Expected NMSE of a pixel away from the plane's rim, by chance alone, without a geometry: a Poisson number of white
 /// points, of those that were moved away, and of red ones that came, half of them before the plane. Each image deals its
 /// points to ensembles anew.
 fn expected(per_pixel: f64, ensembles: usize, random: &mut Pcg64) -> f64 {

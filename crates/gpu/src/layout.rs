@@ -11,7 +11,7 @@ pub enum Shape {
     Plain(&'static str),
     /// An array of fixed length.
     Array {
-        /// What it holds.
+        /// The shape of its elements.
         element: Box<Shape>,
         /// How many.
         count: usize,

@@ -1,4 +1,4 @@
-//! What a pass binds, declared once in Rust and compared with its shader.
+//! Bindings of a pass, declared once in Rust and compared with its shader.
 
 use ash::vk;
 use bytemuck::Pod;
@@ -19,7 +19,7 @@ pub enum Access {
     Texture,
 }
 
-/// What is bound.
+/// A bound resource.
 #[derive(Debug, Clone, Copy)]
 pub enum Resource {
     /// A range of a buffer.
@@ -39,7 +39,7 @@ impl From<RawSlice> for Resource {
 pub struct Binding {
     /// The variable's name in WGSL.
     pub name: &'static str,
-    /// What the shader may do.
+    /// Access of the shader.
     pub access: Access,
     /// Shape of the element (storage: a runtime-sized array of it; uniform, texture: itself).
     pub shape: Shape,

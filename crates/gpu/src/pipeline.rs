@@ -9,7 +9,7 @@ use super::{Access, Context, Error, Format, Pass, PushConstants, Variant, shader
 /// Shader, the piece that it takes, variant, and what a draw has for outputs; `None` for compute.
 pub type PipelineKey = (&'static str, Option<&'static str>, String, Option<Outputs>);
 
-/// What a fragment's color does to the one that is there.
+/// How a fragment's color is combined with the one that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// Takes its place.
@@ -20,12 +20,12 @@ pub enum Blend {
     Cover,
 }
 
-/// What a draw writes to besides storage buffers.
+/// Outputs of a draw besides storage buffers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Outputs {
     /// A color attachment.
     pub color: Option<(Format, Blend)>,
-    /// Whether there is a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
+    /// True with a depth attachment, whose test only a nearer fragment passes: of equals the first one drawn stays.
     pub depth: bool,
     /// Samples per pixel.
     pub samples: u32,

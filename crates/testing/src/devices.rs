@@ -92,8 +92,8 @@ pub fn alone(test: impl FnOnce()) {
     }
 }
 
-/// Whether there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best, for tests that run the
-/// binary on it. Without one the test is skipped.
+/// True if there is a device with validation, the one that `PELLUCID_TEST_DEVICE` names or the best. For tests that run the
+/// binary on it; without one the test is skipped.
 #[track_caller]
 pub fn has_device() -> bool {
     static FOUND: OnceLock<Result<(), String>> = OnceLock::new();

@@ -40,7 +40,7 @@ pub fn pcd(input: &[u8]) {
 /// Endings of text files.
 const ENDINGS: [&str; 4] = ["xyz", "csv", "pts", "ptx"];
 
-/// What the columns may be said to be.
+/// Names that the columns may be given.
 const COLUMNS: [&str; 7] = [
     "x,y,z",
     "x,y,z,i",
@@ -78,7 +78,7 @@ fn read(path: &Path, columns: Option<&ColumnNames>) {
     }
 }
 
-/// What [`Cloud`] says of its columns.
+/// Checks the invariants of [`Cloud`]'s columns.
 pub(super) fn check(cloud: &Cloud) {
     let len = cloud.len();
     let is_whole = |column: Option<usize>| column.is_none_or(|column| column == len);

@@ -21,7 +21,7 @@ pub struct InfoArgs {
     /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,

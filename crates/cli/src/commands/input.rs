@@ -16,7 +16,7 @@ use pellucid_engine::{Result, output};
 
 use super::console::Console;
 
-/// What to render, and the options that stand for keys of a scene file.
+/// The inputs to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
 pub struct InputArgs {
     /// A scene file (.toml) or one or more point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures
@@ -39,7 +39,7 @@ pub struct InputArgs {
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     radius: Option<String>,
-    /// What the columns of text files (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
+    /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
     /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
     /// the file's own line of names, else by the columns' number and values.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -112,7 +112,7 @@ fn method_help() -> String {
 const SET_HELP: &str = "Any key of the scene file by its dotted path, as in method.shape=oriented, cloud.0.opacity=0.2 or \
     cloud.*.neighbors=12; the value is TOML, or else a string. Repeatable; wins over the file and over short forms";
 
-/// What the option does, and every key, table by table.
+/// Describes the option, and lists every key, table by table.
 fn set_help() -> String {
     let names = |path: &str, keys: &mut dyn Iterator<Item = &'static str>| {
         let keys: Vec<_> = keys.collect();

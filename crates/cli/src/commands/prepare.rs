@@ -34,13 +34,13 @@ pub struct PrepareArgs {
     /// describes it. May be the input.
     #[arg(short, long, value_name = "OUT.ply")]
     output: PathBuf,
-    /// What the columns of a text file (PTS, PTX, XYZ, CSV, TXT) are, as in x,y,z,-,r,g,b; `render --help` has the names.
+    /// Columns of a text file (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
     /// K: neighbors of a point that decide its radius and its uncertainty; by default those of a prepared input, else 24.
     #[arg(long, value_name = "K")]
     neighbors: Option<String>,
-    /// What F is: uncertainty (how unlike a surface the neighborhood is), classification, intensity, distance-to-axis, or the
+    /// The field F: uncertainty (how unlike a surface the neighborhood is), classification, intensity, distance-to-axis, or the
     /// name of a scalar property; by default that of a prepared input, else uncertainty.
     #[arg(long, value_name = "NAME")]
     field: Option<String>,

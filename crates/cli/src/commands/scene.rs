@@ -32,7 +32,7 @@ pub struct SceneArgs {
     seed: u64,
 }
 
-/// What `iso` takes its surfaces from.
+/// The source of the surfaces of `iso`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces of a volume (iso)")]
 struct VolumeArgs {
@@ -44,7 +44,7 @@ struct VolumeArgs {
     /// How many numbers there are along x, y and z, whatever the file's name says.
     #[arg(long, value_name = "XxYxZ", requires = "volume")]
     dims: Option<Dims>,
-    /// What they are, whatever the file's name says: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
+    /// Type of its values, whatever the file's name says: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
     #[arg(long = "type", value_name = "NAME", requires = "volume")]
     scalar: Option<Scalar>,
     /// Values at which there are surfaces; by default some that enclose a tenth to a hundredth of the volume.

@@ -70,7 +70,7 @@ fn main(
         total = Composed(image[p], select(NOTHING, 0u, seen));
     }
     let before = total.key;
-    // What comes after a run is a run, and may be opaque.
+    // A run is followed by another run, which may be opaque.
     let long = offsets[p + 1u] - offsets[p] > RUN_LENGTH;
     let max_opacity = select(push.max_opacity, 1.0, long);
     let start = first - push.first_fragment;

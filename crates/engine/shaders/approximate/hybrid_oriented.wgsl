@@ -11,7 +11,7 @@ struct Push {
 
 // Rank of the last fragment that earlier rounds composed.
 @group(0) @binding(10) var<storage, read_write> lasts: array<vec2<u32>>;
-// What a run leaves to the next: that rank, and rank and color of each slot.
+// State that a run leaves to the next: that rank, and rank and color of each slot.
 @group(0) @binding(11) var<storage, read_write> slots: array<vec4<u32>>;
 var<immediate> push: Push;
 
@@ -87,7 +87,7 @@ fn visit(before_it: PixelState, f: Fragment) -> PixelState {
     let rank = Rank(f.depth_key, f.index);
     // The first round has no last fragment.
     let taken = f.hit && (BEHIND == 0u || before(s.last, rank));
-    // What is carried goes into its place, and what was there is carried on.
+    // The carried fragment goes into its place, and the one that was there is carried on.
     var carried = Slot(select(NO_RANK, rank, taken), vec4<f32>(f.color.rgb, select(0.0, f.color.a, taken)));
 #each slot     if before(carried.rank, s.slot{slot}.rank) { let out = s.slot{slot}; s.slot{slot} = carried; carried = out; }
     if TAIL != 0u {

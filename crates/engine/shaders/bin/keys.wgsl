@@ -7,7 +7,7 @@ struct Push {
     // Points of the chunk, and the index of its first.
     count: u32,
     first: u32,
-    // What is subtracted from depth keys; key of what is not drawn, less that.
+    // The number subtracted from depth keys; the key of undrawn splats, less that number.
     nearest: u32,
     none: u32,
 }

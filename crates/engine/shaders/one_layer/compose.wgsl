@@ -26,7 +26,7 @@ fn main(
         return;
     }
     let rest = image[p];
-    // What is opaque stays so, to the bit.
+    // An opaque pixel stays opaque, to the bit.
     let alpha = select(push.softness, 1.0, rest.a > 0.0);
     image[p] = vec4<f32>(push.softness * layer[p].rgb + (1.0 - push.softness) * rest.rgb, alpha);
     if push.softness > 0.0 {

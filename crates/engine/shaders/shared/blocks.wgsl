@@ -30,8 +30,8 @@ fn reach_of(splat: Splat, view: View) -> f32 {
     return select(1e9, stretched, of_depth < 0.9);
 }
 
-// Whether a screen-aligned splat reaches so far out, give or take rounding; `middle` is what it rounds with. The pixel of the
-// centre, always covered, lies at most 0.71 away.
+// True if a screen-aligned splat reaches so far out, give or take rounding, which grows with `middle`. The pixel of the centre,
+// always covered, lies at most 0.71 away.
 fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
     let reach = max(radius, 0.75) + 1e-5 * (radius + abs(middle.x) + abs(middle.y));
     if SHAPE == SHAPE_SQUARE {
@@ -40,7 +40,7 @@ fn reaches(outside: vec2<f32>, radius: f32, middle: vec2<f32>) -> bool {
     return dot(outside, outside) <= reach * reach;
 }
 
-// Whether a splat may touch a block, give or take rounding.
+// True if a splat may touch a block, give or take rounding.
 fn touches(splat: Splat, low: vec2<u32>) -> bool {
     let half = 0.5 * f32(BLOCK_SIDE - 1u);
     let middle = vec2<f32>(vec2<i32>(low) - center_pixel(splat)) - vec2<f32>(splat.fraction_x, splat.fraction_y) + half + 0.5;

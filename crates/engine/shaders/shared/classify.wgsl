@@ -1,4 +1,4 @@
-// What the two passes over the lengths of a band's lists share. One invocation looks at CLASSIFY_RUN pixels.
+// Shared by the two passes over the lengths of a band's lists. One invocation looks at CLASSIFY_RUN pixels.
 #import classes
 #import dispatch
 

@@ -1,4 +1,4 @@
-// What the filters bind, and how they reach the pixels around one. A filter defines filter_tile(entry, column, first row,
+// Bindings of the filters, and access to the pixels around one. A filter defines filter_tile(entry, column, first row,
 // place in the workgroup). One workgroup per listed tile, one invocation per column and STRIP of rows.
 #import tiled
 #import dispatch

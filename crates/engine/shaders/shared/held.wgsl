@@ -1,4 +1,4 @@
-// What multisampled attachments hold of a sample: the depth and the index of its nearest fragment, both as normal floats,
+// Contents of the multisampled attachments for a sample: depth and index of its nearest fragment, both as normal floats,
 // whose bits no driver changes and whose order is that of the integers.
 #import splat
 

@@ -4,7 +4,7 @@
 #import filter
 #import tile_range
 
-// Whether five consecutive ones of the ring of eight are set: one of the eight masks.
+// True if five consecutive ones of the ring of eight are set: one of the eight masks.
 fn is_kept(ring: u32) -> bool {
     let round = ring | (ring << 8u);
     let two = round & (round >> 1u);
@@ -94,7 +94,7 @@ fn filter_tile(entry: Entry, column: u32, first_row: u32, local: u32) {
     add_range(low, high, marked);
     if local == 0u {
         let found = atomicLoad(&marks);
-        // What did not change is where it was, too.
+        // A tile without a changed pixel stays where it was, and so does its entry.
         if (found & CHANGED) != 0u {
             let depth_side = 1u - ((entry.y >> (4u + ENTRY_DEPTHS)) & 1u);
             let color_side = 1u - ((entry.y >> (4u + ENTRY_COLORS)) & 1u);

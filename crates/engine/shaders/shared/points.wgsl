@@ -1,4 +1,4 @@
-// What the passes that find the nearest points share: which points they want.
+// Shared by the passes that find the nearest points: the choice of the points.
 #import walk_points
 
 // A single element each unless CULL or LIMITED.
@@ -10,7 +10,7 @@ override CULL: u32 = 0u;
 // 1: without points nearer than the pixel's limit, a depth key.
 override LIMITED: u32 = 0u;
 
-// Whether a point is one of those asked for, wherever it shows; its place relative to the eye, in world axes.
+// True if a point is one of those asked for, wherever it shows; `place` is relative to the eye, in world axes.
 fn is_kept(i: u32, place: vec3<f32>) -> bool {
     if CULL == 0u {
         return true;

@@ -1,4 +1,4 @@
-// What every stage that visits the pixels of splats binds. The stage defines
+// Bindings of every stage that visits the pixels of splats. The stage defines
 // visit(splat's index in the chunk, splat, tilt, pixel); a walker calls it for each pixel that may be covered.
 #import camera
 #import splat
@@ -33,7 +33,7 @@ fn tilt_of(i: u32) -> Tilt {
     return Tilt(vec4<f32>(0.0));
 }
 
-// Whether a rectangle has pixels in the band; false for an empty one.
+// True if a rectangle has pixels in the band; false for an empty one.
 fn in_band(low: vec2<u32>, high: vec2<u32>) -> bool {
     if any(low >= high) {
         return false;

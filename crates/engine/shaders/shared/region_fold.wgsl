@@ -40,13 +40,13 @@ fn pick(low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
     return count;
 }
 
-// Whether a splat's rectangle meets that of some pixels.
+// True if a splat's rectangle meets that of some pixels.
 fn meets(rank: u32, low: vec2<u32>, size: vec2<u32>) -> bool {
     let rectangle = rectangles[rank];
     return all(bounds_min(rectangle) < low + size) && all(bounds_max(rectangle) > low);
 }
 
-// Whether a splat may touch a region; as `touches`, or by the rectangle of an oriented disc.
+// True if a splat may touch a region; as `touches`, or by the rectangle of an oriented disc.
 fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
     if SHAPE == SHAPE_ORIENTED {
         return meets(rank, low, REGION);

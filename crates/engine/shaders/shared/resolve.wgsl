@@ -1,4 +1,4 @@
-// What the kernels that sort and blend the lists of one class share.
+// Shared by the kernels that sort and blend the lists of one class.
 #import lists
 #import stop
 

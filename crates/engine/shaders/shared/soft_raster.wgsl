@@ -1,4 +1,4 @@
-// What the passes share that go through the spheres of the soft points and the pixels of their silhouettes.
+// Shared by the passes that go through the spheres of the soft points and the pixels of their silhouettes.
 #import raster
 #import sphere
 

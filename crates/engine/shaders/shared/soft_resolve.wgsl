@@ -1,4 +1,4 @@
-// What the kernels share that sort and blend the events of soft spheres. The variant says how they are blended.
+// Shared by the kernels that sort and blend the events of soft spheres. The variant says how they are blended.
 #import lists
 #import stop
 #import soft_push

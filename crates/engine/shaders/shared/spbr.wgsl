@@ -1,4 +1,4 @@
-// What the passes of stochastic point-based rendering share: bindings, where a slot's point shows and how large, and
+// Shared by the passes of stochastic point-based rendering: bindings, where a slot's point shows and how large, and
 // the key by which the nearest of an ensemble is found. A pass defines visit(place of a point, its plane, depth key,
 // pixel of the window); a walker (spbr_slots, spbr_large) calls it for each pixel that a drawn point covers.
 #import elementary
@@ -44,7 +44,7 @@ struct Push {
     depth: f32,
     // -ln(1 - alpha) of an opacity that asks for a whole such pixel.
     unit: f32,
-    // What a color of 1 is in the sums, and the most that a color may be there.
+    // A color of 1 in the units of the sums, and the largest color there.
     scale: f32,
     most: f32,
 }
@@ -81,7 +81,7 @@ override PLANES: u32 = 1u;
 // 0: no point is wider than a pixel.
 override SQUARES: u32 = 1u;
 
-// What float32 leaves in doubt on the screen, as in shared/points.wgsl.
+// Error that float32 leaves on the screen, as in shared/points.wgsl.
 const ERROR = 12.0 / 16777216.0;
 // Far beyond any image.
 const WIDEST = 1e6;
@@ -191,7 +191,7 @@ fn area_of(point: u32, from_eye: vec3<f32>, depth: f32) -> f32 {
     return area;
 }
 
-// Whether a point that asks for less than a pixel gets it in an ensemble: Tanaka et al. leave out points at random.
+// True if a point that asks for less than a pixel gets it in an ensemble: Tanaka et al. leave out points at random.
 fn is_drawn(slot: Slot, area: f32) -> bool {
     if THINNED == 0u {
         return true;

@@ -92,7 +92,7 @@ fn half_chord(edge: f32, place: f32) -> f32 {
     return sqrt(max(edge - place, 0.0) * (2.0 - edge - place));
 }
 
-// What rounding took from the depth at which a chord begins or ends: spheres may be small against the depth of the cloud.
+// The part that rounding took from the depth at which a chord begins or ends: spheres may be small against the cloud's depth.
 // 0 where it was cut.
 fn rest_of(middle: f32, half: f32, exit: bool, depth: f32) -> f32 {
     let end = two_sum(middle, select(-half, half, exit));
@@ -114,7 +114,7 @@ fn shells_met(chord: Chord, shells: u32, near: f32, far: f32) -> u32 {
     if !(chord.edge > 0.0 && chord.middle + half > near && chord.middle - half < far) {
         return 0u;
     }
-    // What is nearest to the centre between the depths decides.
+    // The point nearest to the centre between the depths decides.
     let beside = max(max(near - chord.middle, chord.middle - far), 0.0) / chord.reach;
     let across = 1.0 - chord.edge;
     let edge = select(chord.edge, 1.0 - sqrt(across * across + beside * beside), beside > 0.0);

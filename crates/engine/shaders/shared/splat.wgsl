@@ -23,7 +23,7 @@ struct Splat {
     radius: f32,
 }
 
-// What an oriented disc needs besides: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
+// The rest of an oriented disc: its unit normal n in camera axes and n.c / z for its centre c, the slope of the
 // plane against the centre's ray. The normal is zero for a flat disc. Of an exact sphere: what rounding took from
 // fraction_x, fraction_y and depth.
 struct Tilt {

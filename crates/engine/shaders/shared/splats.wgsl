@@ -2,7 +2,7 @@
 // splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
 struct Push {
     walk: TileWalk,
-    // What lies up to so many radii behind the nearest is blended with it.
+    // Fragments up to so many radii behind the nearest are blended with it.
     blend_depth: f32,
 }
 var<immediate> push: Push;
@@ -12,7 +12,7 @@ override BEHIND: u32 = 0u;
 
 const INFINITE_BITS = 0x7f800000u;
 
-// Whether a splat's fragment counts in a pixel where the layer before it has this depth.
+// True if a splat's fragment counts in a pixel where the layer before it has this depth.
 fn counts(f: Fragment, layer: f32) -> bool {
     let behind = f.color.a > 0.5 || key_depth(f.depth_key) > layer + push.blend_depth * f.radius;
     return f.hit && (BEHIND == 0u || behind);

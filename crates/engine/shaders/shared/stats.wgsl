@@ -1,4 +1,4 @@
-// What going through the points of a chunk found.
+// Counts of a pass through the points of a chunk.
 struct Stats {
     // Points that may cover a pixel of the part of the image in work.
     visible: atomic<u32>,

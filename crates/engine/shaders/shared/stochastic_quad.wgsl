@@ -1,4 +1,4 @@
-// What the fragment shaders of stochastic transparency share: the splat of a quad (raster/quad.vert) in a pixel.
+// Shared by the fragment shaders of stochastic transparency: the splat of a quad (raster/quad.vert) in a pixel.
 #import elementary
 #import camera
 #import splat

@@ -5,7 +5,7 @@
 // than a quarter step; STOP_ENCODED: the same for values blended as they are.
 override STOP: u32 = 1u;
 
-// Whether what lies behind cannot change a pixel's output, given the largest opacity and the largest color component,
+// True if fragments behind cannot change a pixel's output, given the largest opacity and the largest color component,
 // background included, that may still come.
 fn done(sum: Composed, max_opacity: f32, max_color: f32) -> bool {
     if STOP == STOP_NEVER {

@@ -1,4 +1,4 @@
-// What the passes bind that meet drawn splats with tiles.
+// Bindings of the passes that meet drawn splats with tiles.
 #import splat
 
 struct Push {

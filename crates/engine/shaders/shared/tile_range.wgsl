@@ -1,4 +1,4 @@
-// What a workgroup finds about its tile.
+// Range of depths and marks that a workgroup finds in its tile.
 #import tiled
 
 var<workgroup> lowest: atomic<u32>;

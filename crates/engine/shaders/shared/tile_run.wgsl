@@ -34,7 +34,7 @@ fn run_of(tile: u32) -> vec2<u32> {
     return vec2<u32>(start, min(start + TAKEN, tile_end(tile)));
 }
 
-// Whether a run finds nothing to add to what earlier ones left. The first one also writes where a tile has no splat.
+// True if a run has nothing to add to the result of earlier ones. The first one also writes where a tile has no splat.
 fn is_idle(run: vec2<u32>) -> bool {
     return push.walk.segment > 0u && run.x >= run.y;
 }

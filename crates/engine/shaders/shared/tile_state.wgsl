@@ -1,11 +1,11 @@
-// What the approximations know of a pixel while its tile's splats are gone through, and how it comes out. The members that
+// State of a pixel while an approximation goes through its tile's splats, and how the pixel comes out. The members that
 // a stage does not use cost nothing.
 #import sums
 #import over
 #import tile_fold
 @group(0) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> depths: array<f32>;
-// What a run leaves to the next: four vectors for each pixel.
+// State that a run leaves to the next: four vectors for each pixel.
 @group(0) @binding(9) var<storage, read_write> kept: array<vec4<f32>>;
 
 // 1: some tile takes several runs, so that each leaves what it knows.
@@ -16,7 +16,7 @@ struct State {
     sum: Sum,
     // 1 - ∏(1 - α), and by how much it is too large.
     coverage: vec2<f32>,
-    // What was composed in order, premultiplied, and of how many fragments.
+    // Color of the fragments composed in order, premultiplied, and their number.
     front: vec4<f32>,
     count: f32,
     // Of the nearest fragment with opacity.

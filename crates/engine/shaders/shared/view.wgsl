@@ -29,7 +29,7 @@ struct View {
     orthographic: u32,
     // Factor on opacities.
     opacity_factor: f32,
-    // What tells solid points (field at most this) from soft ones.
+    // Threshold of the field: up to it points are solid, above it soft.
     threshold: f32,
     // Field from which soft points are as transparent as the model says (Seemann et al., l_m); not above the threshold: all.
     modulation: f32,

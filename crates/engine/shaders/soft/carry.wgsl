@@ -7,7 +7,7 @@
 @group(0) @binding(1) var<storage, read> lists: array<LongList>;
 @group(0) @binding(2) var<storage, read_write> sums: array<RunSums>;
 
-// What rounding leaves of a sum.
+// The error of a rounded sum.
 fn left(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     let s = a + b;
     let bb = s - a;

@@ -3,7 +3,7 @@
 
 struct Push {
     count: u32,
-    // What depths of solid points are relative to.
+    // The depth that those of solid points are relative to.
     origin: f32,
 }
 

@@ -37,7 +37,7 @@ override MODULATED: u32 = 0u;
 // 1: those that cover a pixel before its solid point are counted.
 override COUNTED: u32 = 0u;
 
-// What an invocation holds of each of its pixels.
+// State of each of an invocation's pixels.
 struct PixelState {
     sum: Composed,
     // Depth key of the solid point, NOTHING where there is none, 0 outside the window.
@@ -91,7 +91,7 @@ fn add(front: Composed, disc: Handed, further: vec2<u32>, wall: u32) -> Composed
     return behind(front, disc.key, vec4<f32>(disc.color.rgb, alpha));
 }
 
-// Whether a disc covers a pixel, as `cover` in shared/splat.wgsl has it, and lies before its solid point.
+// 1 if a disc covers a pixel, as `cover` in shared/splat.wgsl has it, and lies before its solid point.
 fn counts_as(disc: Handed, further: vec2<u32>, wall: u32) -> u32 {
     let whole = vec2<f32>(further) - disc.pixel;
     let offset = whole + disc.rest;
@@ -157,7 +157,7 @@ fn is_done(held: PixelState) -> bool {
     return held.wall == 0u || done(held.sum, push.peak, push.max_color);
 }
 
-// What the runs before left of a pixel.
+// Result of the runs before for a pixel.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
     if LATER == 0u || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);

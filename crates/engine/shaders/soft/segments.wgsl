@@ -47,7 +47,7 @@ fn range_of(run: ListRun) -> vec2<u32> {
     return vec2<u32>(low, max(low, high));
 }
 
-// What begins at an event: edge, middle, reach and absorption; no edge for an exit.
+// The sphere that begins at an event: edge, middle, reach and absorption; no edge for an exit.
 fn sphere_at(event: u32, pixel: vec2<u32>, ray: vec4<f32>) -> vec4<f32> {
     let id = fragments[event].y;
     if is_exit(id) {

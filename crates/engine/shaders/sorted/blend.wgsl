@@ -50,7 +50,7 @@ fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
     return PixelState(behind(held.sum, key, fragment.color), held.front);
 }
 
-// What this run composed, behind what lies in front of it.
+// This run's composition, behind that of the runs in front of it.
 fn joined(held: PixelState) -> Composed {
     if LATER == 0u {
         return held.sum;
@@ -62,7 +62,7 @@ fn is_done(held: PixelState) -> bool {
     return done(joined(held), max_opacity, push.max_color);
 }
 
-// What the runs before left of a pixel. A depth stands for its key: nothing behind asks for the rank again.
+// Result of the runs before for a pixel. A depth stands for its key: nothing behind asks for the rank again.
 fn left_by_others(pixel: vec2<u32>) -> Composed {
     if LATER == 0u || any(pixel >= view.window.zw) {
         return Composed(vec4<f32>(0.0), NOTHING);

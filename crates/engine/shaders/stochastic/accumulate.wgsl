@@ -48,7 +48,7 @@ fn add(fragment: Fragment) {
     }
 }
 
-// What a stratum's samples hold; those that are not taken show nothing.
+// Ranks that a stratum's samples hold; samples that are not taken show nothing.
 fn taken(held: vec4<u32>, s: u32, otherwise: u32) -> vec4<u32> {
     let is_taken = vec4<u32>(4u * s, 4u * s + 1u, 4u * s + 2u, 4u * s + 3u) < vec4<u32>(push.left);
     return select(vec4<u32>(otherwise), held, is_taken);

@@ -60,7 +60,7 @@ fn gather_variant(counted: bool) -> Variant {
     Variant::plain().with("STEP", GATHER_STEP).with("COUNTED", u32::from(counted))
 }
 
-/// What linked lists need besides the buffers of the A-buffer.
+/// Buffers of linked lists besides those of the A-buffer.
 pub struct LinkedList {
     node_count: Buffer<u32>,
     links: Kept<u32>,

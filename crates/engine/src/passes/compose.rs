@@ -39,7 +39,7 @@ impl Cut {
 }
 
 group! {
-    /// What every stage that composes binds of the cloud.
+    /// Bindings of the cloud for every stage that composes.
     pub Composing as ComposingGroup {
         /// The camera.
         view: Uniform<View>,
@@ -70,7 +70,7 @@ pub fn shape_variant(footprint: Footprint, falloff: Falloff) -> Variant {
     Variant::plain().with("SHAPE", footprint as u32).with("FALLOFF", falloff as u32)
 }
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 1] = [("FALLOFF_GAUSSIAN", Falloff::Gaussian as u32)];
 
 choices!(

@@ -31,7 +31,7 @@ pub enum Walker {
 }
 
 group! {
-    /// What a stage binds of one chunk.
+    /// Bindings of one chunk.
     pub Chunk as ChunkGroup {
         /// The camera.
         camera: Uniform<View>,
@@ -49,7 +49,7 @@ group! {
 }
 
 group! {
-    /// What a stage binds that draws a chunk's splats into attachments.
+    /// Bindings of a stage that draws a chunk's splats into attachments.
     pub Quads as QuadsGroup {
         /// The camera.
         camera: Uniform<View>,
@@ -83,7 +83,7 @@ enum Amount {
 pub struct Raster<'a> {
     /// The cloud.
     pub cloud: &'a DeviceCloud,
-    /// What its projection into the window found.
+    /// Statistics of its projection into the window.
     pub stats: &'a [Stats],
     /// The window's tiles; recorded before, if the walker is [`Walker::Compute`].
     pub tiles: &'a Tiles,

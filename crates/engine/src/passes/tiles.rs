@@ -172,5 +172,5 @@ pub fn shaders() -> Vec<Shader> {
     vec![Shader::plain::<TileCount>(), Shader::plain::<TileStore>()]
 }
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 1] = [("TILE", TILE)];

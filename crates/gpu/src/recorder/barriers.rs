@@ -22,7 +22,7 @@ impl Recorder<'_> {
     }
 }
 
-/// What was written before is seen by everything that comes after.
+/// Makes everything written before visible to everything that comes after.
 pub(crate) fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
     let all = vk::PipelineStageFlags2::ALL_COMMANDS;
     let barrier = [vk::MemoryBarrier2::default()

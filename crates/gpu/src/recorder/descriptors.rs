@@ -44,7 +44,7 @@ impl Recorder<'_> {
                         self.guards.watch(&self.context, self.commands, (name, binding.name), slice)?;
                     }
                     let guard = if binding.access == Access::Uniform { 0 } else { guard::BYTES };
-                    // What fills the device's limit goes without, which then only makes its `arrayLength` too short.
+                    // A buffer that fills the device's limit goes without, which only makes its `arrayLength` too short.
                     let range = (bytes + guard).min(self.context.limits.range_bytes.max(bytes));
                     buffers.push([vk::DescriptorBufferInfo { buffer, offset, range }]);
                 }

@@ -11,7 +11,7 @@ use crate::Error;
 /// Passes that one pair of query pools covers.
 const QUERY_PASSES: u32 = 128;
 
-/// What one pass took.
+/// Time and work of one pass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PassTime {
     /// The pass.

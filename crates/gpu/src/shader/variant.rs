@@ -81,7 +81,8 @@ impl Variant {
 /// Sizes of subgroups that a device may have.
 pub const SUBGROUPS: [u32; 4] = [4, 8, 16, 32];
 
-/// What variants of shaders differ by, with a list of all its values. Made by [`choices!`](crate::choices), which forgets none.
+/// A property by which variants of shaders differ, with a list of all its values. [`choices!`](crate::choices) makes it and
+/// forgets none.
 pub trait Choices: Sized {
     /// Every value once.
     fn all() -> Vec<Self>;

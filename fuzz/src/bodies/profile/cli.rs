@@ -1,4 +1,4 @@
-//! What `pellucid compare` does with profiles: the program's own files, with its output dropped.
+//! The part of `pellucid compare` that reads profiles: the program's own files, with its output dropped.
 
 #[path = "../../../../crates/cli/src/commands/compare_profiles.rs"]
 pub mod compare_profiles;

@@ -57,10 +57,10 @@ impl ABuffer {
         counted: &Counted,
     ) -> Result<(), Error> {
         let most = bands.iter().map(|b| b.fragments).max().unwrap_or(0).max(1);
-        // What an earlier frame left may be more than this one's budget allows.
+        // An earlier frame may have left more than this one's budget allows.
         let limit = Self::capacity(device, job, counted).max(most);
         let need = Need::for_window(job, counted);
-        // What this frame does not need goes first, since the budget is for all of it.
+        // Buffers that this frame does not need go first, since the budget is for all of them.
         if !need.spare {
             self.spare.release();
         }
@@ -90,7 +90,7 @@ impl ABuffer {
     }
 }
 
-/// What a window's fragments need beside the fragment buffer.
+/// Buffers that a window's fragments need beside the fragment buffer.
 #[derive(Clone, Copy)]
 pub(super) struct Need {
     /// Bytes of a fragment itself: ordered lists hold only ranks.
@@ -103,7 +103,7 @@ pub(super) struct Need {
     runs: bool,
     /// Optical depths of segments.
     segments: bool,
-    /// What packed events carry.
+    /// Records of packed events.
     pub(super) records: bool,
 }
 

@@ -11,7 +11,7 @@ use crate::passes::scan::Scan;
 /// Pixels of one invocation of `abuffer/measure`.
 const MEASURE_RUN: u64 = 64;
 
-/// What count and scan found in a window.
+/// Counts of a window's fragments, from count and scan.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Counted {
     pub(super) overflow: bool,

@@ -67,7 +67,7 @@ pub struct ABuffer {
     fragments: Kept<[u32; 2]>,
     /// Room for the fragments once more: nodes of linked lists, and what long lists are merged into.
     spare: Kept<[u32; 2]>,
-    /// What packed events of spheres carry, at their fragments' slots.
+    /// Records of packed events of spheres, at their fragments' slots.
     records: Kept<[u32; 4]>,
     /// Spheres of each pixel, where they have several events, and what was found in them.
     spheres: Kept<u32>,
@@ -114,7 +114,7 @@ pub struct WindowJob<'a> {
     pub budget: Budget,
 }
 
-/// What the stages before blending yield, for tests and inspection.
+/// Lists as the stages before blending leave them, for tests and inspection.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Lists {
     /// Prefix sums of the list lengths: one more than pixels.

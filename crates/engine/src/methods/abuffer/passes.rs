@@ -199,7 +199,7 @@ pass! {
 }
 
 group! {
-    /// What the kernels that sort and blend the lists of a class bind.
+    /// Bindings of the kernels that sort and blend the lists of a class.
     pub Resolving as ResolvingGroup {
         composing: Shared<ComposingGroup>,
         offsets: Read<u32>,

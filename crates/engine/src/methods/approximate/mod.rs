@@ -34,13 +34,13 @@ gpu_struct! {
 }
 
 group! {
-    /// What all stages bind besides the tiles.
+    /// Bindings of all stages besides the tiles.
     pub Sums as SumsGroup {
         /// Premultiplied color and A of the window's pixels.
         image: ReadWrite<[f32; 4]>,
         /// Their depths.
         depths: ReadWrite<f32>,
-        /// What a run leaves to the next.
+        /// State that a run leaves to the next.
         kept: ReadWrite<[f32; 4]>,
     }
 }
@@ -116,11 +116,11 @@ pub enum Kind {
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// What is binned.
+    /// The splats to bin.
     pub bin: bin::Job<'a>,
     /// Shape and falloff.
     pub discs: Discs,
-    /// What is made of it.
+    /// The approximation.
     pub kind: Kind,
 }
 
@@ -284,9 +284,9 @@ pub struct OneRun {
 pub struct Round {
     /// Fragments that it composes.
     pub slots: u32,
-    /// Whether others came before.
+    /// True if other runs came before.
     pub behind: bool,
-    /// Whether it is the last one.
+    /// True if it is the last run.
     pub tail: bool,
 }
 

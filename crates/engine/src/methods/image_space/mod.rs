@@ -72,12 +72,12 @@ fn frame_windows(size: [u32; 2], filtering: &Filtering, budget: Budget) -> Resul
     })
 }
 
-/// What a window is rendered from, and how.
+/// Input and settings of a window.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
     /// The cloud, whose view is set to `outer`.
     pub cloud: &'a DeviceCloud,
-    /// What is delivered.
+    /// Result that is delivered.
     pub window: Window,
     /// The same with its halo: what is rendered.
     pub outer: Window,
@@ -89,9 +89,9 @@ pub struct WindowJob<'a> {
     pub distance: f32,
     /// Depth of background where edges are looked for.
     pub far: f32,
-    /// Whether 64-bit atomics are used.
+    /// True if 64-bit atomics are used.
     pub wide: bool,
-    /// Whether opacities count.
+    /// True if opacities count.
     pub transparent: bool,
 }
 

@@ -91,11 +91,11 @@ pass! {
 }
 
 group! {
-    /// What the filters bind; shaders/shared/filter.wgsl and tiled.wgsl say what it is.
+    /// Bindings of the filters, which shaders/shared/filter.wgsl and tiled.wgsl explain.
     pub Tiled as TiledGroup {
         /// The work list.
         entries: Read<[u32; 2]>,
-        /// What is known about each tile.
+        /// Properties of each tile.
         tiles: ReadWrite<[u32; 4]>,
         /// Both sides of all tiles' depths, and one more.
         depths: ReadWrite<f32>,
@@ -164,7 +164,7 @@ impl Filter {
     /// In the order in which they run.
     pub const ALL: [Self; 4] = [Self::Fill, Self::Occlusion, Self::Smooth, Self::Antialias];
 
-    /// Whether a tile that it left alone stays as it is when the filter runs again, unless something around it was changed.
+    /// True if a tile that the filter left alone stays as it is when it runs again, unless something around the tile changes.
     pub fn is_settling(self) -> bool {
         matches!(self, Self::Fill | Self::Occlusion)
     }
@@ -184,7 +184,7 @@ pub enum Listed {
 const LIST_RESOLVE: u32 = 4;
 const LIST_DELIVER: u32 = 5;
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 6] = [
     ("LIST_FILL", Filter::Fill as u32),
     ("LIST_OCCLUSION", Filter::Occlusion as u32),

@@ -121,7 +121,7 @@ choices!(
     }
 );
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 3] = [
     ("RELIEF_FLAT", Relief::Flat as u32),
     ("RELIEF_PARABOLOID", Relief::Paraboloid as u32),

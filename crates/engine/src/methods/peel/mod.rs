@@ -113,9 +113,9 @@ pub struct WindowJob<'a> {
     pub raster: Raster<'a>,
     /// Discs and layers.
     pub peel: Peel,
-    /// Whether list lengths and layers are counted.
+    /// True if list lengths and layers are counted.
     pub counted: bool,
-    /// Whether 64-bit atomics are used.
+    /// True if 64-bit atomics are used.
     pub wide: bool,
     /// Layers after which all of them are too many.
     pub limit: u32,

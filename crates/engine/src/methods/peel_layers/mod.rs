@@ -59,16 +59,16 @@ fn blend_variant(counted: bool) -> Variant {
     Variant::plain().with("COUNTED", u32::from(counted))
 }
 
-/// What a window is rendered from, and how.
+/// Input and settings of a window.
 #[derive(Clone, Copy)]
 pub struct LayersJob<'a> {
-    /// What goes for each layer.
+    /// Input and settings of each layer.
     pub image: WindowJob<'a>,
     /// Layers at most.
     pub layers: u32,
-    /// Whether layers are counted per pixel.
+    /// True if layers are counted per pixel.
     pub counted: bool,
-    /// Whether the window is copied to the host.
+    /// True if the window is copied to the host.
     pub read_back: bool,
 }
 

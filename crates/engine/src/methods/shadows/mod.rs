@@ -36,7 +36,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// What `shadows/lit` knows of a light beside its camera.
+    /// Parameters of a light for `shadows/lit`, beside its camera.
     pub struct LightFrame {
         apart: f32,
         face: u32,
@@ -133,7 +133,7 @@ pub fn refusal(frame: &Frame) -> Option<String> {
     }
 }
 
-/// What the shadows of a frame of a cloud are; `None` if it has none.
+/// Describes the shadows of a cloud in a frame; `None` if the frame has none.
 pub fn casting(frame: &Frame, cloud: &DeviceCloud) -> Option<Casting> {
     let shadows = frame.shadows.filter(|_| refusal(frame).is_none() && !cloud.is_empty())?;
     shadows.casting(frame.shading.light, frame.seed, cloud.diagonal())

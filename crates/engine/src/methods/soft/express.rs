@@ -42,11 +42,11 @@ pub const COUNT_BYTES: u64 = 4;
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// What is binned: the soft points, along an axis ([`bin::Order::Along`]).
+    /// The splats to bin: the soft points, along an axis ([`bin::Order::Along`]).
     pub bin: bin::Job<'a>,
     /// λ, the opacity in the middle of a disc.
     pub model: SoftModel,
-    /// Whether any point may have a W below 1 (Eq. 22).
+    /// True if any point may have a W below 1 (Eq. 22).
     pub modulated: bool,
     /// The window's solid points, if there are any. Discs are drawn where their depth is less.
     pub layer: Option<&'a Layer>,
@@ -54,7 +54,7 @@ pub struct WindowJob<'a> {
     pub max_color: f32,
 }
 
-/// What is kept from frame to frame.
+/// Buffers, kept from frame to frame.
 pub struct SoftDiscs {
     counts: Kept<u32>,
     counted: Vec<u32>,
@@ -147,16 +147,16 @@ impl SoftDiscs {
     }
 }
 
-/// What a variant of `soft/express` depends on.
+/// Properties on which a variant of `soft/express` depends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ExpressKind {
     /// `STOP` in WGSL, from [`sorted::stop`].
     pub stop: u32,
-    /// Whether solid points cut it.
+    /// True if solid points cut it.
     pub cut: bool,
-    /// Whether some W are below 1.
+    /// True if some W are below 1.
     pub modulated: bool,
-    /// Whether discs are counted, so that none is left out.
+    /// True if discs are counted, so that none is left out.
     pub counted: bool,
     /// A run that goes on from the image.
     pub later: bool,

@@ -94,7 +94,7 @@ impl SoftModel {
         }
     }
 
-    /// Whether spheres of up to this radius (world units) are so dense that their places take more than float32.
+    /// True if spheres of up to this radius (world units) are so dense that their places take more than float32.
     pub fn is_stiff(&self, interior: Interior, max_radius: f32) -> bool {
         let radius = f64::from(max_radius);
         let chord = if interior.is_integrated() { radius * radius } else { 2.0 * radius };

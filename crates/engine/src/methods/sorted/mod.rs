@@ -37,15 +37,15 @@ pass! {
     }
 }
 
-/// What may be left out at the back of a pixel.
+/// Fragments that may be left out at the back of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stop {
-    /// What changes no bit of the image.
+    /// Those that change no bit of the image.
     #[default]
     Exact,
-    /// What changes no 8-bit value of the composed image by more than a quarter of a step.
+    /// Those that change no 8-bit value of the composed image by more than a quarter of a step.
     EightBit {
-        /// Whether the image goes without background, so that color is divided by A.
+        /// True if the image goes without background, so that color is divided by A.
         transparent: bool,
     },
 }
@@ -53,7 +53,7 @@ pub enum Stop {
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// What is sorted and binned.
+    /// The splats to sort and bin.
     pub bin: bin::Job<'a>,
     /// Shape and falloff.
     pub discs: Discs,
@@ -114,7 +114,7 @@ pub(crate) const STOP_ENCODED: u32 = 3;
 /// Those that stop somewhere.
 pub(crate) const STOPS: [u32; 3] = [STOP_EXACT, STOP_SRGB, STOP_ENCODED];
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 3] =
     [("STOP_NEVER", STOP_NEVER), ("STOP_EXACT", STOP_EXACT), ("STOP_SRGB", STOP_SRGB)];
 

@@ -27,7 +27,7 @@ const SUBMITTED_SLOTS_OF_A_RUN: u64 = 1 << 15;
 /// Passes after which is submitted.
 const SUBMITTED_PASSES: u32 = 100;
 
-/// What a window met.
+/// Statistics of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drawn {
     /// Points that were drawn, each in each ensemble.

@@ -27,7 +27,7 @@ pub struct WindowJob<'a> {
     pub window: Window,
     /// Shading and color space.
     pub how: &'a Projecting,
-    /// What is taken of each cloud.
+    /// The share of each cloud.
     pub shares: &'a [Share],
     /// The method.
     pub method: Method,
@@ -35,9 +35,9 @@ pub struct WindowJob<'a> {
     pub drawn: u32,
     /// Seed.
     pub seed: u64,
-    /// Whether the standard error is asked for.
+    /// True if the standard error is asked for.
     pub spread: bool,
-    /// Whether the width of points depends on depth.
+    /// True if the width of points depends on depth.
     pub perspective: bool,
     /// How the nearest points are found.
     pub form: Form,
@@ -96,7 +96,7 @@ impl WindowJob<'_> {
         worth.clamp(1, MOST_PLANES).min(fit).min(u64::from(self.drawn)).max(1)
     }
 
-    /// Whether a pixel's nearest point stands beside its sums.
+    /// True if a pixel's nearest point stands beside its sums.
     pub(super) fn is_inline(&self) -> bool {
         self.form == Form::Single && self.planes() == 1
     }
@@ -106,7 +106,7 @@ impl WindowJob<'_> {
         if self.form == Form::Single { 0 } else { u32::MAX }
     }
 
-    /// Whether there are more rounds than epochs of planes that no fill can clear.
+    /// True if the rounds outnumber the epochs of planes that no fill can clear.
     pub fn is_renewed(&self) -> bool {
         self.is_inline() && self.drawn > Epochs::most(self.epoch_bits())
     }
@@ -134,7 +134,7 @@ impl WindowJob<'_> {
 /// How colors become whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// What a color of 1 is.
+    /// The whole number for a color of 1.
     pub one: f32,
     /// The most that a color may be: with `ensembles` times that a sum still has 32 bits.
     pub most: f32,

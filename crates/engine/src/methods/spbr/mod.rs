@@ -36,9 +36,9 @@ use crate::random;
 const RUN: u64 = 16;
 /// Pixels of a square that one invocation walks: larger ones go to a list.
 const SMALL_SQUARE: u32 = 64;
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 1] = [("SMALL_SQUARE", SMALL_SQUARE)];
-/// What tells the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the
+/// Separates the random words of this method from those of `stochastic`: "SPBR", exclusive-or the second word of the
 /// key.
 const STREAM: u32 = 0x5350_4252;
 
@@ -76,7 +76,7 @@ fn largest(shares: &[Share]) -> f64 {
     shares.iter().map(|s| s.largest).fold(0.0, f64::max)
 }
 
-/// Whether squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
+/// True if squares may be so large that they go to a list: a side of up to `s` pixels touches `s + 1`.
 pub fn is_listed(shares: &[Share]) -> bool {
     (largest(shares).sqrt() + 1.0).powi(2) > f64::from(SMALL_SQUARE)
 }

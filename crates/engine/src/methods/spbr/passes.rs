@@ -37,7 +37,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// What the passes count.
+    /// Counters of the passes.
     pub struct Counters {
         visible_low: u32,
         visible_high: u32,
@@ -64,7 +64,7 @@ gpu_struct! {
 }
 
 group! {
-    /// What a pass that goes through slots binds of the points.
+    /// Bindings of the points for a pass that goes through slots.
     pub Slots as SlotsGroup {
         /// The camera.
         camera: Uniform<View>,
@@ -74,7 +74,7 @@ group! {
         points_lo: Read<[f32; 4]>,
         /// Normals; a single one if there are none.
         normals: Read<[f32; 4]>,
-        /// What the passes count.
+        /// Counters of the passes.
         counters: ReadWrite<Counters>,
         /// Large squares of a dispatch.
         large: ReadWrite<[u32; 4]>,

@@ -56,20 +56,20 @@ pub enum Stage {
     Sum,
 }
 
-/// What the passes over slots must know about frame and cloud.
+/// Properties of frame and cloud on which the passes over slots depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// Whether opacities differ from point to point.
+    /// True if opacities differ from point to point.
     pub weighted: bool,
-    /// Whether points may ask for less than a pixel.
+    /// True if points may ask for less than a pixel.
     pub thinned: bool,
-    /// Whether slanted normals make points smaller.
+    /// True if slanted normals make points smaller.
     pub slanted: bool,
-    /// Whether points may be wider than a pixel.
+    /// True if points may be wider than a pixel.
     pub squares: bool,
-    /// Whether rounds have more than one ensemble.
+    /// True if rounds have more than one ensemble.
     pub planes: bool,
-    /// Whether the standard error is asked for.
+    /// True if the standard error is asked for.
     pub spread: bool,
 }
 
@@ -80,7 +80,7 @@ choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 pub(super) enum Through {
     /// An invocation for some slots each.
     Slots {
-        /// Whether drawn points are counted.
+        /// True if drawn points are counted.
         counted: bool,
     },
     /// So many workgroups for each square of the list of large ones.
@@ -147,7 +147,7 @@ pub fn shaders() -> Vec<Shader> {
     let stages = Kind::variants;
     let (cut, color) = (Cut::all()[0], ColorSpace::Linear);
     let (draws, sums) = (stages(Stage::Draw), stages(Stage::Sum));
-    // What decides where a point shows knows nothing of its color: every variant of the one, and every one of the other.
+    // Where a point shows does not depend on its color: every variant of the one, and every variant of the other.
     let colored = <(Cut, ColorSpace)>::all().into_iter().map(|(cut, color)| draw_variant(draws[0].clone(), cut, color));
     let draw = draws.iter().map(|variant| draw_variant(variant.clone(), cut, color)).chain(colored);
     let shaded = Shaded::all();

@@ -73,9 +73,9 @@ pub const PIXEL_BYTES: u64 = 4 + 16;
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// What is binned, in the order of indices. Bytes that are in use must count [`PIXEL_BYTES`].
+    /// The splats to bin, in the order of indices. Bytes that are in use must count [`PIXEL_BYTES`].
     pub bin: bin::Job<'a>,
-    /// What lies up to so many radii behind the nearest is blended with it.
+    /// Fragments up to so many radii behind the nearest are blended with it.
     pub blend_depth: f32,
     /// Depths of a layer, behind which alone splats count unless they are marked as solid
     /// ([`crate::passes::project::Part::Marked`]).
@@ -172,7 +172,7 @@ impl Splatter {
     }
 }
 
-/// Whether any splat touches the window.
+/// True if any splat touches the window.
 fn is_seen(job: &bin::Job<'_>) -> bool {
     job.raster.stats.iter().any(|s| s.visible > 0)
 }
@@ -191,11 +191,11 @@ pub fn survey(device: &Device, job: &bin::Job<'_>, facts: &mut Facts) -> Result<
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
-    /// Whether it goes on from what others left.
+    /// True if it goes on from the result of others.
     pub later: bool,
-    /// Whether there are several, each of which leaves what it knows.
+    /// True if it is one of several, each of which leaves its state.
     pub kept: bool,
-    /// Whether only what lies behind a layer counts.
+    /// True if only fragments behind a layer count.
     pub behind: bool,
     /// The subgroup size.
     pub subgroup: u32,

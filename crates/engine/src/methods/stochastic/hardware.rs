@@ -159,12 +159,12 @@ fn size([x0, y0, x1, y1]: Window) -> [u32; 2] {
     [x1 - x0, y1 - y0]
 }
 
-/// Whether a window shows anything.
+/// True if a window shows anything.
 pub fn is_seen(raster: &Raster<'_>) -> bool {
     raster.stats.iter().any(|s| s.visible > 0)
 }
 
-/// What is drawn into, kept from frame to frame: 52 bytes per pixel.
+/// Attachments, kept from frame to frame: 52 bytes per pixel.
 pub struct Attachments {
     depths: KeptAttachment,
     indices: KeptAttachment,

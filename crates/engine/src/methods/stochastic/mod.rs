@@ -78,12 +78,12 @@ pub struct Batch {
     pub strata: u32,
 }
 
-/// What every pass must know about the settings.
+/// Settings on which every pass depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// Whether A is exact and color scaled by it: alpha correction.
+    /// True if A is exact and color scaled by it: alpha correction.
     pub exact: bool,
-    /// Whether the standard error is asked for.
+    /// True if the standard error is asked for.
     pub spread: bool,
 }
 
@@ -171,13 +171,13 @@ pub fn more_samples(samples: u32, limit: u32, errors: &[[f32; 3]], most: f32) ->
 /// Everything that stays the same while a window is rendered.
 #[derive(Clone, Copy)]
 pub struct WindowJob<'a> {
-    /// What is binned.
+    /// The splats to bin.
     pub bin: bin::Job<'a>,
     /// Discs, samples, correction.
     pub settings: Stochastic,
     /// Seed of the masks.
     pub seed: u64,
-    /// Whether the standard error is asked for.
+    /// True if the standard error is asked for.
     pub spread: bool,
 }
 
@@ -266,7 +266,7 @@ impl Sampler {
         self.reserve_sums(device, job)
     }
 
-    /// What both ways of going through the splats fill.
+    /// Reserves the sums that both ways of going through the splats fill.
     fn reserve_sums(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<(), Error> {
         let (pixels, Kind { exact, spread }) = (job.pixels(), job.kind());
         let strata = batches(job.settings.samples).map(|b| b.strata).max().unwrap_or(0);

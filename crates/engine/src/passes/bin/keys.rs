@@ -23,7 +23,7 @@ pub(super) fn depth_keys(depth_range: [f32; 2]) -> [u32; 2] {
     [near, far - near + 1]
 }
 
-/// What is subtracted from keys, and the key then of what is not drawn.
+/// Returns the number subtracted from keys, and the key that undrawn splats then have.
 pub(super) fn keys(order: Order, depth_range: [f32; 2], points: u64) -> [u32; 2] {
     match order {
         Order::Depth | Order::Along(_) => depth_keys(depth_range),

@@ -52,7 +52,7 @@ pub const PIXEL_BYTES: u64 = 4;
 /// Bytes of a record of the sort: key and index.
 pub const RECORD_BYTES: u64 = 8;
 
-/// What is binned.
+/// The splats of a window to bin.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
     /// The projected cloud; its walker is not used.
@@ -84,7 +84,7 @@ pub struct Bins {
     entries: Kept<u32>,
 }
 
-/// What became of a window that was to be binned.
+/// Outcome of binning a window.
 #[derive(Debug, Clone, Copy)]
 pub enum Bin {
     /// No splat is drawn.
@@ -95,7 +95,7 @@ pub enum Bin {
     Done(Binned),
 }
 
-/// What would become of a window that was to be binned.
+/// Outcome that binning a window would have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Survey {
     /// No splat is drawn.
@@ -233,7 +233,7 @@ impl Bins {
     }
 }
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 4] =
     [("TILE_SIDE", TILE_SIDE), ("BLOCK_SIDE", BLOCK_SIDE), ("ORDER_DEPTH", ORDER_DEPTH), ("ORDER_INDEX", ORDER_INDEX)];
 

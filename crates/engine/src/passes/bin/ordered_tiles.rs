@@ -27,7 +27,7 @@ pub struct OrderedTiles<'a> {
 }
 
 impl<'a> OrderedTiles<'a> {
-    /// What a stage binds that goes through the tiles with whole splats (shaders/shared/tile_fold.wgsl).
+    /// Bindings of a stage that goes through the tiles with whole splats (shaders/shared/tile_fold.wgsl).
     pub fn folding(&self, view: Slice<'a, View>) -> Folding<'a> {
         let Self { ends, entries, records, footprints, colors, slopes, .. } = *self;
         Folding { view, ends, entries, records, footprints, colors, slopes }
@@ -88,7 +88,7 @@ pub(crate) fn gather_variant(subgroup: u32) -> Variant {
     blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
 }
 
-/// What shaders/shared/blocks.wgsl needs, and how many of a tile's splats a run takes.
+/// Adds the constants of shaders/shared/blocks.wgsl, and the number of a tile's splats that a run takes.
 fn blocks(variant: Variant, subgroup: u32) -> Variant {
     variant
         .with("TAKEN", SEGMENT)

@@ -148,7 +148,7 @@ gpu_struct! {
 }
 
 group! {
-    /// What a stage binds that goes through ordered tiles.
+    /// Bindings of a stage that goes through ordered tiles.
     pub Gathering as GatheringGroup {
         /// The camera.
         view: Uniform<View>,
@@ -162,7 +162,7 @@ group! {
 }
 
 group! {
-    /// What a stage binds that goes through tiles with whole splats.
+    /// Bindings of a stage that goes through tiles with whole splats.
     pub Folding as FoldingGroup {
         /// The camera.
         view: Uniform<View>,

@@ -34,7 +34,7 @@ choices!(
 pub const DISCS: [Footprint; 2] = [Footprint::Disc, Footprint::Oriented];
 
 impl Footprint {
-    /// Whether splats of this shape have tilts.
+    /// True if splats of this shape have tilts.
     pub fn has_tilts(self) -> bool {
         matches!(self, Self::Oriented | Self::ExactSphere)
     }

@@ -40,7 +40,7 @@ gpu_struct! {
 pub type Bounds = [u32; 2];
 
 gpu_struct! {
-    /// What the projection of one chunk found.
+    /// Statistics of the projection of one chunk.
     pub struct Stats {
         visible: u32,
         large: u32,
@@ -98,7 +98,7 @@ pass! {
     }
 }
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 10] = [
     ("SHAPE_ORIENTED", Footprint::Oriented as u32),
     ("SHAPE_SQUARE", Footprint::Square as u32),
@@ -125,19 +125,19 @@ pub struct Projecting {
     pub opacity_factor: f32,
     /// Which points.
     pub part: Part,
-    /// Whether depths of splats are relative to the nearest depth of the points' box: the less they are, the more digits they
+    /// True if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more digits they
     /// have.
     pub relative_depth: bool,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
     /// In which space colors are blended.
     pub color: ColorSpace,
-    /// Whether the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
+    /// True if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
     pub lit: bool,
 }
 
 group! {
-    /// What a pass binds of one chunk of points that it takes straight to their pixels.
+    /// Bindings of one chunk of points for a pass that takes them straight to their pixels.
     pub Places as PlacesGroup {
         /// The camera.
         camera: Uniform<View>,
@@ -145,7 +145,7 @@ group! {
         points_hi: Read<[f32; 4]>,
         /// The rest of the positions.
         points_lo: Read<[f32; 4]>,
-        /// What the passes find.
+        /// Statistics that the passes collect.
         stats: ReadWrite<Stats>,
     }
 }
@@ -196,13 +196,13 @@ impl DeviceCloud {
         recorder.copy("project/stats", self.stats.all(), self.stats_host.all())
     }
 
-    /// What a pass binds that takes the points of a chunk straight to their pixels.
+    /// Bindings of a pass that takes the points of a chunk straight to their pixels.
     pub fn places(&self, first: u64, count: u64) -> Places<'_> {
         let (points_hi, points_lo) = (self.points_hi.slice(first, count), self.points_lo.slice(first, count));
         Places { camera: self.view.all(), points_hi, points_lo, stats: self.stats.all() }
     }
 
-    /// What the last submitted projection found, chunk by chunk.
+    /// Statistics of the last submitted projection, chunk by chunk.
     pub fn stats(&self) -> Vec<Stats> {
         self.chunks().zip(self.stats_host.mapped_slice()).map(|(_, stats)| *stats).collect()
     }
@@ -232,7 +232,7 @@ pub fn shaders() -> Vec<Shader> {
     vec![Shader::new::<Project>(variants)]
 }
 
-/// Whether the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
+/// True if the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
 fn used_normals(how: &Projecting, normals: bool) -> bool {
     let oriented = how.footprint == Footprint::Oriented;
     how.lit || (normals && (how.shading.model != ShadingModel::None || oriented))

@@ -51,7 +51,7 @@ pub(super) const PART_SOLID: u32 = 1;
 pub(super) const PART_SOFT: u32 = 2;
 pub(super) const PART_MARKED: u32 = 3;
 
-/// What a threshold makes of a cloud.
+/// Numbers of the points that a threshold makes solid and soft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
     /// Points with a field of at most the threshold; all if there is no field.

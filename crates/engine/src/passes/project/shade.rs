@@ -14,7 +14,7 @@ impl Projecting {
     }
 }
 
-/// What shaders depend on that shade points.
+/// Properties on which shaders that shade points depend.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shaded {
     model: ShadingModel,

@@ -13,7 +13,7 @@ settings! {
     pub struct CameraSettings {
         /// Where the camera stands; ignored if a view is asked for.
         eye: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the whole scene in view";
-        /// What the camera looks at; ignored if a view is asked for.
+        /// The point that the camera looks at; ignored if a view is asked for.
         target: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the middle of the scene";
         /// Which direction points to the top of the image; ignored if a view is asked for.
         up: Option<DVec3> = None, in Vectors::Directions, without "the vertical of the clouds";

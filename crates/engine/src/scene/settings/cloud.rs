@@ -30,13 +30,13 @@ settings! {
         /// K: neighbors that radii and uncertainty are estimated from.
         neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,
             slider Slider::Count(1, 256);
-        /// What is added to positions, after `scale`.
+        /// A vector added to positions, after `scale`.
         translate: DVec3 = DVec3::ZERO, in Vectors::Any, unit "world units";
         /// Factor on positions and on the file's own radii.
         scale: f64 = 1.0, in Range::POSITIVE;
         /// Where a picture stands, before `scale` and `translate`.
         photo: Option<Photo> = None;
-        /// What the columns of a text file are, as in `"x,y,z,-,r,g,b"`.
+        /// Columns of a text file, as in `"x,y,z,-,r,g,b"`.
         columns: Option<ColumnNames> = None, without "by its header or its values";
         /// F: what tells soft points from solid ones, in the scene's coordinates.
         field: Option<Field> = None;
@@ -44,7 +44,7 @@ settings! {
 }
 
 impl CloudSettings {
-    /// What the settings say of the file.
+    /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
         Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref() }
     }

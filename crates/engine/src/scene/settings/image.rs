@@ -11,7 +11,7 @@ settings! {
     pub struct ImageSettings {
         /// Width and height of the image.
         size: [u32; 2] = [1024, 1024], in 1..=MAX_SIDE, unit "pixels";
-        /// What is behind all points, in linear light whatever `color` says.
+        /// The color behind all points, in linear light whatever `color` says.
         background: Vec3 = Vec3::ZERO;
         /// In which space colors are blended: linear light, or encoded as they are stored.
         color: ColorSpace = ColorSpace::Linear;

@@ -20,7 +20,7 @@ settings! {
         shells: Shells = Shells::Adaptive, without "adaptive", start 8.0, tried SHELLS;
         /// How thick a shell is where shells are adaptive (soft-concentric).
         pixels_per_shell: f32 = 4.0, in Range::POSITIVE, unit "pixels", slider Slider::Linear(1.0, 16.0);
-        /// What is stored of a sphere on a ray (soft-base).
+        /// The layout in which a sphere on a ray is stored (soft-base).
         layout: SoftLayout = SoftLayout::Precise;
     }
     check agree;

@@ -34,7 +34,7 @@ settings! {
     /// Settings of `peel-layers` (Dobrev et al. 2010, Sections 4 and 5).
     #[derive(Copy)]
     pub struct PeelLayers {
-        /// What each layer goes through. Back faces are parts of surfaces too, so that they are not culled unless asked for.
+        /// Filters of each layer. Back faces are parts of surfaces too, so that they are not culled unless asked for.
         filters: ImageSpace = ImageSpace { cull: false, ..ImageSpace::default() };
         /// Layers that are peeled and blended at most, the nearest ones.
         layers: u32 = 4, in 1..=MAX_POINT_LAYERS, slider Slider::Count(1, 32), refines true;

@@ -41,7 +41,7 @@ pub(crate) fn resolve_variant(compose: Variant, capacity: u32) -> Variant {
     if is_network(capacity) { classified.network(capacity) } else { local_sort(classified, capacity) }
 }
 
-/// Whether lists of up to `capacity` fragments are sorted in registers.
+/// True if lists of up to `capacity` fragments are sorted in registers.
 pub fn is_network(capacity: u32) -> bool {
     capacity <= NETWORK_LENGTH
 }
@@ -64,7 +64,7 @@ pub(super) fn sort_runs_variant() -> Variant {
     local_sort(Variant::plain(), LOCAL_LENGTH)
 }
 
-/// What shaders/shared/local_sort.wgsl needs.
+/// Adds the constants of shaders/shared/local_sort.wgsl.
 fn local_sort(variant: Variant, capacity: u32) -> Variant {
     variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }

@@ -53,7 +53,7 @@ pub struct Stored<'a> {
     pub fragments: Slice<'a, [u32; 2]>,
     /// Room for them once more, if long lists are merged.
     pub spare: Option<Slice<'a, [u32; 2]>>,
-    /// What packed events of spheres carry; anything where there are none.
+    /// Records of packed events of spheres; any buffer where no events are packed.
     pub records: Slice<'a, [u32; 4]>,
 }
 
@@ -338,7 +338,7 @@ pub fn record_nothing<'a>(recorder: &mut Recorder<'a>, target: &'a Target, windo
     recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())
 }
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 6] = [
     ("CLASS_WORDS", CLASS_WORDS as u32),
     ("CLASS_TOTAL", CLASS_TOTAL as u32),

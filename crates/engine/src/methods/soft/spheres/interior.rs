@@ -13,7 +13,7 @@ pub(super) const SHELLS_SEGMENT: u32 = 768;
 pub(super) const MODEL_BASE: u32 = 0;
 const MODEL_CONCENTRIC: u32 = 1;
 
-/// What a sphere is made of.
+/// The inside of a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Interior {
     /// It falls off linearly: `soft-base`.
@@ -42,7 +42,7 @@ impl Interior {
         }
     }
 
-    /// Whether the spheres of a pixel must be counted besides its events.
+    /// True if the spheres of a pixel must be counted besides its events.
     pub fn counted(self) -> bool {
         self.most_shells() > 1
     }
@@ -77,7 +77,7 @@ impl Interior {
             .with("PACKED", u32::from(self == Self::Packed))
     }
 
-    /// Whether events are integrated, and not constant densities summed.
+    /// True if events are integrated, and not constant densities summed.
     pub fn is_integrated(self) -> bool {
         !matches!(self, Self::Shells(..))
     }
@@ -96,14 +96,14 @@ impl Choices for Interior {
     }
 }
 
-/// What the kernels are made for.
+/// The kind of spheres that a kernel is made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kind {
-    /// What a sphere is made of.
+    /// The inside of a sphere.
     pub interior: Interior,
-    /// Whether it is so dense that float32 would show ([`SoftModel::is_stiff`]).
+    /// True if it is so dense that float32 would show ([`SoftModel::is_stiff`]).
     pub exact: bool,
-    /// Whether some points are modulated.
+    /// True if some points are modulated.
     pub modulated: bool,
 }
 

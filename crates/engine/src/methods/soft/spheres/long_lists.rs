@@ -39,7 +39,7 @@ pub struct Sorted<'a> {
     pub lists: Slice<'a, LongList>,
     /// Where their events are.
     pub fragments: Slice<'a, [u32; 2]>,
-    /// What is stored of them besides, if they are packed.
+    /// Records of packed events.
     pub records: Slice<'a, [u32; 4]>,
     /// Where the composed runs come out.
     pub partials: Slice<'a, Partial>,

@@ -56,13 +56,13 @@ pub const RECORD_BYTES: u64 = 16;
 /// Device bytes per pixel of the number of spheres, where these have shells.
 pub const SPHERES_BYTES: u64 = 4;
 
-/// What shaders know of this module.
+/// Constants that shaders share with this module.
 pub(crate) const CONSTANTS: [(&str, u32); 2] = [("MODEL_BASE", MODEL_BASE), ("MOST_SHELLS", MAX_SHELLS)];
 
 /// The soft points of a window.
 #[derive(Clone, Copy)]
 pub struct Spheres<'a> {
-    /// What they are.
+    /// Their kind.
     pub kind: Kind,
     /// How dense they are.
     pub model: SoftModel,
@@ -70,7 +70,7 @@ pub struct Spheres<'a> {
     pub max_radius: f32,
     /// The depth that those of solid points are relative to.
     pub origin: f32,
-    /// What the solid points left, if there are any.
+    /// The pixels of the solid points, if any.
     pub layer: Option<&'a Layer>,
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::gpu::{Buffer, Error};
 use crate::points::Points;
 
-/// What a device holds of each point, a vector each.
+/// A column of vectors that the device holds, one for each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Column {
     /// The position relative to the cloud's origin, rounded, and the radius.
@@ -68,7 +68,7 @@ pub(in crate::passes::project) fn split(v: DVec3) -> (Vec3, Vec3) {
 /// Most points whose median is taken for that of all.
 const SAMPLED_POINTS: usize = 4096;
 
-/// What positions are counted from: the median of each coordinate, of evenly many of them if they are many. Points far off,
+/// Returns the origin of positions: the median of each coordinate, of evenly spaced ones if they are many. Points far off,
 /// however far, take no digits from the others, as they do from the middle of a box around all.
 pub(super) fn middle(positions: &[DVec3]) -> DVec3 {
     let step = positions.len().div_ceil(SAMPLED_POINTS).max(1);

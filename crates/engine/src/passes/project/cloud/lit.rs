@@ -17,7 +17,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// What the shares of light belong to; `None`: no shadows were cast, or others put there.
+    /// The shadows that the shares of light belong to; `None` if none were cast, or the shares were replaced.
     pub fn casting(&self) -> Option<&Casting> {
         self.casting.as_ref()
     }

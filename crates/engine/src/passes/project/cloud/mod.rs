@@ -42,7 +42,7 @@ pub struct DeviceCloud {
     max_opacity: f32,
     max_color: f32,
     max_radius: f32,
-    /// What depths of splats are relative to.
+    /// The depth that those of splats are relative to.
     pub(super) depth_origin: f32,
     /// Field and radius of each point, if there is a field; and what was last found in them.
     fields_and_radii: Vec<[f32; 2]>,
@@ -53,7 +53,7 @@ pub struct DeviceCloud {
     orders_made: u32,
     /// The clouds of a dealt list.
     surfaces: Option<Vec<Placed>>,
-    /// What the shares of light belong to that normals carry.
+    /// The shadows that the shares of light beside the normals belong to.
     casting: Option<Casting>,
     /// The points of a dealt list: whether they fit the device, the frame decides.
     host: Option<Arc<Points>>,
@@ -126,7 +126,7 @@ impl DeviceCloud {
         Ok(())
     }
 
-    /// What the device holds of each point.
+    /// The columns that the device holds.
     pub fn columns(&self) -> &'static [Column] {
         if self.has_normals { &Column::ALL } else { &Column::ALL[..3] }
     }
@@ -252,7 +252,7 @@ impl DeviceCloud {
             + self.orders.iter().flatten().map(Buffer::bytes).sum::<u64>()
     }
 
-    /// Whether points have normals.
+    /// True if points have normals.
     pub fn has_normals(&self) -> bool {
         self.has_normals
     }
