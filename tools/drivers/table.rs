@@ -26,9 +26,9 @@ pub enum Verdict {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
     pub pixels: usize,
-    /// Pixels of which any byte differs, depths and list lengths included.
+    /// Pixels with any byte that differs, depths and list lengths included.
     pub differ: usize,
-    /// Pixels of which a color, or A, is beyond the bound.
+    /// Pixels whose color, or A, is beyond the bound.
     pub beyond: usize,
     /// Largest and root mean square difference of R, G, B and A.
     pub largest: f64,

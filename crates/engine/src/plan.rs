@@ -36,7 +36,7 @@ pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
     }
 }
 
-/// The method on a device: like [`resolve`], but for flat splats the cheaper of `sorted` and `abuffer`, by a model of
+/// The method on a device: like [`resolve`], except that flat splats get the cheaper of `sorted` and `abuffer`, by a model of
 /// the device's frame times (see [`crate::methods::cost`]). The frame may have any method.
 pub fn choose(
     renderer: &mut Renderer,

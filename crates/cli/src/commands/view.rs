@@ -18,7 +18,7 @@ use crate::error::Error;
 const SIZE: [u32; 2] = [1280, 720];
 
 /// Drag to turn, right-drag to move, scroll to come nearer to what is under the pointer, double-click to turn about it, fly with
-/// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file of which `render` makes the same picture, byte for
+/// W, A, S, D, Q and E; F1 shows all keys. F12 saves the picture and a scene file from which `render` makes the same picture, byte for
 /// byte. K makes the camera a key of a path, which Space plays and --path of `render` takes. Files dropped onto the window are opened. --size is that of the window.
 #[derive(Debug, Args)]
 pub struct ViewArgs {

@@ -1,4 +1,4 @@
-//! The workflow of docs/ci: its steps run as they stand there, but for those that install.
+//! The workflow of docs/ci: its steps run as they stand there, except those that install.
 
 use std::collections::BTreeMap;
 use std::fs;

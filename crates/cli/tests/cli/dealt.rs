@@ -135,7 +135,7 @@ fn as_many_ensembles_as_an_error_needs() {
         setting.strip_prefix("method.ensembles=").unwrap().parse::<u32>().unwrap()
     };
     let (few, many) = (render("0.2", "few.exr"), render("0.05", "many.exr"));
-    // Sixteen times as many, but for the ladder's steps of two.
+    // Sixteen times as many, apart from the ladder's steps of two.
     assert!((8..=32).contains(&(many / few)), "{few} {many}");
     // Nobody else draws the image of the simplified method.
     let simplified =

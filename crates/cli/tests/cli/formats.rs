@@ -31,7 +31,7 @@ fn columns_are_named_wherever_files_are_read() {
     let cloud =
         pellucid_engine::io::load(&inside(&folder, "a.ply"), &pellucid_engine::progress::Progress::hidden()).unwrap();
     assert_eq!((cloud.up, cloud.prepared.unwrap().values), (UpAxis::Z, vec![1.0, 0.0]));
-    // For files that name their columns it is said that there is nothing to name.
+    // For files that name their columns an error says that nothing is left to name.
     let (code, _, stderr) = run(&folder, &["info", "a.ply", "--columns", "x,y,z"]);
     assert!(code == 0 && stderr.contains("warning: a.ply: names of columns have no effect"), "{stderr}");
 

@@ -44,7 +44,7 @@ fn prepare(folder: &TempDir, args: &[&str]) {
     assert_eq!(run(folder, &[&["prepare"], args].concat()), (0, String::new(), String::new()), "{args:?}");
 }
 
-/// All columns, but for what only a prepared file has.
+/// All columns, except those that only a prepared file has.
 fn assert_same_columns(prepared: &Cloud, source: &Cloud) {
     let plain = Cloud { prepared: None, radii: source.radii.clone(), warnings: Vec::new(), ..prepared.clone() };
     assert_eq!(plain, Cloud { non_finite: 0, ..source.clone() });

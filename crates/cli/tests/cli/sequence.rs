@@ -121,7 +121,7 @@ fn a_turntable_goes_around() {
     turn("100", "b_%d.png");
     let read = |name: String| pellucid_engine::output::read_image(&inside(&folder, &name)).unwrap();
     for i in 0..4 {
-        // A quarter is 90° of azimuth: the same cameras but for rounding, which may move a disc's edge.
+        // A quarter is 90° of azimuth: the same cameras apart from rounding, which may move a disc's edge.
         let (a, b) = (read(format!("a_{}.png", (i + 1) % 4)), read(format!("b_{i}.png")));
         let differ = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
         let other = a.pixels.iter().zip(&read(format!("a_{i}.png")).pixels).filter(|(a, b)| a != b).count();

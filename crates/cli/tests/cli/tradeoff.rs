@@ -161,7 +161,7 @@ fn the_models_of_soft_spheres() {
     ];
     assert_eq!(rows.iter().map(key).collect::<Vec<_>>(), expected);
     let rmse = |row: &Value| number(&row["errors"], "rmse");
-    // The models differ; the exact one is the reference but for rounding.
+    // The models differ; the exact one is the reference apart from rounding.
     assert!(rmse(&rows[0]) < 2e-5, "{report}");
     assert!(packed.iter().chain(&rows[1..]).all(|row| rmse(row) > rmse(&rows[0]) && rmse(row) < 0.3), "{report}");
     // Shells take room, and so does what the paper stores; a presorted order takes none.
@@ -254,7 +254,7 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
     let [holes, rmse] = [|row: &Value| number(row, "holes"), |row: &Value| number(&row["errors"], "rmse")];
     for method in ["squares", "circles", "paraboloid", "cone", "hqs", "splats"] {
         let [none, one] = [0.0, 1.0].map(|size| row(method, size, 16));
-        // 750 points don't cover some thousand pixels; with radii of their own they do, but for what chance leaves open.
+        // 750 points don't cover some thousand pixels; with radii of their own they do, except for the pixels that chance leaves open.
         assert!(holes(none) > 0.3 && holes(one) < 0.03, "{method}: {none} {one}");
         assert!(rmse(one) < rmse(none), "{method}: {none} {one}");
         assert!(holes(row(method, 1.0, 1)) < 0.001, "{method}");

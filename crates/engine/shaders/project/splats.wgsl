@@ -104,7 +104,7 @@ fn rectangle(splat: Splat, tilt: Tilt, center: vec2<f32>) -> vec4<u32> {
     let reach = extents(splat, tilt, center);
     let pixel = center_pixel(splat);
     let fraction = vec2<f32>(splat.fraction_x, splat.fraction_y);
-    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own, but for spheres.
+    // Pixel i of the neighborhood has its centre at i + 0.5: those within reach, and always the centre's own, except for spheres.
     let limit = vec2<f32>(65536.0);
     let low = pixel + vec2<i32>(clamp(ceil(fraction - reach.xy - 0.5), -limit, limit));
     let high = pixel + vec2<i32>(clamp(floor(fraction + reach.zw - 0.5), -limit, limit));

@@ -6,7 +6,7 @@ const MOST_DEPTH = 1e30;
 
 // Integral of ρ / r = 1 - sqrt(x² + δ²) from x0 to x1 (Seemann et al., Eq. 5 and 6), x from the middle of the chord; both
 // within the chord. `edge` = 1 - δ. Where the integrand is smooth on the piece, a Gauss-Legendre rule; else the
-// antiderivative with differences of roots as quotients and one logarithm. Relative error about 1e-5 or less, but for
+// antiderivative with differences of roots as quotients and one logarithm. Relative error about 1e-5 or less, except for
 // thin segments at the very rim, where x itself is not known so well.
 fn integral(edge: f32, x0: f32, x1: f32) -> f32 {
     // Mirrored so that the farther end is positive.

@@ -137,7 +137,7 @@ fn plane_of(slot: u32) -> u32 {
     if PLANES == 0u {
         return 0u;
     }
-    // The last ensemble that begins at or before the slot: right but for rounding, which two comparisons mend.
+    // The last ensemble that begins at or before the slot: right apart from rounding, which two comparisons mend.
     let size = f32(push.whole) + f32(push.rest) / f32(push.ensembles);
     let about = (f32(slot) + 1.0 - f32(push.carry + 1u) / f32(push.ensembles)) / size;
     var plane = min(u32(max(about, 0.0)), push.planes - 1u);

@@ -12,7 +12,7 @@ fn cover_pixels(slot: Slot, hit: Hit) {
     let size = vec2<u32>(hit.high - hit.low);
     if size.x * size.y > SMALL_SQUARE {
         let place = 2u * atomicAdd(&counters[0].large, 1u);
-        // The host took room for every slot, or said that there is no such square.
+        // The host took room for every slot, or found no such square.
         if place + 1u < arrayLength(&large) {
             large[place] = vec4<u32>(slot.point, slot.plane, hit.key, 0u);
             large[place + 1u] = vec4<u32>(vec2<u32>(hit.low), vec2<u32>(hit.high));

@@ -56,7 +56,7 @@ fn center_pixel(splat: Splat) -> vec2<i32> {
     return vec2<i32>((packed << 16u) >> 16u, packed >> 16u);
 }
 
-// From the projected centre to a pixel's centre, in pixels: exact but for one rounding.
+// From the projected centre to a pixel's centre, in pixels: exact up to one rounding.
 fn offset_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
     let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
     return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));

@@ -6,7 +6,7 @@
 #import splat
 
 const AREA = TILE * TILE;
-// Rows of a tile that an invocation takes, one after the other, such that what it has loaded serves again.
+// Rows of a tile that an invocation takes, one after the other, so that loaded values serve again.
 const STRIP = 4u;
 const INFINITY_BITS = 0x7f800000u;
 

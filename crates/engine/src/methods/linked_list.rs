@@ -86,7 +86,7 @@ impl LinkedList {
         Ok(Self { node_count, links: Kept::new("list links", Memory::Device) })
     }
 
-    /// Room for `most` nodes, but for no more than `limit`.
+    /// Reserves room for `most` nodes, and for at most `limit`.
     pub fn reserve(&mut self, device: &Device, most: u64, limit: u64) -> Result<(), Error> {
         self.links.reserve_within(device, most, limit)
     }

@@ -80,7 +80,7 @@ choices!(
     }
 );
 
-/// The cuts, of which a device may want either.
+/// The cuts; a device may want either.
 impl Choices for Cut {
     fn all() -> Vec<Self> {
         [1, PARTS as u32].map(|parts| Self { parts, len: 1 << 20 }).to_vec()

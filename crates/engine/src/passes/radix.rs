@@ -62,7 +62,7 @@ impl Runs {
 /// How keys are cut into digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Digits {
-    /// Number of digits, each of which is sorted by once.
+    /// Number of digits; records are sorted once by each.
     pub digits: u32,
     /// Bits of each.
     pub bits: u32,

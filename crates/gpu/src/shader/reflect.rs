@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// A struct of which one member's type is given, and what comparing it with WGSL says.
+    /// Compares a struct, one member's type given, with WGSL.
     macro_rules! compared {
         ($turn:ty, $groups:ty, $count:ty, $inner:ty, $scale:ty) => {{
             gpu_struct! {

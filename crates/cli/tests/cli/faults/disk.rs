@@ -35,7 +35,7 @@ fn assert_full(case: Case, fault: &str) {
     assert!(found.is_empty(), "{what}: {found:?}");
 }
 
-/// Places of the output, of which the fault takes one: in a header, in the middle, at the end.
+/// Places of the output; the fault takes one: in a header, in the middle, at the end.
 fn sweep(case: Case, places: usize) {
     let bytes: usize = done(place().path(), case).values().map(Vec::len).sum();
     // Measured figures have more or fewer digits, so that their end isn't known beforehand.

@@ -48,9 +48,9 @@ pub(crate) struct Bitmap {
 
 /// Stored numbers.
 pub(crate) enum Samples {
-    /// 0 to 255, sRGB-encoded but for alpha.
+    /// 0 to 255, sRGB-encoded except alpha.
     U8(Vec<u8>),
-    /// 0 to 65535, sRGB-encoded but for alpha.
+    /// 0 to 65535, sRGB-encoded except alpha.
     U16(Vec<u16>),
     /// Linear; any number, NaN too.
     F32(Vec<f32>),

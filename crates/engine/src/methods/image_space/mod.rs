@@ -39,7 +39,7 @@ const PIXEL_BYTES: u64 = 8 + 2 * (4 + 16);
 const LAYER_BYTES: u64 = 4 + 4;
 /// Bytes per tile: what is known about it, and its place in the work list.
 const TILE_BYTES: u64 = 16 + 8;
-/// Tiles of a window at most, such that one dimension of workgroups holds them on every device.
+/// Most tiles of a window, so that one dimension of workgroups holds them on every device.
 const MOST_TILES: u64 = 65_535;
 /// Names of the filters' fills and copies.
 const CLEAR: &str = "image-space/clear";
@@ -242,7 +242,7 @@ impl Filterer {
         self.nearest.get().slice(0, bands::pixels(job.outer))
     }
 
-    /// Records that there is nothing yet, and what lies outside of the image.
+    /// Records that the image is empty, and the pixel that stands for everything outside of it.
     pub(super) fn record_clear<'a>(&'a self, recorder: &mut Recorder<'a>, job: &WindowJob<'a>) -> Result<(), Error> {
         job.cloud.record_clear(recorder)?;
         recorder.fill(CLEAR, self.nearest(job), u32::MAX)?;

@@ -202,7 +202,7 @@ mod tests {
             worst = worst.max((f64::from(profile(x)) - exact).abs());
         }
         assert!(worst < 3e-7, "{worst}");
-        // It falls all the kind, but for rounding, and never beyond [0, 1].
+        // It falls all the way, apart from rounding, and stays within [0, 1].
         let falls =
             (0..steps).all(|i| profile((i + 1) as f32 / steps as f32) <= profile(i as f32 / steps as f32) + 1e-6);
         assert!(falls);

@@ -99,8 +99,8 @@ impl Ensembles {
         Ok(Drawn { visible, uploaded: self.stream.uploaded })
     }
 
-    /// The dispatches of the next submission: so few that it takes no seconds, and that there is room for all of their
-    /// points, which are packed.
+    /// Returns the dispatches of the next submission: so few that it takes no seconds and that all of their points fit,
+    /// which are packed.
     fn next_submission(&mut self, job: &WindowJob<'_>, tasks: &mut Peekable<Tasks<'_>>) -> Vec<Task> {
         let (mut found, mut slots, mut passes) = (Vec::new(), 0, 0);
         let streamed = job.streamed.is_some();

@@ -131,7 +131,7 @@ pub fn least_bytes(name: &str, samples: u32, kind: Kind, facts: &Facts, pixels: 
     let spread = if kind.spread { pixels * 32 } else { 0 };
     match name {
         "stochastic/visibility" => Some(walks + held),
-        // Depths are read but for the first run.
+        // Every run but the first reads depths.
         "stochastic/accumulate" => Some(walks + held + sums + exact + pixels * 4 * (2 * runs - 1)),
         "stochastic/gather" => Some(sums + (pixels * 16 + spread) * (2 * runs - 1)),
         "stochastic/resolve" => Some(pixels * 32 + exact + spread),

@@ -63,12 +63,12 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Of a scene's points.
+    /// Counts a scene's points.
     pub fn count(points: &Points, threshold: f32) -> Self {
         Self::new(points.len() as u64, &fields_and_radii(points), threshold)
     }
 
-    /// Of `len` points, of which fields and radii are known if there is a field.
+    /// Counts `len` points from their fields and radii, which are empty without a field.
     pub(super) fn new(len: u64, fields_and_radii: &[[f32; 2]], threshold: f32) -> Self {
         let mut radii: Vec<f32> = fields_and_radii.iter().filter(|[f, _]| *f > threshold).map(|[_, r]| *r).collect();
         let soft = radii.len() as u64;

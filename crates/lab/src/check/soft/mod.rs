@@ -21,7 +21,7 @@ const ULP: f64 = 2.0 * HALF_ULP;
 /// Relative error of an optical depth: the guarantee of shaders/shared/absorb.wgsl for its quadrature.
 const INTEGRAL: f64 = 1e-5;
 /// Relative error of a ray's distance from a centre: position on the screen, world units per pixel, cross product and
-/// root, to each of which Vulkan allows up to 3 units in the last place.
+/// root, each of which Vulkan allows up to 3 units in the last place.
 const DISTANCE: f64 = 12.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {

@@ -97,7 +97,7 @@ impl Browser {
         &self.problems
     }
 
-    /// Addresses that the page asked for, its own among them, but for what it carries itself.
+    /// Addresses that the page asked for, its own among them, except those that it carries itself.
     pub fn requests(&self) -> &[String] {
         &self.requests
     }

@@ -9,7 +9,7 @@ use crate::scene::{MAX_SHELLS, Shells, SoftLayout};
 
 /// Large splats that a workgroup stores where they have shells.
 pub(super) const SHELLS_SEGMENT: u32 = 768;
-/// A sphere of which density falls off linearly, and shells of constant density: values of `MODEL` in WGSL.
+/// A sphere whose density falls off linearly, and shells of constant density: values of `MODEL` in WGSL.
 pub(super) const MODEL_BASE: u32 = 0;
 const MODEL_CONCENTRIC: u32 = 1;
 

@@ -111,7 +111,7 @@ impl DeviceCloud {
         }
     }
 
-    /// Frees what a cloud that was dealt has on the device, of which the host keeps the points.
+    /// Frees the buffers of a cloud that was dealt; the host keeps its points.
     pub fn release(&mut self, device: &Device) -> Result<(), Error> {
         if self.host.is_some() && !self.points_hi.is_empty() {
             let (points_hi, points_lo) = (empty(device, "points, hi")?, empty(device, "points, lo")?);

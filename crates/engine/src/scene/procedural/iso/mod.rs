@@ -59,7 +59,7 @@ pub fn built_in() -> Volume {
 }
 
 /// Makes the scene from a volume, whose longest side becomes 2 world units around the origin. `values`: where the field has
-/// surfaces; none: chosen such that they lie within each other.
+/// surfaces; none: chosen so that they lie within each other.
 ///
 /// # Errors
 /// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different
