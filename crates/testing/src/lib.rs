@@ -5,12 +5,13 @@ pub mod skip;
 
 mod devices;
 mod places;
+mod rendering;
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Factors, Frame, Renderer, Stop};
+use pellucid_engine::methods::{Factors, Frame, Stop};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::reference::{self, Picture};
@@ -20,6 +21,7 @@ use rand_pcg::Pcg64;
 
 pub use devices::{alone, has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
 pub use places::{Clouds, clouds, root, whole_clouds};
+pub use rendering::{render, rendered, rendered_by_both_atomics};
 
 /// How much a long test does: `short` where `PELLUCID_SHORT_SWEEPS` is 1, as in CI, which runs all of them.
 pub fn long_or<T>(long: T, short: T) -> T {
@@ -149,10 +151,14 @@ pub fn all_discs() -> impl Iterator<Item = Discs> {
     })
 }
 
+/// Colors of points, without shading.
+pub fn colors(points: &Points) -> Vec<DVec3> {
+    points.colors.iter().map(|c| c.as_dvec3()).collect()
+}
+
 /// The exact image of transparent discs without shading, in float64.
 pub fn exact(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> Picture {
-    let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-    reference::abuffer::render(camera, size, points, &colors, discs)
+    reference::abuffer::render(camera, size, points, &colors(points), discs)
 }
 
 /// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
@@ -174,13 +180,6 @@ fn scene_in_order(points: &[P]) -> Points {
         file_order: Vec::new(),
         fields: Vec::new(),
     }
-}
-
-/// Renders on a fresh renderer.
-pub fn render(device: &Device, points: &Points, frame: &Frame) -> Image {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("the cloud fits");
-    renderer.render(&mut cloud, frame).expect("the frame renders").image
 }
 
 /// Largest difference in R, G, B, A, and the share of pixels that differ by more than `limit`.

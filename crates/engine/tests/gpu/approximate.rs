@@ -1,7 +1,7 @@
 //! `weighted`, `average`, `unsorted` and `hybrid`: images against their float64 references, and against `abuffer` where they
 //! are exact; sums of any length; the same bytes whatever the order of input, the cut of the image and the runs over a tile.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
@@ -25,18 +25,8 @@ fn shapes() -> impl Iterator<Item = Discs> {
     SHAPES.into_iter().flat_map(|shape| FALLOFFS.map(|falloff| Discs { shape, falloff, ..Discs::default() }))
 }
 
-fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
-}
-
 fn reference(points: &Points, camera: &Camera, size: [u32; 2], method: &Method) -> Picture {
     reference::approximate::render(camera, size, points, &colors(points), method).expect("an approximation")
-}
-
-fn rendered(device: &Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    renderer.render(&mut cloud, frame).expect("renders")
 }
 
 #[track_caller]

@@ -16,15 +16,10 @@ use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-/// Renders with 64-bit atomics where the device has them, and with two passes of 32 bits: the bytes must be the same.
+/// With 64-bit atomics where the device has them, and with two passes of 32 bits.
 fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    let native = renderer.render(&mut cloud, frame).expect("renders");
-    renderer.wide_atomics = false;
-    let narrow = renderer.render(&mut cloud, frame).expect("renders");
-    assert!(bits(&native.image) == bits(&narrow.image), "the two kinds of atomics differ");
-    native
+    let [wide, _narrow] = rendered_by_both_atomics(device, points, frame);
+    wide
 }
 
 /// No filter at all, and layers a twentieth apart.

@@ -1,7 +1,7 @@
 //! `linked-list`: its lists against the float64 reference, its images against the reference and, to the byte, `abuffer`'s.
 
 use glam::Vec3;
-use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
+use pellucid_engine::methods::{Error, Frame, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::reference;
 use pellucid_engine::scene::{DiscShape, Discs, LongLists, Method};
@@ -10,12 +10,6 @@ use rand::seq::SliceRandom;
 
 fn linked() -> Method {
     Method::LinkedList(Discs::default())
-}
-
-fn render_all(device: &pellucid_engine::gpu::Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    renderer.render(&mut cloud, frame).expect("renders")
 }
 
 #[test]
@@ -109,7 +103,7 @@ fn bands_and_windows_and_the_way_of_sorting_change_no_byte() {
             let mut frame = frame(pixel_camera(size), size, method);
             for (budget, bands) in [(None, 1), (Some(8u64 << 20), 10), (Some(1 << 20), 80), (Some(512 << 10), 150)] {
                 frame.memory_budget = budget;
-                let cut = render_all(device, &points, &frame);
+                let cut = rendered(device, &points, &frame);
                 assert!(cut.facts.bands >= bands, "{:?}", cut.facts);
                 assert!(bits(&cut.image) == wanted, "{long_lists:?}, budget {budget:?}");
             }
@@ -173,7 +167,7 @@ fn a_million_fragments_in_one_pixel_are_in_order() {
             .collect();
         points.shuffle(&mut random(7));
         let points = scene(&points);
-        let found = render_all(device, &points, &frame(pixel_camera([1, 1]), [1, 1], linked()));
+        let found = rendered(device, &points, &frame(pixel_camera([1, 1]), [1, 1], linked()));
         assert_eq!(found.facts.max_list, n as u32);
         let opacity = |n: i32| 1.0 - (1.0 - f64::from(1e-6f32)).powi(n);
         let (front, all) = (opacity(n / 2), opacity(n));

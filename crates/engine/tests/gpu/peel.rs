@@ -1,7 +1,6 @@
 //! `peel` against the float64 reference and, byte by byte, against `abuffer`; hard cases with known answers.
 
-use glam::{DVec3, Vec3};
-use pellucid_engine::camera::Camera;
+use glam::Vec3;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
@@ -9,19 +8,6 @@ use pellucid_engine::reference;
 use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Peel, Raster, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
-
-const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];
-const FALLOFFS: [Falloff; 2] = [Falloff::Flat, Falloff::Gaussian];
-const RASTERS: [Raster; 2] = [Raster::Compute, Raster::Hardware];
-
-/// All combinations of shape, falloff and raster.
-fn all_discs() -> impl Iterator<Item = Discs> {
-    SHAPES.into_iter().flat_map(|shape| {
-        FALLOFFS
-            .into_iter()
-            .flat_map(move |falloff| RASTERS.map(|raster| Discs { shape, falloff, raster, ..Discs::default() }))
-    })
-}
 
 fn peel(discs: Discs, layers: u32) -> Method {
     Method::Peel(Peel { discs, layers })
@@ -33,17 +19,11 @@ fn all_layers() -> Method {
 
 /// Renders with 64-bit atomics where the device has them, and in two steps of 32 bits: the bytes must be the same.
 fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    let wide = renderer.render(&mut cloud, frame).expect("renders");
-    renderer.wide_atomics = false;
-    let narrow = renderer.render(&mut cloud, frame).expect("renders");
+    let [wide, narrow] = rendered_by_both_atomics(device, points, frame);
     assert_eq!(ran(&narrow), ["peel/nearest-depth", "peel/nearest-id"]);
     if device.info().int64_atomics {
         assert_eq!(ran(&wide), ["peel/nearest"]);
     }
-    assert!(bits(&wide.image) == bits(&narrow.image), "the two kinds of atomics differ");
-    assert_eq!((&wide.image.layers, wide.facts.layers), (&narrow.image.layers, narrow.facts.layers));
     wide
 }
 
@@ -53,26 +33,6 @@ fn ran(rendered: &Rendered) -> Vec<&'static str> {
     names.filter(|name| name.starts_with("peel/nearest")).collect()
 }
 
-/// Keeps the points whose every coverage decision is clear in float32 too: 0.02 pixels from any rim, pixel border or depth limit.
-fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Points {
-    let in_order = Points {
-        positions: points.iter().map(|p| p.position).collect(),
-        colors: points.iter().map(|p| p.color).collect(),
-        opacities: points.iter().map(|p| p.opacity).collect(),
-        radii: points.iter().map(|p| p.radius).collect(),
-        normals: Some(points.iter().map(|p| p.normal).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
-    };
-    let margin = |i| reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&in_order, i, shape));
-    let clear: Vec<P> = (0..points.len()).filter(|i| margin(*i) > 0.02).map(|i| points[i]).collect();
-    scene(&clear)
-}
-
-fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
-}
-
 #[test]
 fn layers_equal_the_reference_to_3e_5() {
     with_device(|device| {
@@ -80,7 +40,7 @@ fn layers_equal_the_reference_to_3e_5() {
         let mixed = [soup(3, 1500, 0.0..0.1, 0.0..1.0, true), soup(4, 40, 0.2..2.0, 0.05..0.4, true)].concat();
         for (camera, layers) in [(perspective(), 0), (perspective(), 1), (orthographic(), 4), (orthographic(), 0)] {
             for discs in all_discs() {
-                let points = safe(&mixed, &camera, size, discs.shape);
+                let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 assert!(points.len() > 800, "most points are safe: {}", points.len());
                 let rendered = render_both(device, &points, &frame(camera, size, peel(discs, layers)));
                 let wanted = reference::peel::render(&camera, size, &points, &colors(&points), &discs, layers);

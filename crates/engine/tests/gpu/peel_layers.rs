@@ -15,15 +15,9 @@ use pellucid_engine::scene::{
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
 
-/// Renders with 64-bit atomics where the device has them, and with two passes of 32 bits: the bytes must be the same.
+/// With 64-bit atomics where the device has them, and with two passes of 32 bits.
 fn render_both(device: &Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    let wide = renderer.render(&mut cloud, frame).expect("renders");
-    renderer.wide_atomics = false;
-    let narrow = renderer.render(&mut cloud, frame).expect("renders");
-    assert!(bits(&wide.image) == bits(&narrow.image), "the two kinds of atomics differ");
-    assert_eq!((&wide.image.layers, wide.facts.layers), (&narrow.image.layers, narrow.facts.layers));
+    let [wide, _narrow] = rendered_by_both_atomics(device, points, frame);
     wide
 }
 

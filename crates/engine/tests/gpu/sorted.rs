@@ -7,7 +7,7 @@ use pellucid_engine::camera::Projection::{Orthographic, Perspective};
 use pellucid_engine::color::{encode_srgb, encode_srgb_f64};
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
-use pellucid_engine::methods::{Error, Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{Error, Frame, Renderer, Stop};
 use pellucid_engine::points::Points;
 use pellucid_engine::reference;
 use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Method, Raster, Shading, ShadingModel};
@@ -15,8 +15,6 @@ use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-const SHAPES: [DiscShape; 2] = [DiscShape::Flat, DiscShape::Oriented];
-const FALLOFFS: [Falloff; 2] = [Falloff::Flat, Falloff::Gaussian];
 /// Longest list that `abuffer` composes in one go.
 const IN_ONE_GO: u32 = 256;
 
@@ -28,33 +26,14 @@ fn flat() -> Method {
     Method::Sorted(Discs::default())
 }
 
-fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
-}
-
 fn reference(points: &Points, camera: &Camera, size: [u32; 2], discs: &Discs) -> reference::Picture {
     reference::sorted::render(camera, size, points, &colors(points), discs)
-}
-
-/// The points whose coverage is clear in float32 too, 0.02 pixels from any rim, pixel border or depth limit, as a scene.
-fn safe(points: &[P], camera: &Camera, size: [u32; 2], shape: DiscShape) -> Points {
-    let clear = |p: &&P| {
-        let alone = scene(&[**p]);
-        reference::coverage::margin_px(camera, size, &reference::abuffer::splat(&alone, 0, shape)) > 0.02
-    };
-    scene(&points.iter().filter(clear).copied().collect::<Vec<_>>())
 }
 
 /// The frame by `abuffer`.
 fn by_abuffer(frame: &Frame) -> Frame {
     let discs = frame.method.discs().expect("a method of discs");
     Frame { method: Method::ABuffer(*discs), ..*frame }
-}
-
-fn rendered(device: &Device, points: &Points, frame: &Frame) -> Rendered {
-    let mut renderer = Renderer::new(device).expect("a renderer");
-    let mut cloud = renderer.upload(points).expect("fits");
-    renderer.render(&mut cloud, frame).expect("renders")
 }
 
 /// Asserts the bytes of `abuffer`, list lengths included, in all pixels but those whose lists are so long that it composes
@@ -84,7 +63,7 @@ fn coverage_safe_scenes_equal_the_reference_to_3e_5() {
         let mixed = [soup(3, 1200, 0.0..0.1, 0.0..1.0, true), soup(4, 40, 0.2..2.0, 0.05..0.4, true)].concat();
         for camera in [perspective(), orthographic()] {
             for discs in all_discs() {
-                let points = safe(&mixed, &camera, size, discs.shape);
+                let points = scene(&safe(&mixed, &camera, size, discs.shape));
                 assert!(points.len() > 600, "most points are safe: {}", points.len());
                 let image = render(device, &points, &frame(camera, size, Method::Sorted(discs)));
                 let wanted = reference(&points, &camera, size, &discs);
@@ -294,7 +273,7 @@ fn crossing_discs_are_off_by_what_their_order_makes() {
         let points = soup(61, 3000, 0.03..0.12, 0.3..0.9, true);
         for (camera, falloff) in [perspective(), orthographic()].into_iter().flat_map(|c| FALLOFFS.map(|f| (c, f))) {
             let discs = Discs { shape: DiscShape::Oriented, falloff, ..Discs::default() };
-            let points = safe(&points, &camera, size, discs.shape);
+            let points = scene(&safe(&points, &camera, size, discs.shape));
             let frame = frame(camera, size, Method::Sorted(discs));
             let (sorted, exact) = (render(device, &points, &frame), render(device, &points, &by_abuffer(&frame)));
             let own = reference(&points, &camera, size, &discs);

@@ -1,7 +1,7 @@
 //! `hqs` and `splats`: images against the float64 reference, cases worked by hand; the same bytes whatever the order of input,
 //! the cut of the image and the runs over a tile.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
@@ -27,10 +27,6 @@ fn method(shape: Shape, settings: BlendedSplats) -> Method {
 fn blended(size: f32, max_pixel_radius: f32, blend_depth: f32) -> BlendedSplats {
     let splats = ScreenSplats { size, max_pixel_radius, ..ScreenSplats::default() };
     BlendedSplats { splats, blend_depth, shape: SplatShape::Circle }
-}
-
-fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
 }
 
 /// Keeps the points whose every coverage decision is clear in float32 too.

@@ -32,10 +32,6 @@ fn seeded(frame: &Frame, settings: Stochastic, seed: u64) -> Frame {
     Frame { method: Method::Stochastic(settings), seed, ..*frame }
 }
 
-fn colors(points: &Points) -> Vec<DVec3> {
-    points.colors.iter().map(|c| c.as_dvec3()).collect()
-}
-
 /// A renderer with a scene on it.
 struct Stage {
     renderer: Renderer,
