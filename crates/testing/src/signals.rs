@@ -9,7 +9,7 @@ pub fn heeding(program: impl AsRef<OsStr>) -> Command {
     if ![1, 2, 15].into_iter().any(is_ignored) {
         return Command::new(program);
     }
-    // Of the GNU core utilities; it keeps the process.
+    // From the GNU core utilities; it keeps the process.
     let mut env = Command::new("env");
     env.arg("--default-signal=HUP,INT,TERM").arg(program);
     env

@@ -33,7 +33,7 @@ fn main(
         // One run: sorted already.
         return;
     }
-    // Of the fragments of a step every other stretch of `distance` is compared with the one behind it.
+    // Every other stretch of `distance` fragments is compared with the one behind it.
     let comparisons = (list.length + 1u) / 2u;
     for (var s = 0u; s < push.steps; s++) {
         let distance_log = push.distance_log - s;

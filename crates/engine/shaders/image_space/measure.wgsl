@@ -7,7 +7,7 @@
 struct Push {
     // Columns of tiles.
     columns: u32,
-    // Of the rectangle in work, in pixels.
+    // Size of the rectangle in work, in pixels.
     width: u32,
     height: u32,
 }

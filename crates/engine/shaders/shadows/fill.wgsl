@@ -19,7 +19,7 @@ var<immediate> push: Push;
 
 override RUN: u32 = 8u;
 
-// Of four pixels of a row: the depths to their left, their own, and those to their right.
+// Depths of four pixels of a row, with those to their left and right.
 struct Row {
     left: vec4<f32>,
     own: vec4<f32>,

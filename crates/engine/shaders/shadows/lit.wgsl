@@ -4,7 +4,7 @@
 struct Light {
     // Smallest distance of surfaces.
     apart: f32,
-    // Of a cube around the light: axis of the world and sign.
+    // Face of a cube around the light: axis of the world and sign.
     face: u32,
 }
 

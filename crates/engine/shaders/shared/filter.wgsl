@@ -7,7 +7,7 @@ struct Push {
     // Columns of tiles, and all tiles.
     columns: u32,
     tiles: u32,
-    // Of the rectangle in work, in pixels.
+    // Size of the rectangle in work, in pixels.
     width: u32,
     height: u32,
     // The run of a filter: each has its number.

@@ -15,7 +15,7 @@ struct Push {
     // it may lie before); and index among all points of the first that is bound.
     base: u32,
     list: u32,
-    // Of a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew; blocks of a
+    // For a later pass: first point of the first row, counted from `base`, and after how many the cloud begins anew; blocks of a
     // row, binary logarithm of the points of a block, which of the pass's ensembles the round's first one is (modulo 2^32),
     // and what tells the pass from others.
     start: u32,

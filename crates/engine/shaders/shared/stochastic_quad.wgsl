@@ -12,7 +12,7 @@ struct Push {
     word: u32,
     // Samples of the stratum that count, 1 to 4.
     samples: u32,
-    // Of held depths.
+    // Scale of held depths.
     base: u32,
     shift: u32,
 }

@@ -19,7 +19,7 @@ struct State {
     // Color of the fragments composed in order, premultiplied, and their number.
     front: vec4<f32>,
     count: f32,
-    // Of the nearest fragment with opacity.
+    // Depth key of the nearest fragment with opacity.
     key: u32,
 }
 

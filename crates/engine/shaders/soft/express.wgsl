@@ -18,9 +18,9 @@ struct Push {
 @group(0) @binding(4) var<storage, read> footprints: array<vec4<u32>>;
 // Colors as blended, and W.
 @group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
-// Of oriented discs: none here.
+// Tilts of oriented discs: none here.
 @group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
-// Of the solid points: only what lies before them counts.
+// Depths of the solid points: only discs before them count.
 @group(0) @binding(7) var<storage, read> solid: array<f32>;
 @group(0) @binding(8) var<storage, read_write> image: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read_write> depths: array<f32>;

@@ -24,7 +24,7 @@ struct PixelState {
 }
 
 const STOPS = true;
-// Of what may come behind: another run may be opaque.
+// Largest opacity of the splats behind: another run may be opaque.
 var<private> max_opacity: f32;
 
 fn begin(pixel: vec2<u32>) -> PixelState {

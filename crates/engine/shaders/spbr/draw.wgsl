@@ -12,10 +12,10 @@
 @group(0) @binding(8) var<storage, read> point_colors_1: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read> point_colors_2: array<vec4<f32>>;
 @group(0) @binding(10) var<storage, read> point_colors_3: array<vec4<f32>>;
-// Of each pixel the nearest point of a round's single ensemble, sums of green and red, of number and blue in the
+// For each pixel the nearest point of a round's single ensemble, sums of green and red, of number and blue in the
 // halves of two more, and the complement of the nearest depth's key: all in one line of the cache.
 @group(0) @binding(11) var<storage, read_write> pixels: array<atomic<u64>>;
-// Of each pixel the sums of squares of red, green, blue, and a spare one.
+// For each pixel the sums of squares of red, green, blue, and a spare one.
 @group(0) @binding(12) var<storage, read_write> squares: array<atomic<u64>>;
 
 // 1: squares are summed, too.
@@ -56,7 +56,7 @@ fn visit(point: u32, plane: u32, depth: u32, pixel: u32) {
     }
     if mine > before {
         let color = whole_color_of(push.list + point);
-        // Of this epoch: what another one left counts as nothing.
+        // Only the value of this epoch counts.
         let high = u32(before >> 32u);
         let taken = before != 0lu && ((high ^ words.y) & ~(0xffffffffu >> push.epoch_bits)) == 0u;
         var old = vec3<u32>(0u);

@@ -14,7 +14,7 @@ struct Push {
     samples: u32,
     // 1 for the very first stratum.
     first: u32,
-    // Of held depths.
+    // Scale of held depths.
     base: u32,
     shift: u32,
 }

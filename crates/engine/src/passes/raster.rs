@@ -21,7 +21,7 @@ gpu_struct! {
     }
 }
 
-/// Who visits the pixels.
+/// The visitor of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Walker {
     /// Compute: one invocation per small splat, large ones tile by tile.
@@ -87,7 +87,7 @@ pub struct Raster<'a> {
     pub stats: &'a [Stats],
     /// The window's tiles; recorded before, if the walker is [`Walker::Compute`].
     pub tiles: &'a Tiles,
-    /// Who visits.
+    /// The visitor of pixels.
     pub walker: Walker,
     /// Which pixels a splat covers.
     pub footprint: Footprint,

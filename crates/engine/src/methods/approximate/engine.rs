@@ -16,7 +16,7 @@ use crate::scene::{DiscShape, Discs};
 pub(crate) struct ApproximateEngine {
     /// The discs.
     pub discs: Discs,
-    /// Which sums.
+    /// The sums.
     pub kind: Kind,
 }
 

@@ -100,7 +100,7 @@ const LAST_BYTES: u64 = 8;
 /// Up to so many pixels a window has room for their state whatever else there is.
 const SMALL_WINDOW: u64 = 256;
 
-/// Which approximation.
+/// An approximation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// `weighted`

@@ -151,7 +151,7 @@ impl WindowJob<'_> {
 /// Dispatches of a layer that the device may empty.
 #[derive(Clone, Copy)]
 pub(super) struct Emptied<'a> {
-    /// Of the passes that find the nearest points, four words for each chunk.
+    /// Indirect arguments of the passes that find the nearest points, four words for each chunk.
     pub nearest: Slice<'a, u32>,
     pub measure: Slice<'a, u32>,
     pub list: Slice<'a, u32>,

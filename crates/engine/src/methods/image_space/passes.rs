@@ -150,13 +150,13 @@ pass! {
 /// A filter; its place among those that run over tiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
-    /// Of background.
+    /// Fills background.
     Fill = 0,
-    /// Of what is occluded.
+    /// Replaces occluded pixels.
     Occlusion = 1,
-    /// The low-pass filter.
+    /// Smooths by a low-pass filter.
     Smooth = 2,
-    /// Of edges.
+    /// Softens edges.
     Antialias = 3,
 }
 

@@ -71,7 +71,7 @@ const OPAQUE: f64 = 1e20;
 const STIFF: f64 = 1e3;
 
 impl SoftModel {
-    /// Of a method's settings; `median_radius` in world units.
+    /// Makes the model of a method's settings; `median_radius` in world units.
     pub fn new(method: &Method, soft: &Soft, median_radius: f32) -> Self {
         let radius = f64::from(median_radius);
         // Optical depth of the central chord over λ.

@@ -75,7 +75,7 @@ pub struct Kind {
 
 choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 
-/// Who goes through slots.
+/// How a pass goes through slots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Through {
     /// An invocation for some slots each.

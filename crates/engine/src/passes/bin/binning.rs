@@ -42,7 +42,7 @@ pub(super) struct Binning {
 }
 
 impl Binning {
-    /// Of what a window shows; `None` if that is nothing.
+    /// Plans the binning of a window's splats; `None` if it shows none.
     pub(super) fn for_window(device: &Device, job: &Job<'_>) -> Result<Option<Self>, Error> {
         let info = device.info();
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
@@ -52,7 +52,7 @@ impl Binning {
         Ok((drawn > 0).then(binning))
     }
 
-    /// `drawn` splats, each over at most `extent` columns and rows of pixels.
+    /// Plans the binning of `drawn` splats, each over at most `extent` columns and rows of pixels.
     fn new(concurrent: u64, window: Window, drawn: u64, extent: [u32; 2], subgroup: u32) -> Self {
         let [columns, rows] =
             [(window[2] - window[0]).div_ceil(TILE_SIDE), (window[3] - window[1]).div_ceil(TILE_SIDE)];

@@ -57,7 +57,7 @@ pub const RECORD_BYTES: u64 = 8;
 pub struct Job<'a> {
     /// The projected cloud; its walker is not used.
     pub raster: Raster<'a>,
-    /// In which order.
+    /// Their order.
     pub order: Order,
     /// Near and far.
     pub depth_range: [f32; 2],

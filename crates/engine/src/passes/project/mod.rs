@@ -123,14 +123,14 @@ pub struct Projecting {
     pub max_radius_px: f32,
     /// Factor on the opacity; the product is at most 1.
     pub opacity_factor: f32,
-    /// Which points.
+    /// Part of the points.
     pub part: Part,
     /// True if depths of splats are relative to the nearest depth of the points' box: the smaller they are, the more digits they
     /// have.
     pub relative_depth: bool,
     /// Shading, unless the cloud has no normals.
     pub shading: Shading,
-    /// In which space colors are blended.
+    /// Space in which colors are blended.
     pub color: ColorSpace,
     /// True if the cloud's shares of light count ([`DeviceCloud::casting`]); only where it has some.
     pub lit: bool,

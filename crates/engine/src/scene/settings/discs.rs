@@ -10,7 +10,7 @@ settings! {
         shape: DiscShape = DiscShape::Flat;
         /// How opacity falls toward a disc's rim.
         falloff: Falloff = Falloff::Flat;
-        /// Who visits the pixels of a splat: compute shaders or the rasteriser; the picture is the same.
+        /// Visitor of a splat's pixels: compute shaders or the rasteriser; the picture is the same.
         raster: Raster = Raster::Auto;
         /// How long lists of fragments are sorted; the picture is the same.
         long_lists: LongLists = LongLists::Merge, only &["abuffer", "linked-list"];
@@ -38,7 +38,7 @@ words! {
 }
 
 words! {
-    /// Who walks a splat's pixels.
+    /// The visitor of a splat's pixels.
     pub enum Raster {
         /// Whichever is expected to be faster on this device for these splats.
         Auto = "auto",

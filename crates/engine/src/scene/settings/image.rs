@@ -13,13 +13,13 @@ settings! {
         size: [u32; 2] = [1024, 1024], in 1..=MAX_SIDE, unit "pixels";
         /// The color behind all points, in linear light whatever `color` says.
         background: Vec3 = Vec3::ZERO;
-        /// In which space colors are blended: linear light, or encoded as they are stored.
+        /// Space in which colors are blended: linear light, or encoded as they are stored.
         color: ColorSpace = ColorSpace::Linear;
     }
 }
 
 words! {
-    /// In which space blending runs.
+    /// The space in which blending runs.
     pub enum ColorSpace {
         /// Linear light.
         Linear = "linear",

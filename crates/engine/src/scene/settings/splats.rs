@@ -11,7 +11,7 @@ settings! {
         size: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
         /// Splats are no larger than this.
         max_pixel_radius: f32 = 25.0, in Range::NOT_NEGATIVE, unit "pixels", slider Slider::Linear(0.0, 100.0);
-        /// Who visits the pixels of a splat: compute shaders or the rasteriser; the picture is the same.
+        /// Visitor of a splat's pixels: compute shaders or the rasteriser; the picture is the same.
         raster: Raster = Raster::Auto, only &["squares", "circles", "paraboloid", "cone", "sphere"];
     }
 }

@@ -6,7 +6,7 @@ use crate::methods::abuffer::{FRAGMENT_BYTES, LOCAL_LENGTH};
 /// Bytes that sorting and blending must at least read and write, from the lengths of all lists; `None` without these, and
 /// for other passes.
 pub fn least_bytes(name: &str, lengths: &[u32]) -> Option<u64> {
-    // Of each fragment the record and the splat's color; of each pixel its place in the work list, two offsets, the result.
+    // Record and splat color of each fragment; place in the work list, two offsets and result of each pixel.
     let blended = |fragments: u64, pixels: u64| fragments * (FRAGMENT_BYTES + 16) + pixels * (4 + 8 + 20);
     let between = |low: u32, high: u32| {
         let found = lengths.iter().filter(|n| (low + 1..=high).contains(*n));

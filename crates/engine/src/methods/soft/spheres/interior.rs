@@ -25,7 +25,7 @@ pub enum Interior {
 }
 
 impl Interior {
-    /// Of spheres that are integrated, by what is stored of their events.
+    /// The interior of integrated spheres, by the layout of their events.
     pub fn integrated(layout: SoftLayout) -> Self {
         match layout {
             SoftLayout::Precise => Self::Linear,
@@ -89,7 +89,7 @@ impl Interior {
     }
 }
 
-/// Of shells as many as a sphere's radius asks for, and a number of them.
+/// Shells in both forms: as many as a sphere's radius asks for, and a number of them.
 impl Choices for Interior {
     fn all() -> Vec<Self> {
         vec![Self::Linear, Self::Packed, Self::Shells(Shells::Adaptive, 4.0), Self::Shells(Shells::Fixed(5), 4.0)]

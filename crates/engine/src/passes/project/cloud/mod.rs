@@ -32,7 +32,7 @@ use crate::scene::{ColorSpace, Shading, ShadingModel};
 /// Chunks are ranges of points short enough to be bound; every per-point buffer is bound chunk by chunk.
 pub struct DeviceCloud {
     pub(super) origin: DVec3,
-    /// Of the points' box.
+    /// Corners of the points' box.
     pub(super) corners: [DVec3; 8],
     len: u64,
     chunk_len: u64,
