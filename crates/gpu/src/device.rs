@@ -321,7 +321,7 @@ impl Device {
         self.0.peak_bytes()
     }
 
-    /// Starts a new measurement of the peak from what is reserved now; returns that.
+    /// Starts a new measurement of the peak from the bytes reserved now; returns that.
     pub fn reset_peak(&self) -> u64 {
         self.0.reset_peak()
     }

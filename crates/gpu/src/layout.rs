@@ -104,7 +104,7 @@ macro_rules! gpu_struct {
         $(#[$doc])*
         #[repr(C)]
         #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
-        #[allow(missing_docs, reason = "the shader says what the members are")]
+        #[allow(missing_docs, reason = "the shader explains the members")]
         $vis struct $name {
             $($(#[$member_doc])* pub $member: $type),*
         }

@@ -114,7 +114,7 @@ macro_rules! pass {
         $($(#[$field_doc:meta])* $field:ident : $access:ident<$type:ty>),* $(,)?
     }) => {
         $(#[$doc])*
-        #[allow(missing_docs, reason = "the shader says what the members are")]
+        #[allow(missing_docs, reason = "the shader explains the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }
@@ -186,7 +186,7 @@ macro_rules! group {
     }) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        #[allow(missing_docs, reason = "the shader says what the members are")]
+        #[allow(missing_docs, reason = "the shader explains the members")]
         $vis struct $name<'a> {
             $($(#[$field_doc])* pub $field: $crate::pass!(@type $access 'a, $type)),*
         }

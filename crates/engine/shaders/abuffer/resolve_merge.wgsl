@@ -3,7 +3,7 @@
 #import resolve
 #import local_sort
 
-// Fragments between two looks at what may stop.
+// Fragments between two tests for an early stop.
 const LOOK = 16u;
 
 @compute @workgroup_size(WG_SIZE)

@@ -33,7 +33,7 @@ var<immediate> push: Push;
 
 override FALLOFF: u32 = 0u;
 override TAKEN: u32 = 1u;
-// Splats between two looks at what may stop.
+// Splats between two tests for an early stop.
 const LOOK = 16u;
 
 fn color_of(rank: u32, pixel: vec2<u32>) -> vec4<f32> {

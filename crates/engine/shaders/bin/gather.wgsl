@@ -1,4 +1,4 @@
-// bin/gather: what stages that go through tiles need of each drawn splat, in order; its record gets the
+// bin/gather: the data of each drawn splat for stages that go through tiles, in order; its record gets the
 // depth in place of the key. One invocation per drawn splat.
 #import compose
 #import dispatch

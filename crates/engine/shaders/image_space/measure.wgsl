@@ -1,4 +1,4 @@
-// image-space/measure: what each tile holds, by the nearest points of its pixels. One workgroup per tile, one invocation per
+// image-space/measure: depths and marks of each tile, from the nearest points of its pixels. One workgroup per tile, one invocation per
 // column and STRIP of rows.
 #import tile_range
 #import dispatch

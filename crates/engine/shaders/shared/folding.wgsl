@@ -7,7 +7,7 @@
 @group(0) @binding(5) var<storage, read> colors: array<vec4<f32>>;
 @group(0) @binding(6) var<storage, read> slopes: array<vec4<f32>>;
 
-// 1: a run goes on from what earlier ones left, wherever the stage keeps that.
+// 1: a run goes on from the result of earlier ones, wherever the stage keeps that.
 override LATER: u32 = 0u;
 override FALLOFF: u32 = 0u;
 

@@ -19,7 +19,7 @@
 
 // Subgroups that share a tile: 1, or one for each block where the stage holds much for each pixel.
 override SHARED: u32 = 1u;
-// Steps between two looks at what may stop.
+// Steps between two tests for an early stop.
 const LOOK = 4u;
 
 #each held var<private> held{held}: PixelState;

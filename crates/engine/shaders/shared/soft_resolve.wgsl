@@ -5,7 +5,7 @@
 #import soft_terms
 @group(0) @binding(19) var<storage, read> records: array<vec4<u32>>;
 
-// Events between two looks at what may stop.
+// Events between two tests for an early stop.
 const LOOK = 16u;
 
 #walker

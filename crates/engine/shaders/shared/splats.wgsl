@@ -1,4 +1,4 @@
-// Opaque splats in three passes (Botsch et al. 2004): what visibility and attributes share. One subgroup per block of a tile;
+// Opaque splats in three passes (Botsch et al. 2004): shared by visibility and attributes. One subgroup per block of a tile;
 // splats come in canonical order. The stage imports `splat` before, and `region_fold` after this.
 struct Push {
     walk: TileWalk,

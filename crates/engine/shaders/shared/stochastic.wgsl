@@ -1,4 +1,4 @@
-// Stochastic transparency tile by tile: what the passes through the splats share. A run works on STRATA strata of four
+// Stochastic transparency tile by tile: shared by the passes through the splats. A run works on STRATA strata of four
 // samples each. Buffers that have one element for each stratum and pixel hold all pixels of a stratum together.
 #import random
 

@@ -1,4 +1,4 @@
-// When what lies behind can be left out.
+// When fragments behind can be left out.
 #import over
 
 // STOP_NEVER: nothing is left out; STOP_EXACT: only what changes no bit; STOP_SRGB: what changes no 8-bit sRGB value by more

@@ -10,7 +10,7 @@ struct Push {
     walk: TileWalk,
     // Opacity in the middle of a disc, Seemann's lambda.
     peak: f32,
-    // Largest color component, background included: a bound of what may still come.
+    // Largest color component, background included: a bound of the splats behind.
     max_color: f32,
 }
 

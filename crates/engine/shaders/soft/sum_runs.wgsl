@@ -1,4 +1,4 @@
-// soft/sum-runs: what the events of each run of a sorted long list add to the running sums. One invocation per run.
+// soft/sum-runs: the sums that the events of each run of a sorted long list add to the running ones. One invocation per run.
 #import soft_push
 #import soft_terms
 #import long_list

@@ -8,7 +8,7 @@
 
 struct Push {
     walk: TileWalk,
-    // Largest opacity, and largest color component, background included: bounds of what may still come.
+    // Largest opacity, and largest color component, background included: bounds of the splats behind.
     max_opacity: f32,
     max_color: f32,
 }

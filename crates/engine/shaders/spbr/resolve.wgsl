@@ -5,7 +5,7 @@
 
 struct Push {
     pixels: u32,
-    // Ensembles, and what a color of 1 is in the sums.
+    // Ensembles, and a color of 1 in the units of the sums.
     ensembles: u32,
     scale: f32,
 }

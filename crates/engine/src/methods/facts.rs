@@ -97,7 +97,7 @@ impl Facts {
         self.meet(stats);
     }
 
-    /// Adds what was projected.
+    /// Adds the counts of a projection.
     pub(super) fn meet(&mut self, stats: &[Stats]) {
         for s in stats {
             self.visible += u64::from(s.visible);

@@ -91,7 +91,7 @@ impl LinkedList {
         self.links.reserve_within(device, most, limit)
     }
 
-    /// Frees what [`Self::reserve`] took.
+    /// Frees the buffers of [`Self::reserve`].
     pub fn release(&mut self) {
         self.links.release();
     }

@@ -8,7 +8,7 @@ use crate::gpu::{Dispatch, Draw, Error, Pass, Recorder, Run, Slice, Targets, Var
 use crate::{gpu_struct, group};
 
 gpu_struct! {
-    /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl says what the members are.
+    /// Push constants of a stage that visits splats; shaders/shared/raster.wgsl explains the members.
     pub struct RasterPush {
         count: u32,
         first: u32,

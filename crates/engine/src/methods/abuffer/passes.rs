@@ -1,4 +1,4 @@
-//! The passes of the A-buffer and what they share with their shaders.
+//! The passes of the A-buffer, and the structs that they share with their shaders.
 
 use crate::passes::bin::{GatheringGroup, TilesPush};
 use crate::passes::compose::ComposingGroup;
@@ -130,7 +130,7 @@ pass! {
 }
 
 gpu_struct! {
-    /// Push constants of `abuffer/resolve-ordered`; the shader says what the members are.
+    /// Push constants of `abuffer/resolve-ordered`; the shader explains the members.
     pub struct OrderedPush {
         band_start: u32,
         band_end: u32,

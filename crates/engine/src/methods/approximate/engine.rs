@@ -12,7 +12,7 @@ use crate::passes::bin::{self, Order};
 use crate::passes::project::DeviceCloud;
 use crate::scene::{DiscShape, Discs};
 
-/// Sums for each pixel of what its fragments are.
+/// Sums over the fragments of each pixel.
 pub(crate) struct ApproximateEngine {
     /// The discs.
     pub discs: Discs,

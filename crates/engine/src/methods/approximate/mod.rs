@@ -19,7 +19,7 @@ use crate::scene::{DiscShape, Discs, Falloff};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of the stages; shaders/shared/tile_fold.wgsl says what the members are.
+    /// Push constants of the stages; shaders/shared/tile_fold.wgsl explains the members.
     pub struct SumPush {
         walk: TileWalk,
     }
@@ -271,7 +271,7 @@ impl Approximations {
 /// One of the runs that it takes to get through the tiles' splats.
 #[derive(Debug, Clone, Copy)]
 pub struct OneRun {
-    /// Which; all but the first go on from what others left.
+    /// Which; all but the first go on from the result of others.
     pub number: u32,
     /// How many there are; with more than one, each leaves what it knows.
     pub of: u32,

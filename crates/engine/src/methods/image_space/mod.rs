@@ -37,7 +37,7 @@ const AREA: u64 = (TILE * TILE) as u64;
 const PIXEL_BYTES: u64 = 8 + 2 * (4 + 16);
 /// As much again where layers are peeled: limit, and number of layers.
 const LAYER_BYTES: u64 = 4 + 4;
-/// Bytes per tile: what is known about it, and its place in the work list.
+/// Bytes per tile: its properties, and its place in the work list.
 const TILE_BYTES: u64 = 16 + 8;
 /// Most tiles of a window, so that one dimension of workgroups holds them on every device.
 const MOST_TILES: u64 = 65_535;
@@ -79,7 +79,7 @@ pub struct WindowJob<'a> {
     pub cloud: &'a DeviceCloud,
     /// Result that is delivered.
     pub window: Window,
-    /// The same with its halo: what is rendered.
+    /// The same with its halo: the rectangle that is rendered.
     pub outer: Window,
     /// How points are shaded.
     pub how: &'a Projecting,
@@ -105,7 +105,7 @@ impl WindowJob<'_> {
         u64::from(columns) * u64::from(rows)
     }
 
-    /// Size of what is rendered, in pixels.
+    /// Size of the rendered rectangle, in pixels.
     pub(super) fn outer_size(&self) -> [u32; 2] {
         [self.outer[2] - self.outer[0], self.outer[3] - self.outer[1]]
     }
@@ -254,7 +254,7 @@ impl Filterer {
         Ok(())
     }
 
-    /// Records the copy of what was listed to the host, for [`Self::note`].
+    /// Records the copy of the numbers of listed tiles to the host, for [`Self::note`].
     pub(super) fn record_summary<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         recorder.copy("image-space/summary", self.totals.all(), self.totals_host.all())?;
         Ok(())
@@ -326,7 +326,7 @@ impl Filterer {
         self.listed_dispatch(job.deliver_slot())
     }
 
-    /// Records the image of the points found, its filters, and the list of what is to be delivered.
+    /// Records the image of the points found, its filters, and the list of tiles to deliver.
     pub(super) fn record_image<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

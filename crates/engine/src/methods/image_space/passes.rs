@@ -177,7 +177,7 @@ pub enum Listed {
     Filter(Filter),
     /// That of shading.
     Resolve,
-    /// That of what puts a finished image into the window.
+    /// That of the pass that puts a finished image into the window.
     Deliver,
 }
 

@@ -33,7 +33,7 @@ pass! {
     }
 }
 
-/// Records the layer of a window over what is opaque.
+/// Records the layer of a window over the opaque pixels.
 pub fn record<'a>(
     recorder: &mut Recorder<'a>,
     layer: Pixels<'a>,

@@ -184,7 +184,7 @@ impl Peeler {
         self.note_counts(job, work.facts)
     }
 
-    /// List length and peeled layers of every pixel of the window, in its order; what the last counted window left.
+    /// List length and peeled layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_counts(&self, window: Window) -> Result<[Vec<u32>; 2], Error> {
         let pixels = bands::pixels(window);
         Ok([self.counts.get().read(0, pixels)?, self.layers.get().read(0, pixels)?])

@@ -107,7 +107,7 @@ impl LayerPeeler {
         })
     }
 
-    /// Layers of every pixel of the window, in its order; what the last counted window left.
+    /// Layers of every pixel of the window, in its order, as the last counted window left them.
     pub fn read_layers(&self, window: Window) -> Result<Vec<u32>, Error> {
         Ok(self.layers.get().read(0, bands::pixels(window))?)
     }

@@ -138,7 +138,7 @@ impl Opaque {
     }
 }
 
-/// Records what finds the nearest points, as indices and depth keys; all ones at the start.
+/// Records the passes that find the nearest points, as indices and depth keys; all ones at the start.
 pub(super) fn record_nearest<'a>(
     recorder: &mut Recorder<'a>,
     cloud: &'a DeviceCloud,

@@ -15,7 +15,7 @@ use crate::passes::project::Footprint;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `soft/express`; the shader says what the members are.
+    /// Push constants of `soft/express`; the shader explains the members.
     pub struct ExpressPush {
         walk: TileWalk,
         peak: f32,

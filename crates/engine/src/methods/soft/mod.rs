@@ -1,4 +1,4 @@
-//! Soft transparency (Seemann et al. 2018): what its models share.
+//! Soft transparency (Seemann et al. 2018): shared by its models.
 
 mod engine;
 mod explain;

@@ -19,7 +19,7 @@ use crate::scene::{ColorSpace, Discs};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of `sorted/blend`; the shader says what the members are.
+    /// Push constants of `sorted/blend`; the shader explains the members.
     pub struct BlendPush {
         walk: TileWalk,
         max_opacity: f32,

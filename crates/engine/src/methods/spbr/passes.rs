@@ -6,7 +6,7 @@ use crate::passes::project::View;
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl says what the members are.
+    /// Push constants of the passes that go through slots; shaders/shared/spbr.wgsl explains the members.
     pub struct SlotsPush {
         count: u32,
         first: u32,
@@ -55,7 +55,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of `spbr/resolve`: pixels of the window, ensembles, and what a color of 1 is in the sums.
+    /// Push constants of `spbr/resolve`: pixels of the window, ensembles, and a color of 1 in the units of the sums.
     pub struct ResolvePush {
         pixels: u32,
         ensembles: u32,

@@ -157,7 +157,7 @@ impl Stream {
         self.shelf.admit(points)
     }
 
-    /// Packs what is new, for [`Self::record`].
+    /// Packs the new points, for [`Self::record`].
     pub fn pack(&mut self, cloud: &DeviceCloud) {
         self.packed.clear();
         for resident in &self.shelf.fresh {
@@ -169,7 +169,7 @@ impl Stream {
         self.uploaded += self.packed.len() as u64 * COLUMN_BYTES;
     }
 
-    /// Records the copies of what is new.
+    /// Records the copies of the new points.
     pub fn record<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         let mut from = 0;
         for Resident { points, place } in &self.shelf.fresh {

@@ -26,7 +26,7 @@ use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the first two passes; shaders/shared/splats.wgsl says what the members are.
+    /// Push constants of the first two passes; shaders/shared/splats.wgsl explains the members.
     pub struct SplatsPush {
         walk: TileWalk,
         blend_depth: f32,

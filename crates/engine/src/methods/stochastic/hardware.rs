@@ -23,7 +23,7 @@ use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the draws; shaders/shared/stochastic_quad.wgsl says what the members are.
+    /// Push constants of the draws; shaders/shared/stochastic_quad.wgsl explains the members.
     pub struct StratumPush {
         first: u32,
         key_low: u32,
@@ -36,7 +36,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of `stochastic/fold`; the shader says what the members are.
+    /// Push constants of `stochastic/fold`; the shader explains the members.
     pub struct FoldPush {
         width: u32,
         pixels: u32,

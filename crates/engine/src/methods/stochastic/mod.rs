@@ -32,7 +32,7 @@ pub const MOST_STRATA: u32 = 4;
 pub const FIRST_SAMPLES: u32 = 16;
 
 gpu_struct! {
-    /// Push constants of `stochastic/gather`; the shader says what the members are.
+    /// Push constants of `stochastic/gather`; the shader explains the members.
     pub struct GatherPush {
         pixels: u32,
         before: u32,
@@ -251,7 +251,7 @@ impl Sampler {
         Ok(Outcome::Done)
     }
 
-    /// The standard error of every pixel of the window, in its order; what the last one rendered with it left.
+    /// The standard error of every pixel of the window, in its order, from the last window rendered with it.
     pub fn read_stderr(&self, window: Window) -> Result<Vec<[f32; 3]>, Error> {
         let errors = self.spread.get().read(0, bands::pixels(window))?;
         Ok(errors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())

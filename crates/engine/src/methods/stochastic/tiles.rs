@@ -10,7 +10,7 @@ use crate::random::{self, STRATA_OF_A_CALL, STRATUM};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of both passes; shaders/shared/stochastic.wgsl says what the members are.
+    /// Push constants of both passes; shaders/shared/stochastic.wgsl explains the members.
     pub struct StochasticPush {
         walk: TileWalk,
         pixels: u32,

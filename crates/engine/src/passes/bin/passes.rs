@@ -5,7 +5,7 @@ use crate::passes::project::{Bounds, Splat, View};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
-    /// Push constants of `bin/keys`; the shader says what the members are.
+    /// Push constants of `bin/keys`; the shader explains the members.
     pub struct KeysPush {
         count: u32,
         first: u32,
@@ -15,7 +15,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of the passes that meet splats with tiles; shaders/shared/tile_push.wgsl says what the members are.
+    /// Push constants of the passes that meet splats with tiles; shaders/shared/tile_push.wgsl explains the members.
     pub struct TilePush {
         count: u32,
         runs: u32,
@@ -61,7 +61,7 @@ pass! {
 }
 
 gpu_struct! {
-    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl says what the members are.
+    /// Push constants of the passes that go through a presorted order; shaders/shared/presorted.wgsl explains the members.
     pub struct PresortedPush {
         count: u32,
         run_length: u32,
@@ -125,8 +125,8 @@ pass! {
 }
 
 gpu_struct! {
-    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl says
-    /// what the members are.
+    /// Which run a stage takes of the tiles' splats: the first member of its push constants; shaders/shared/tile_run.wgsl
+    /// explains them.
     pub struct TileWalk {
         columns: u32,
         first_tile: u32,
@@ -138,7 +138,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl says what the members are.
+    /// Push constants of stages that collect fragments; shaders/shared/tile_gather.wgsl explains the members.
     pub struct TilesPush {
         walk: TileWalk,
         band_start: u32,

@@ -36,7 +36,7 @@ impl Bins {
         Ok(self.radix.record(recorder, device, records, bits, subgroup)?)
     }
 
-    /// Records what takes the drawn splats out of the cloud's order along an axis; returns which of the records they are.
+    /// Records the passes that pick the drawn splats from the cloud's order along an axis; returns the index of their records.
     pub(super) fn record_pick<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,

@@ -191,7 +191,7 @@ impl DeviceCloud {
         recorder.fill("project/clear", self.stats.all(), 0)
     }
 
-    /// Records the copy of what was found to the host, for [`Self::stats`].
+    /// Records the copy of the statistics to the host, for [`Self::stats`].
     pub fn record_stats<'a>(&'a self, recorder: &mut Recorder<'a>) -> Result<(), Error> {
         recorder.copy("project/stats", self.stats.all(), self.stats_host.all())
     }

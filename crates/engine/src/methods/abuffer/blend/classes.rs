@@ -69,7 +69,7 @@ fn local_sort(variant: Variant, capacity: u32) -> Variant {
     variant.constant("CAPACITY", capacity).constant("BLOCK", BLOCK_LENGTH).network(BLOCK_LENGTH)
 }
 
-/// The variants of kernels for the lengths of lists that `wanted` picks, from those of what they compose.
+/// The variants of kernels for the lengths of lists that `wanted` picks, from the variants that compose.
 pub(crate) fn kernels(composed: impl Fn(u32) -> Vec<Variant>, wanted: fn(u32) -> bool) -> Vec<Variant> {
     CLASSES.iter().filter(|(capacity, _)| wanted(*capacity)).flat_map(|(capacity, _)| composed(*capacity)).collect()
 }

@@ -63,7 +63,7 @@ impl Interior {
         1 << (31 - self.shell_bits())
     }
 
-    /// Adds what shaders/shared/sphere.wgsl wants to know.
+    /// Adds the constants of shaders/shared/sphere.wgsl.
     pub(super) fn sphere(self, variant: Variant) -> Variant {
         let (shells, pixels_per_shell) = match self {
             Self::Linear | Self::Packed => (1, 1.0),
@@ -82,7 +82,7 @@ impl Interior {
         !matches!(self, Self::Shells(..))
     }
 
-    /// Adds what shaders/shared/soft_terms.wgsl wants to know besides.
+    /// Adds the constants of shaders/shared/soft_terms.wgsl as well.
     pub(super) fn terms(self, variant: Variant, modulated: bool) -> Variant {
         let model = if self.is_integrated() { MODEL_BASE } else { MODEL_CONCENTRIC };
         self.sphere(variant).with("MODEL", model).with("MODULATED", u32::from(modulated))

@@ -53,7 +53,7 @@ impl LongSpheres {
         Ok(())
     }
 
-    /// Frees what [`Self::reserve`] took.
+    /// Frees the buffers of [`Self::reserve`].
     pub fn release(&mut self) {
         self.segments.release();
         self.sums.release();

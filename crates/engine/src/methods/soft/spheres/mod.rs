@@ -51,7 +51,7 @@ pub fn classes() -> impl Iterator<Item = (usize, (u32, &'static str))> {
 
 /// Device bytes of an event of a band with long lists, of `soft-base`.
 pub const SEGMENT_BYTES: u64 = 4;
-/// Device bytes of what an event carries where it is packed.
+/// Device bytes of a packed event's record.
 pub const RECORD_BYTES: u64 = 16;
 /// Device bytes per pixel of the number of spheres, where these have shells.
 pub const SPHERES_BYTES: u64 = 4;
@@ -75,7 +75,7 @@ pub struct Spheres<'a> {
 }
 
 impl<'a> Spheres<'a> {
-    /// Refuses what events cannot name.
+    /// Refuses more points than events can tell apart.
     pub fn check(&self, method: &Method, points: u64) -> Result<(), Error> {
         let limit = self.kind.interior.most_points();
         if points > limit {
@@ -123,7 +123,7 @@ impl<'a> Spheres<'a> {
         Ok(raster.record_variant(recorder, band, stage, self.kind.interior.segment(), with)?)
     }
 
-    /// Records the solid points of a window behind what is in the target.
+    /// Records the solid points of a window behind the pixels of the target.
     pub fn record_compose(&self, recorder: &mut Recorder<'a>, target: &'a Target, pixels: u64) -> Result<(), Error> {
         match self.layer {
             Some(layer) => record_compose(recorder, layer, target, pixels, self.origin),
@@ -154,7 +154,7 @@ pub fn pixel_bytes(interior: Interior, solids: bool) -> u64 {
     layer + if interior.counted() { SPHERES_BYTES } else { 0 }
 }
 
-/// Records a window's solid points behind what is in the target.
+/// Records a window's solid points behind the pixels of the target.
 pub fn record_compose<'a>(
     recorder: &mut Recorder<'a>,
     layer: &'a Layer,

@@ -6,7 +6,7 @@ use crate::passes::raster::{ChunkGroup, RasterPush};
 use crate::{gpu_struct, pass};
 
 gpu_struct! {
-    /// Push constants of the kernels that blend; shaders/shared/soft_push.wgsl says what the members are.
+    /// Push constants of the kernels that blend; shaders/shared/soft_push.wgsl explains the members.
     pub struct SoftPush {
         class_index: u32,
         first_fragment: u32,

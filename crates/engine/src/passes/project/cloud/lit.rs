@@ -22,7 +22,7 @@ impl DeviceCloud {
         self.casting.as_ref()
     }
 
-    /// Says what the shares of light belong to that were put there.
+    /// Sets the shadows that the shares of light belong to.
     pub fn set_casting(&mut self, casting: Casting) {
         self.casting = Some(casting);
     }
