@@ -38,7 +38,7 @@ impl Stage for ApproximateEngine {
         Machines { bins, approximations, .. }: &mut Machines,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
-        _most_color: f32,
+        _max_color: f32,
     ) -> Result<Outcome, Error> {
         approximations.render(bins, work, &WindowJob { bin, discs: self.discs, kind: self.kind })
     }

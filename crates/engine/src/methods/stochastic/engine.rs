@@ -54,7 +54,7 @@ impl Stage for StochasticEngine {
         Machines { bins, sampler, .. }: &mut Machines,
         work: &mut Work<'_>,
         bin: bin::Job<'_>,
-        _most_color: f32,
+        _max_color: f32,
     ) -> Result<Outcome, Error> {
         work.facts.samples = work.samples;
         let settings = Stochastic { samples: work.samples, ..self.settings };
