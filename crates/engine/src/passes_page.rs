@@ -73,11 +73,7 @@ const UNDECLARED: [(&str, &str, &str); 25] = [
         "Sets the statistics of the projection to 0, and for opaque methods all pixels to \"nothing\".",
     ),
     ("project/stats", "copy", "Copies the numbers of visible and large splats, and of their tiles, to the host."),
-    (
-        "tiles/cursors",
-        "copy",
-        "Copies the start of each tile's list to the cursor that `tiles/store` counts up.",
-    ),
+    ("tiles/cursors", "copy", "Copies the start of each tile's list to the cursor that `tiles/store` counts up."),
 ];
 
 /// A declaration by `pass!`.

@@ -44,8 +44,10 @@ impl Case {
     }
 }
 
-const RENDER_PNG: Case = Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.png"], &["a.png"]);
-const RENDER_EXR: Case = Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"], &["a.exr"]);
+const RENDER_PNG: Case =
+    Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.png"], &["a.png"]);
+const RENDER_EXR: Case =
+    Case::new(&["render", "in/scene.toml", "-q", "--size", "40x30", "-o", "out/a.exr"], &["a.exr"]);
 const MEASURED: Case = Case {
     together: false,
     repeats: false,

@@ -20,9 +20,9 @@ pub use passes::{
 };
 
 use super::engine::Work;
+use super::opaque::NearestSplat;
 use super::peel::PeelWork;
 use super::points::{self, Choice};
-use super::opaque::NearestSplat;
 use super::{Error, Facts};
 use crate::gpu::{Buffer, Device, Dispatch, Kept, Memory, Recorder, Run, Slice};
 use crate::passes::bands::{self, Budget, Window};

@@ -67,8 +67,14 @@ fn red_stratum(color: f64, alpha: f64, weight: f64, depth: f64) -> Stratum {
 
 #[test]
 fn means_and_their_errors() {
-    let Estimate { color, alpha, depth, stderr } =
-        estimate(&[red_stratum(0.5, 1.0, 1.0, 4.0), red_stratum(0.25, 0.5, 1.0, 3.0), red_stratum(0.75, 0.75, 1.0, f64::INFINITY)], None);
+    let Estimate { color, alpha, depth, stderr } = estimate(
+        &[
+            red_stratum(0.5, 1.0, 1.0, 4.0),
+            red_stratum(0.25, 0.5, 1.0, 3.0),
+            red_stratum(0.75, 0.75, 1.0, f64::INFINITY),
+        ],
+        None,
+    );
     assert_eq!((color, alpha, depth), (DVec3::X * 0.5, 0.75, 3.0));
     // Deviations 0, −1/4, 1/4: sqrt((2/16) / 6).
     assert_close(stderr.x, (0.125f64 / 6.0).sqrt(), ROUNDING);
