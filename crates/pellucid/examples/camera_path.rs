@@ -2,7 +2,7 @@
 
 use pellucid::{Camera, Cloud, Renderer, Result, Scene};
 
-fn main() -> Result<()> {
+pub(crate) fn main() -> Result<()> {
     // A cube of points.
     let side = 16;
     let along = |i: i32| f64::from(i) / f64::from(side - 1) - 0.5;

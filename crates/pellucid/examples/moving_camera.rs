@@ -2,7 +2,7 @@
 
 use pellucid::{Camera, Cloud, Renderer, Result, Scene};
 
-fn main() -> Result<()> {
+pub(crate) fn main() -> Result<()> {
     // A helix whose color changes along the way.
     let turns = 5.0 * std::f64::consts::TAU;
     let at = |i: i32| turns * f64::from(i) / 5000.0;

@@ -2,7 +2,7 @@
 
 use pellucid::{Cloud, Renderer, Result, Scene};
 
-fn main() -> Result<()> {
+pub(crate) fn main() -> Result<()> {
     // A slab of points that lie behind each other.
     let positions: Vec<[f64; 3]> =
         (0..20_000).map(|i| [f64::from(i % 50), f64::from(i / 50 % 50), f64::from(i / 2500)]).collect();

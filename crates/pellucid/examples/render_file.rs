@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use pellucid::{Cloud, Renderer, Result, Scene};
 
-fn main() -> Result<()> {
+pub(crate) fn main() -> Result<()> {
     let scene = match std::env::args_os().nth(1).map(PathBuf::from).filter(|path| path.exists()) {
         Some(path) => Scene::from_clouds([Cloud::read(path)?.with_opacity(0.2)?])?,
         None => Scene::from_clouds([

@@ -32,6 +32,7 @@
 //! scene.set("image.size", [64, 64])?;
 //!
 //! # if pellucid::devices()?.is_empty() {
+//! #     pellucid_testing::skip::skip(pellucid_testing::skip::NO_DEVICE, "none was found");
 //! #     return Ok(());
 //! # }
 //! let renderer = Renderer::open()?;
@@ -55,6 +56,12 @@ mod picture;
 mod profile;
 mod renderer;
 mod scene;
+#[cfg(test)]
+mod tests;
+
+// The examples, which the tests run, name the crate as everyone does.
+#[cfg(test)]
+extern crate self as pellucid;
 
 pub use camera::Camera;
 pub use cloud::Cloud;

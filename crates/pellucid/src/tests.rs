@@ -1,0 +1,72 @@
+//! The examples run, and the surface stays small.
+
+use std::path::Path;
+
+use pellucid_testing::skip::{NO_DEVICE, skip};
+
+#[path = "../examples/camera_path.rs"]
+mod camera_path;
+#[path = "../examples/moving_camera.rs"]
+mod moving_camera;
+#[path = "../examples/read_profile.rs"]
+mod read_profile;
+#[path = "../examples/render_file.rs"]
+mod render_file;
+
+/// Runs an example's `main`.
+#[track_caller]
+fn run(example: fn() -> crate::Result<()>) {
+    match crate::devices() {
+        Ok(devices) if !devices.is_empty() => example().expect("the example runs"),
+        Ok(_) => skip(NO_DEVICE, "none was found"),
+        Err(error) => skip(NO_DEVICE, &error.to_string()),
+    }
+}
+
+#[test]
+fn a_file_is_rendered() {
+    run(render_file::main);
+}
+
+#[test]
+fn a_camera_moves() {
+    run(moving_camera::main);
+}
+
+#[test]
+fn a_profile_is_read() {
+    run(read_profile::main);
+}
+
+#[test]
+fn a_camera_follows_a_path() {
+    run(camera_path::main);
+}
+
+/// Every example is among the tests above.
+#[test]
+fn all_examples_run() {
+    let here = include_str!("tests.rs");
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")).unwrap() {
+        let path = entry.unwrap().path();
+        let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        assert!(here.contains(&format!("run({stem}::main)")), "{} is not run", path.display());
+    }
+}
+
+/// The lines that make an item public: functions, types, fields and what is exported from elsewhere, but for what is public in
+/// the crate alone.
+fn public_items(source: &str) -> usize {
+    let items = source.lines().map(str::trim_start).filter(|line| line.starts_with("pub "));
+    items.map(|line| if line.starts_with("pub use") { line.matches(',').count() + 1 } else { 1 }).sum()
+}
+
+#[test]
+fn the_surface_has_at_most_150_items() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap() {
+        count += public_items(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+    }
+    assert!((50..=150).contains(&count), "{count}");
+    assert_eq!(public_items("pub struct A {\n    pub b: u8,\n    c: u8,\n}\npub(crate) fn d() {}\npub use e::{F, G};"), 4);
+}
