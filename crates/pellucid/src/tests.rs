@@ -68,5 +68,8 @@ fn the_surface_has_at_most_150_items() {
         count += public_items(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
     }
     assert!((50..=150).contains(&count), "{count}");
-    assert_eq!(public_items("pub struct A {\n    pub b: u8,\n    c: u8,\n}\npub(crate) fn d() {}\npub use e::{F, G};"), 4);
+    assert_eq!(
+        public_items("pub struct A {\n    pub b: u8,\n    c: u8,\n}\npub(crate) fn d() {}\npub use e::{F, G};"),
+        4
+    );
 }
