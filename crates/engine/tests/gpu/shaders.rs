@@ -135,7 +135,9 @@ fn every_constant_of_rust_is_mentioned_by_a_shader() {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let code = files.iter().flat_map(|(_, text)| text.lines()).map(|line| line.split("//").next().unwrap_or_default());
     let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !part(c))).collect();
-    for (name, _) in SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten() {
+    let integers = SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten().map(|(name, _)| *name);
+    let floats = SHADERS.floats.iter().chain(gpu::SHADERS.floats).copied().flatten().map(|(name, _)| *name);
+    for name in integers.chain(floats) {
         assert!(words.contains(name), "{name}");
     }
 }
