@@ -208,7 +208,7 @@ impl Filterer {
             recorder.run(&deliver, job.deliver_push(), &Run::new(self.deliver_dispatch(job)))?;
             target.record_read_back(&mut recorder, pixels)?;
         }
-        work.timeline.add(recorder.submit("points and filters")?);
+        work.timeline.submit(recorder, "points and filters")?;
         self.note(job, 1, work.facts);
         Ok(())
     }

@@ -64,7 +64,7 @@ impl Engine for OneLayerEngine {
             let mut recorder = work.device.recorder()?;
             let layer = &buffers.machines.layer;
             record(&mut recorder, layer.pixels(), work.target.pixels(), work.window, softness)?;
-            work.timeline.add(recorder.submit("one-layer/compose")?);
+            work.timeline.submit(recorder, "one-layer/compose")?;
         }
         work.read_back()?;
         Ok(Outcome::Done)

@@ -133,7 +133,7 @@ impl LayerPeeler {
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
         recorder.fill("image/clear", target.image().first(pixels), 0)?;
         recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
-        work.timeline.add(recorder.submit("peel-layers/clear")?);
+        work.timeline.submit(recorder, "peel-layers/clear")?;
 
         let layers = self.peel(images, work, job, dispatches)?;
         work.facts.layers = work.facts.layers.max(layers);
@@ -141,7 +141,7 @@ impl LayerPeeler {
         if job.read_back {
             let mut recorder = device.recorder()?;
             target.record_read_back(&mut recorder, pixels)?;
-            work.timeline.add(recorder.submit("image/read-back")?);
+            work.timeline.submit(recorder, "image/read-back")?;
         }
         Ok(())
     }
@@ -185,7 +185,7 @@ impl LayerPeeler {
             }
             recorder.copy("peel-layers/summary", images.work.all(), self.work_host.all())?;
             images.record_summary(&mut recorder)?;
-            work.timeline.add(recorder.submit("layers of points")?);
+            work.timeline.submit(recorder, "layers of points")?;
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;
             if layers < recorded || recorded == job.layers {

@@ -101,7 +101,7 @@ impl SoftDiscs {
             record_compose(&mut recorder, layer, target, pixels, 0.0)?;
         }
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("soft/express")?);
+        work.timeline.submit(recorder, "soft/express")?;
         if counted {
             self.counted = match binned {
                 Some(_) => self.counts.get().read(0, pixels)?,

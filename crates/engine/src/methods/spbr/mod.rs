@@ -579,10 +579,10 @@ impl Ensembles {
                 self.record_resolve(&mut recorder, job, target)?;
                 recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
                 target.record_read_back(&mut recorder, job.pixels())?;
-                work.timeline.add(recorder.submit("spbr/resolve")?);
+                work.timeline.submit(recorder, "spbr/resolve")?;
                 break;
             }
-            work.timeline.add(recorder.submit("spbr/draw")?);
+            work.timeline.submit(recorder, "spbr/draw")?;
             submissions += 1;
             let done = submission.last().map_or(0, |task| task.ensembles.end);
             work.progress.set_message(format!("rendering, {done} ensembles"));

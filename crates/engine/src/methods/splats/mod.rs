@@ -127,7 +127,7 @@ impl Splatter {
                 self.record(bins, &mut recorder, job, binned, into)?;
             }
         }
-        work.timeline.add(recorder.submit("splats/visibility and attributes")?);
+        work.timeline.submit(recorder, "splats/visibility and attributes")?;
         Ok(Outcome::Done)
     }
 
