@@ -10,7 +10,8 @@
 mod engine;
 
 pub(crate) use engine::{
-    Onto, SOLID_BYTES, SplatsEngine, draw_solid, explain_solids, explain_windows, pass_group, solid_projecting,
+    Drawing, Onto, SOLID_BYTES, SplatsEngine, draw, draw_solid, explain_solids, explain_windows, pass_group,
+    solid_projecting,
 };
 
 use super::abuffer::CountPush;
