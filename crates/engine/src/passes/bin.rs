@@ -823,7 +823,7 @@ pub fn shaders() -> Vec<Shader> {
     let presorted = || SUBGROUPS.map(presorted_variant);
     vec![
         Shader::new::<Keys>([Order::Depth, Order::Index, Order::File].map(keys_variant)),
-        Shader::new::<Gather>(compose::variants()),
+        Shader::new::<Gather>(compose::tiled_variants()),
         Shader::new::<Pick>(presorted()),
         Shader::new::<Place>(presorted()),
         Shader::plain::<TileCount>(),

@@ -279,6 +279,18 @@ pub enum Stage {
     Sum,
 }
 
+impl Stage {
+    /// Whether it is the first to meet a frame's points, and so counts those that are drawn.
+    fn counts(self) -> bool {
+        matches!(self, Self::Draw | Self::Nearest | Self::NearestDepth)
+    }
+
+    /// Whether the standard error shows in it.
+    fn spreads(self) -> bool {
+        matches!(self, Self::Draw | Self::Sum)
+    }
+}
+
 /// What the passes over slots must know about frame and cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
@@ -303,8 +315,8 @@ choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 enum Through {
     /// An invocation for some slots each.
     Slots {
-        /// Whether drawn points are counted.
-        counted: bool,
+        /// Whether they are of a later pass over the cloud.
+        again: bool,
     },
     /// So many workgroups for each square of the list of large ones.
     Large {
@@ -315,13 +327,18 @@ enum Through {
 
 impl Choices for Through {
     fn all() -> Vec<Self> {
-        vec![Self::Slots { counted: false }, Self::Slots { counted: true }, Self::Large { stripes: 3 }]
+        vec![Self::Slots { again: false }, Self::Slots { again: true }, Self::Large { stripes: 3 }]
     }
 }
 
 impl Kind {
-    /// The variant of a stage that goes through slots; `again`: of a later pass over the cloud.
-    fn variant(self, stage: Stage, through: Through, again: bool) -> Variant {
+    /// Whether there are such clouds and frames: points that ask for less in different ways may ask for less than a pixel.
+    fn is_possible(self) -> bool {
+        self.thinned || !(self.weighted || self.slanted)
+    }
+
+    /// The variant of a stage that goes through slots.
+    fn variant(self, stage: Stage, through: Through) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
             .with("THINNED", u32::from(self.thinned))
@@ -329,23 +346,20 @@ impl Kind {
             .with("SQUARES", u32::from(self.squares))
             .with("PLANES", u32::from(self.planes));
         let variant = match through {
-            Through::Slots { counted } => variant
+            Through::Slots { again } => variant
                 .walker("spbr_slots")
                 .with("RUN", RUN as u32)
-                .with("COUNTED", u32::from(counted))
+                .with("COUNTED", u32::from(stage.counts()))
                 .with("AGAIN", u32::from(again)),
             Through::Large { stripes } => variant.walker("spbr_large").with("STRIPES", stripes),
         };
-        match stage {
-            Stage::Draw | Stage::Sum => variant.with("SPREAD", u32::from(self.spread)),
-            _ => variant,
-        }
+        if stage.spreads() { variant.with("SPREAD", u32::from(self.spread)) } else { variant }
     }
 
     /// The variants of a stage.
     fn variants(stage: Stage) -> Vec<Variant> {
-        let choices = <(Self, (Through, bool))>::all().into_iter();
-        choices.map(|(kind, (through, again))| kind.variant(stage, through, again)).collect()
+        let possible = <(Self, Through)>::all().into_iter().filter(|(kind, _)| kind.is_possible());
+        possible.map(|(kind, through)| kind.variant(stage, through)).collect()
     }
 }
 
@@ -368,14 +382,12 @@ fn resolve_variant(spread: bool) -> Variant {
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let stages = Kind::variants;
-    let (cut, color) = (Cut::all()[0], ColorSpace::Linear);
-    let (draws, sums) = (stages(Stage::Draw), stages(Stage::Sum));
-    // What decides where a point shows knows nothing of its color: every variant of the one, and every one of the other.
-    let colored = <(Cut, ColorSpace)>::all().into_iter().map(|(cut, color)| draw_variant(draws[0].clone(), cut, color));
-    let draw = draws.iter().map(|variant| draw_variant(variant.clone(), cut, color)).chain(colored);
-    let shaded = Shaded::all();
-    let colored = shaded.iter().map(|shaded| sum_variant(sums[0].clone(), *shaded));
-    let sum = sums.iter().map(|variant| sum_variant(variant.clone(), shaded[0])).chain(colored);
+    let colored = |draw: Variant| {
+        <(Cut, ColorSpace)>::all().into_iter().map(move |(cut, color)| draw_variant(draw.clone(), cut, color))
+    };
+    let shaded = |sum: Variant| Shaded::all().into_iter().map(move |shaded| sum_variant(sum.clone(), shaded));
+    let draw = stages(Stage::Draw).into_iter().flat_map(colored);
+    let sum = stages(Stage::Sum).into_iter().flat_map(shaded);
     vec![
         Shader::new::<Draw>(draw),
         Shader::new::<Nearest>(stages(Stage::Nearest)),
@@ -673,10 +685,9 @@ impl Ensembles {
         }
         let stage = task.stage;
         let count = task.piece.slots.end - task.piece.slots.start;
-        let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
-        let again = task.piece.rows.is_some();
+        let (kind, again) = (job.kind(), task.piece.rows.is_some());
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
-        let walk = (run, kind.variant(stage, Through::Slots { counted }, again));
+        let walk = (run, kind.variant(stage, Through::Slots { again }));
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         if !job.listed() {
             self.record_stage(device, recorder, job, task, walk)?;
@@ -689,7 +700,7 @@ impl Ensembles {
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
         recorder.run(&large, most, &Run::new(Dispatch::Invocations(1)))?;
         let run = Run::new(Dispatch::Indirect(self.arguments.get().all()));
-        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes }, again)))
+        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes })))
     }
 
     fn record_stage<'a>(
