@@ -68,8 +68,8 @@ fn every_compute_shader_has_the_common_workgroup_or_a_subgroup() {
 const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "STRIPES", "TAKEN"];
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
-/// out of order, spheres and opaque splats without a falloff. Of the passes over an ensemble's points the first one counts them.
-const FIXED: [(&str, &str); 17] = [
+/// out of order, spheres and opaque splats without a falloff.
+const FIXED: [(&str, &str); 14] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
@@ -82,9 +82,6 @@ const FIXED: [(&str, &str); 17] = [
     ("soft/resolve_network", "FALLOFF"),
     ("soft/segments", "FALLOFF"),
     ("soft/sum_runs", "FALLOFF"),
-    ("spbr/draw", "COUNTED"),
-    ("spbr/nearest", "COUNTED"),
-    ("spbr/sum", "COUNTED"),
     ("splats/attributes", "FALLOFF"),
     ("splats/visibility", "FALLOFF"),
 ];

@@ -169,7 +169,7 @@ impl ABuffer {
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        let bands = self.plan_bands(device, job, &counted)?;
+        let bands = self.plan_bands(work, job, &counted)?;
         self.reserve_fragments(device, job, &bands, &counted)?;
         let facts = &mut *work.facts;
         counted.note(&bands, facts);
@@ -211,7 +211,7 @@ impl ABuffer {
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        let bands = self.plan_bands(work.device, job, &counted)?;
+        let bands = self.plan_bands(work, job, &counted)?;
         counted.note(&bands, work.facts);
         Ok(Outcome::Done)
     }
@@ -328,8 +328,8 @@ impl ABuffer {
         (left / need.bytes()).min(device.limits().binding_bytes.saturating_sub(gpu::GUARD_BYTES) / widest)
     }
 
-    fn plan_bands(&self, device: &Device, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
-        let window = job.raster.window;
+    fn plan_bands(&self, work: &Work<'_>, job: &WindowJob<'_>, counted: &Counted) -> Result<Vec<Band>, Error> {
+        let (device, window) = (work.device, job.raster.window);
         let (length, most) = (counted.lengths.longest, in_place_length());
         if job.discs.long_lists == LongLists::InPlace && length > most {
             return Err(Error::ListTooLong { length, most });
@@ -338,6 +338,7 @@ impl ABuffer {
         if u64::from(counted.total) <= capacity {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
+        work.progress.check()?;
         let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|_| {
             let (pixel, length) = bands::longest(&offsets);

@@ -159,6 +159,7 @@ impl Peeler {
         let mut recorder = device.recorder()?;
         let mut dispatches = vec![recorder.arguments("peel/blend", Dispatch::Invocations(pixels))?];
         dispatches.extend(job.raster.arguments(&recorder, &Band::whole(job.raster.window, 0))?);
+        work.progress.check()?;
         let arguments = device.upload("layer dispatches", dispatches.as_flattened())?;
         self.record_count(&mut recorder, job)?;
         self.record_nothing(&mut recorder, pixels, target)?;

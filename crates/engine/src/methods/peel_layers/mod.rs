@@ -127,6 +127,7 @@ impl LayerPeeler {
         self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
         let mut recorder = device.recorder()?;
         let words = Self::arguments(&recorder, image)?;
+        work.progress.check()?;
         let uploaded = device.upload("layer dispatches", words.as_flattened())?;
         let dispatches = Dispatches { all: uploaded.all(), chunks: image.cloud.chunks().count() as u64 };
         images.record_clear(&mut recorder, image)?;

@@ -103,6 +103,7 @@ impl SoftDiscs {
         target.record_read_back(&mut recorder, pixels)?;
         work.timeline.submit(recorder, "soft/express")?;
         if counted {
+            work.progress.check()?;
             self.counted = match binned {
                 Some(_) => self.counts.get().read(0, pixels)?,
                 None => vec![0; pixels as usize],
