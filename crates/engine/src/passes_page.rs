@@ -1,5 +1,5 @@
 //! docs/internals/passes.md: every pass with the first sentence of its comment, every fill and every copy. A test fails where the
-//! page is stale, and rewrites it with `PELLUCID_WRITE_DOCS` set.
+//! page is stale, and rewrites it where `PELLUCID_UPDATE` is 1.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 const CRATE: &str = env!("CARGO_MANIFEST_DIR");
-const REWRITE: &str = "PELLUCID_WRITE_DOCS=1 cargo test -p pellucid-engine --lib passes_page";
+const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-engine --lib passes_page";
 
 const INTRODUCTION: &str = "\
 # Passes
@@ -160,7 +160,7 @@ fn page() -> String {
 fn the_page_of_passes_is_that_of_their_comments() {
     let path = Path::new(CRATE).join("../../docs/internals/passes.md");
     let page = page();
-    if std::env::var_os("PELLUCID_WRITE_DOCS").is_some() {
+    if pellucid_testing::updates() {
         fs::write(path, page).unwrap();
     } else {
         let found = fs::read_to_string(path).unwrap_or_default();

@@ -4,10 +4,14 @@ pub use crate::methods::Step;
 
 use crate::gpu::Device;
 use crate::methods::explain::Plan;
+use crate::methods::soft::SoftModel;
 use crate::methods::{Error, Facts, Frame, Renderer, cost, engine_of, pass_groups};
-use crate::passes::project::DeviceCloud;
+use crate::passes::project::{DeviceCloud, Parts};
 use crate::points::Points;
-use crate::scene::{DiscShape, Falloff, Method, MethodChoice, Raster, ScreenSplats};
+use crate::scene::{
+    Density, DiscShape, Discs, Falloff, LongLists, Method, MethodChoice, Raster, ScreenSplats, Shells, Soft,
+    SoftLayout, Spbr,
+};
 
 /// The method for these points: `auto` is replaced by one that is exact for them.
 ///
@@ -49,6 +53,24 @@ pub fn choose(
         (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
         (_, resolved) => Ok(resolved),
     }
+}
+
+/// The method that forms the image of another one exactly, except for rounding: `abuffer` for discs, and `soft-base` for soft
+/// points, with a softness in place of a factor λ, whose meaning differs between their models. Ensembles are exact for no finite
+/// number: of `spbr` it is itself, as if nothing was said of their number and brightness. `None` for methods whose image no
+/// other one draws.
+pub fn exact(method: &Method, points: &Points) -> Option<Method> {
+    if let Some(soft) = method.soft() {
+        let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
+        // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
+        let (shells, layout) = (Shells::default(), SoftLayout::default());
+        return Some(Method::SoftBase(Soft { density: Density::Softness(model.peak), shells, layout, ..*soft }));
+    }
+    if let Method::Spbr(spbr) = method {
+        return Some(Method::Spbr(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));
+    }
+    let discs = *method.discs()?;
+    Some(Method::ABuffer(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
 }
 
 /// The passes of a frame whose facts were surveyed (see [`Renderer::survey`]), in the order of their first run. `why` is the

@@ -13,11 +13,16 @@ pub trait Observer: Send + Sync {
     /// `done` steps of the stage are finished; the total may be unknown.
     fn advanced(&self, _done: u64, _total: Option<u64>) {}
 
-    /// True if the work should end early: rendering then fails with [`Cancelled`](crate::methods::Error::Cancelled).
+    /// True if the work should end early. A renderer asks before each submission to the device, and then fails with
+    /// [`Cancelled`](crate::methods::Error::Cancelled).
     fn is_cancelled(&self) -> bool {
         false
     }
 }
+
+/// Somebody who watches wanted the work to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cancelled;
 
 /// A handle on the progress of some work; clones are of the same work.
 #[derive(Clone)]
@@ -49,9 +54,12 @@ impl Progress {
         Self(Arc::new(State { message: Mutex::default(), length, position, observer }))
     }
 
-    /// True if the work should end early.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled())
+    /// Asks the observer if the work may go on.
+    ///
+    /// # Errors
+    /// It should end early.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled()) { Err(Cancelled) } else { Ok(()) }
     }
 
     /// Names the stage.
@@ -141,11 +149,11 @@ mod tests {
         progress.set_message("points");
         progress.inc(2);
         progress.clone().set_length(5);
-        assert!(!progress.is_cancelled());
+        assert_eq!(progress.check(), Ok(()));
         progress.inc(3);
         assert_eq!(*log.0.lock().unwrap(), ["points", "2 of None", "2 of Some(5)", "5 of Some(5)"]);
-        assert!(progress.is_cancelled());
+        assert_eq!(progress.check(), Err(Cancelled));
         assert_eq!((progress.position(), progress.length(), progress.message()), (5, Some(5), "points".to_owned()));
-        assert!(!Progress::hidden().is_cancelled());
+        assert_eq!(Progress::hidden().check(), Ok(()));
     }
 }

@@ -24,6 +24,7 @@ pub static SHADERS: Sources = Sources {
         &spbr::CONSTANTS,
         &tiles::CONSTANTS,
     ],
+    floats: &[&image_space::FLOATS],
 };
 
 /// Every pass with all its variants, as each stage lists them.

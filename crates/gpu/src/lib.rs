@@ -42,6 +42,7 @@ pub(crate) use context::Context;
 pub static SHADERS: shader::Sources = shader::Sources {
     files: include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders"),
     constants: &[&[("WG_SIZE", shader::WORKGROUP)], &agree::CONSTANTS],
+    floats: &[],
 };
 
 /// The device layer's own passes, with all their variants.

@@ -51,7 +51,8 @@ impl Renderer {
         Ok(Self { device, progress: Progress::hidden() })
     }
 
-    /// Tells an observer how far loading and rendering are; it may also cancel them.
+    /// Tells an observer how far loading and rendering are. It may cancel a frame, which ends within one submission to the
+    /// device, and loading between its steps; what was loaded before renders on as if nothing had been cancelled.
     #[must_use]
     pub fn observed_by(self, observer: impl Observer + 'static) -> Self {
         Self { progress: Progress::observed(observer), ..self }
@@ -67,16 +68,24 @@ impl Renderer {
         &self.device.info().driver
     }
 
+    /// An error if the observer wants the work to end.
+    fn go_on(&self) -> Result<()> {
+        Ok(self.progress.check().map_err(methods::Error::from)?)
+    }
+
     /// Brings a scene to the device: estimates the radii that are missing, orders the points and uploads them. The scene's
     /// method is decided here, if it is `auto`.
     ///
     /// # Errors
-    /// A scene without points, one whose settings contradict each other, or one that the device has no room for.
+    /// A scene without points, one whose settings contradict each other, one that the device has no room for, and work that
+    /// an observer cancelled.
     pub fn load(&self, scene: &Scene) -> Result<Loaded> {
+        self.go_on()?;
         let settings = scene.document.scene()?;
         let (texture, _) = engine::shadow_texture(&settings, &scene.clouds, scene.seed);
         let up = engine::up_axis(&scene.clouds);
         let arranged = engine::arrange(&settings, scene.clouds.clone(), scene.seed, &self.progress)?;
+        self.go_on()?;
         let (camera, _) = engine::camera(&settings, arranged.points(), up)?;
         let mut renderer = methods::Renderer::new(&self.device)?;
         renderer.progress = self.progress.clone();

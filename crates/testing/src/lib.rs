@@ -28,6 +28,11 @@ pub fn long_or<T>(long: T, short: T) -> T {
     if std::env::var("PELLUCID_SHORT_SWEEPS").is_ok_and(|v| v == "1") { short } else { long }
 }
 
+/// True if tests rewrite generated documents and tables instead of comparing them: where `PELLUCID_UPDATE` is 1.
+pub fn updates() -> bool {
+    std::env::var("PELLUCID_UPDATE").is_ok_and(|v| v == "1")
+}
+
 /// True if a device is llvmpipe, for which the tests know the results to the last case.
 pub fn is_llvmpipe(device: &Device) -> bool {
     device.info().name.contains("llvmpipe")

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::stage::Pose;
 use pellucid_engine::metrics;
+use pellucid_engine::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::scene::{DiscShape, Method, Scene};
-use pellucid_lab::report::tradeoff::settings::{self, Formation};
 
 /// Bytes of pictures of one view that are kept to be measured; the last one is always kept.
 const MOST_BYTES: usize = 256 << 20;
@@ -30,11 +30,11 @@ impl Standing {
     pub fn for_method(method: &Method, points: &Points) -> Self {
         let oriented = method.discs().is_some_and(|discs| discs.shape == DiscShape::Oriented);
         let exact = method.is_exact(oriented && points.normals.is_some());
-        match settings::formation(method, points) {
+        match plan::exact(method, points) {
             _ if exact => Self::Exact,
-            Ok(Formation::Ensembles(_)) => Self::Sampled,
-            Ok(formation) => Self::Approximation(formation.exact()),
-            Err(_) => Self::Own,
+            Some(Method::Spbr(_)) => Self::Sampled,
+            Some(other) => Self::Approximation(other),
+            None => Self::Own,
         }
     }
 }

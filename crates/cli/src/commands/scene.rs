@@ -99,7 +99,7 @@ fn list() -> String {
         format!("{name:<10} {summary}; {}\n", parameters.join(", "))
     };
     let builtins = BUILTINS.iter().map(|builtin| (builtin.name, builtin.summary, builtin.parameters));
-    builtins.chain([(iso::NAME, iso::SUMMARY, iso::PARAMETERS)]).map(line).collect()
+    builtins.chain([(iso::NAME, iso::SUMMARY, iso::PARAMETERS.as_slice())]).map(line).collect()
 }
 
 fn parameter(pair: &str) -> Result<(String, f64), scene::Error> {

@@ -149,11 +149,8 @@ fn key_depth(key: u32) -> f32 {
 
 // Splats of at most this many pixels are walked by one invocation; larger ones tile by tile.
 const SMALL_AREA = 1024u;
-// Tiles of TILE x TILE pixels start at the corner of the rectangle in work.
-// Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that
-// lavapipe allows. A stage that loops for each pixel takes fewer.
-override SEGMENT: u32 = 4096u;
 
+// Tiles of TILE x TILE pixels start at the corner of the rectangle in work.
 fn tile_columns(window: vec4<u32>) -> u32 {
     return (window.z - window.x + TILE - 1u) / TILE;
 }

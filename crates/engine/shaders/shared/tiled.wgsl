@@ -26,9 +26,6 @@ alias Entry = vec2<u32>;
 const ENTRY_DEPTHS = 9u;
 const ENTRY_COLORS = 18u;
 
-// Background has this alpha between filters: a point of no opacity is not background.
-const BACKGROUND_ALPHA = -1.0;
-
 fn is_background(depth: f32) -> bool {
     return bitcast<u32>(depth) == INFINITY_BITS;
 }

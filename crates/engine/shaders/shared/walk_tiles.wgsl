@@ -2,6 +2,10 @@
 // its own pixels, so that a tile's fragments of many splats meet in the cache.
 #import dispatch
 
+// Large splats of a tile that one workgroup walks: four pixels of each and invocation stay below the iterations that
+// lavapipe allows. A stage that loops for each pixel takes fewer.
+override SEGMENT: u32;
+
 const STEP_ROWS = WG_SIZE / TILE;
 
 @compute @workgroup_size(WG_SIZE)

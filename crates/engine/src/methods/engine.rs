@@ -193,7 +193,7 @@ impl Work<'_> {
         if !self.survey {
             let mut recorder = self.device.recorder()?;
             self.target.record_read_back(&mut recorder, self.pixels())?;
-            self.timeline.add(recorder.submit("image/read-back")?);
+            self.timeline.submit(recorder, "image/read-back")?;
             self.finish();
         }
         Ok(())
@@ -219,7 +219,7 @@ pub(crate) fn project(
     cloud.set_view(&frame.camera, frame.size, window, how);
     let mut recorder = device.recorder()?;
     cloud.record_project(&mut recorder, how)?;
-    timeline.add(recorder.submit("project/splats")?);
+    timeline.submit(recorder, "project/splats")?;
     Ok(cloud.stats())
 }
 

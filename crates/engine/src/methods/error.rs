@@ -3,6 +3,7 @@
 use bytesize::ByteSize;
 
 use crate::passes;
+use crate::progress::Cancelled;
 
 /// Why a frame cannot be rendered.
 #[derive(Debug, thiserror::Error)]
@@ -176,7 +177,14 @@ impl From<passes::Error> for Error {
             passes::Error::SortOverBudget { points, needed, available, budget } => {
                 Self::SortOverBudget { points, needed, available, budget }
             }
+            passes::Error::Cancelled => Self::Cancelled,
         }
+    }
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
     }
 }
 

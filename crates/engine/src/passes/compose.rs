@@ -3,7 +3,7 @@
 use super::Error;
 use crate::gpu::shader::Choices;
 use crate::gpu::{Buffer, Device, GpuType, PARTS, Slice, Variant};
-use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, Tilt, View};
+use crate::passes::project::{DISCS, DeviceCloud, Footprint, Splat, TILED, Tilt, View};
 use crate::scene::Falloff;
 use crate::{choices, group};
 
@@ -97,4 +97,10 @@ pub(crate) fn shape_variants() -> Vec<Variant> {
 pub(crate) fn variants() -> Vec<Variant> {
     let choices = || <(Cut, Falloff)>::all().into_iter();
     DISCS.iter().flat_map(|disc| choices().map(move |(cut, falloff)| variant(cut, *disc, falloff))).collect()
+}
+
+/// What goes through tiles, in all cuts, as [`variant`] has it: without a falloff, which only blending asks for.
+pub(crate) fn tiled_variants() -> Vec<Variant> {
+    let cuts = || Cut::all().into_iter();
+    TILED.iter().flat_map(|shape| cuts().map(move |cut| variant(cut, *shape, Falloff::Flat))).collect()
 }

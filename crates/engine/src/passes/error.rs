@@ -1,8 +1,9 @@
-//! Why passes can't work on a cloud.
+//! Why passes don't work on a cloud.
 
 use crate::gpu;
+use crate::progress::Cancelled;
 
-/// Reasons why passes can't work on a cloud; `methods::Error` has the messages for people.
+/// Reasons why passes don't work on a cloud; `methods::Error` has the messages for people.
 #[derive(Debug)]
 pub enum Error {
     /// The device failed.
@@ -30,6 +31,14 @@ pub enum Error {
         /// The budget that would do.
         budget: u64,
     },
+    /// Somebody who watches the progress wanted the work to end.
+    Cancelled,
+}
+
+impl From<Cancelled> for Error {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl From<gpu::Error> for Error {

@@ -111,7 +111,7 @@ impl<'a> Raster<'a> {
         band: &Band,
         stage: impl Fn(Chunk<'a>) -> P,
     ) -> Result<(), Error> {
-        self.record_visits(recorder, self.visits(band, SEGMENT), stage, None, |variant| variant)
+        self.record_visits(recorder, (band, SEGMENT), stage, None, |variant| variant)
     }
 
     /// Records a stage as [`Self::record`] does, in a variant with more overrides. A workgroup walks `segment` large splats of
@@ -124,8 +124,7 @@ impl<'a> Raster<'a> {
         segment: u32,
         with: impl Fn(Variant) -> Variant,
     ) -> Result<(), Error> {
-        let with = |variant| with(variant).with("SEGMENT", segment);
-        self.record_visits(recorder, self.visits(band, segment), stage, None, with)
+        self.record_visits(recorder, (band, segment), stage, None, with)
     }
 
     /// Records a stage as [`Self::record`] does, but with the sizes of its dispatches or draws from a buffer: as many
@@ -137,7 +136,7 @@ impl<'a> Raster<'a> {
         stage: impl Fn(Chunk<'a>) -> P,
         arguments: Slice<'a, u32>,
     ) -> Result<(), Error> {
-        self.record_visits(recorder, self.visits(band, SEGMENT), stage, Some(arguments), |variant| variant)
+        self.record_visits(recorder, (band, SEGMENT), stage, Some(arguments), |variant| variant)
     }
 
     /// Indirect arguments of a stage's dispatches or draws, in order; without workgroups or vertices where the first word is 0.
@@ -179,16 +178,16 @@ impl<'a> Raster<'a> {
     fn record_visits<P: Pass<Push = RasterPush> + 'a>(
         &self,
         recorder: &mut Recorder<'a>,
-        visits: impl Iterator<Item = Visit>,
+        (band, segment): (&Band, u32),
         stage: impl Fn(Chunk<'a>) -> P,
         arguments: Option<Slice<'a, u32>>,
         with: impl Fn(Variant) -> Variant,
     ) -> Result<(), Error> {
         let [x0, y0, x1, y1] = self.window;
-        for (number, visit) in visits.enumerate() {
+        for (number, visit) in self.visits(band, segment).enumerate() {
             let arguments = arguments.map(|all| all.skip(4 * number as u64).first(4));
             let pass = stage(self.chunk(visit.chunk, u64::from(visit.push.first), u64::from(visit.push.count)));
-            let variant = with(variant(self.footprint, visit.walker));
+            let variant = with(variant(self.footprint, visit.walker, segment));
             match visit.amount {
                 Amount::Compute(dispatch) => {
                     let dispatch = arguments.map_or(dispatch, Dispatch::Indirect);
@@ -227,12 +226,12 @@ impl<'a> Raster<'a> {
                     segments,
                 };
                 let visit = |walker, amount| Visit { chunk, push, walker, amount };
-                let small = || visit("walk_small", Amount::Compute(Dispatch::Invocations(count)));
+                let small = || visit(WALK_SMALL, Amount::Compute(Dispatch::Invocations(count)));
                 let groups = u64::from(tiles) * u64::from(segments);
-                let large = || visit("walk_tiles", Amount::Compute(Dispatch::Groups(groups)));
+                let large = || visit(WALK_TILES, Amount::Compute(Dispatch::Groups(groups)));
                 match self.walker {
                     Walker::Compute => [Some(small()), (stats.large > 0).then(large)],
-                    Walker::Hardware => [Some(visit("walk_fragment", Amount::Vertices(6 * count as u32))), None],
+                    Walker::Hardware => [Some(visit(WALK_FRAGMENT, Amount::Vertices(6 * count as u32))), None],
                 }
             })
             .flatten()
@@ -264,16 +263,26 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// The variant of a stage for a footprint and a walker.
-fn variant(footprint: Footprint, walker: &'static str) -> Variant {
-    Variant::plain().with("SHAPE", footprint as u32).walker(walker)
+/// One invocation per small splat.
+const WALK_SMALL: &str = "walk_small";
+/// One workgroup per tile and segment of its large splats.
+const WALK_TILES: &str = "walk_tiles";
+/// The rasteriser.
+const WALK_FRAGMENT: &str = "walk_fragment";
+
+/// The variant of a stage for a footprint, and a walker that takes `segment` large splats of a tile at a time.
+fn variant(footprint: Footprint, walker: &'static str, segment: u32) -> Variant {
+    let variant = Variant::plain().with("SHAPE", footprint as u32).walker(walker);
+    if walker == WALK_TILES { variant.with("SEGMENT", segment) } else { variant }
 }
 
-/// The variants of a stage for some footprints; `hardware`: the rasteriser may visit their pixels, too.
-pub(crate) fn variants(footprints: &[Footprint], hardware: bool) -> Vec<Variant> {
-    let walkers = ["walk_small", "walk_tiles", "walk_fragment"];
-    let walkers = if hardware { &walkers[..] } else { &walkers[..2] };
-    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, walker))).collect()
+/// The variants of a stage for some footprints, without the rasteriser.
+pub(crate) fn computed_variants(footprints: &[Footprint], segment: u32) -> Vec<Variant> {
+    variants(footprints, &[WALK_SMALL, WALK_TILES], segment)
+}
+
+fn variants(footprints: &[Footprint], walkers: &[&'static str], segment: u32) -> Vec<Variant> {
+    footprints.iter().flat_map(|shape| walkers.iter().map(move |walker| variant(*shape, walker, segment))).collect()
 }
 
 /// Footprints whose pixels are visited one by one, spheres apart.
@@ -281,5 +290,5 @@ pub(crate) const FLAT: [Footprint; 4] = [Footprint::Disc, Footprint::Oriented, F
 
 /// The variants of a stage that visits whatever is flat.
 pub(crate) fn flat_variants() -> Vec<Variant> {
-    variants(&FLAT, true)
+    variants(&FLAT, &[WALK_SMALL, WALK_TILES, WALK_FRAGMENT], SEGMENT)
 }

@@ -1,12 +1,14 @@
-//! When the passes of a frame ran.
+//! The submissions of a frame, and when its passes ran.
 
 use std::time::{Duration, Instant};
 
-use crate::gpu::{PassTime, Submitted};
+use super::Error;
+use crate::gpu::{PassTime, Recorder, Submitted};
+use crate::progress::Progress;
 
-/// Collects the submissions of a frame.
-#[derive(Debug, Default)]
+/// Submits the work of a frame, and collects its times.
 pub struct Timeline {
+    progress: Progress,
     /// When the first submission began.
     pub start: Option<Instant>,
     /// Each pass with its start, counted from the first submission's without the host's work between submissions.
@@ -16,8 +18,23 @@ pub struct Timeline {
 }
 
 impl Timeline {
+    /// Begins without a submission; who watches the progress may cancel the frame at any of them.
+    pub fn new(progress: &Progress) -> Self {
+        Self { progress: progress.clone(), start: None, passes: Vec::new(), submitted: Duration::ZERO }
+    }
+
+    /// Submits what was recorded, and waits for it. `name` says in errors what was submitted.
+    ///
+    /// # Errors
+    /// The frame was cancelled, and nothing submitted; or the device failed.
+    pub fn submit(&mut self, recorder: Recorder<'_>, name: &str) -> Result<(), Error> {
+        self.progress.check()?;
+        self.add(recorder.submit(name)?);
+        Ok(())
+    }
+
     /// Adds a finished submission.
-    pub fn add(&mut self, submission: Submitted) {
+    fn add(&mut self, submission: Submitted) {
         self.start.get_or_insert_with(|| Instant::now() - submission.wall);
         let mut start = self.submitted;
         for pass in submission.passes {

@@ -88,8 +88,10 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
 }
 
 impl Places {
-    /// From finite positions; `None` if empty.
+    /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        // Ranks, and the places of the tree, have 32 bits.
+        u32::try_from(positions.len()).ok()?;
         let bounds = Bounds::enclosing(positions.iter().copied())?;
         let frame = Frame::around(&bounds);
         let codes = morton::codes(positions, &bounds);
@@ -108,10 +110,7 @@ impl Places {
             points.push(frame.local(run[0]));
             starts.push(starts[points.len() - 1] + run.len() as u32);
         }
-        // Fails only for more than 2³² points, which no cloud in memory has; ranks have 32 bits too.
-        let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&points) else {
-            unreachable!("the k-d tree's 32-bit indices hold every cloud");
-        };
+        let tree = ImmutableKdTree::<f64, 3>::new_from_slice(&points).ok()?;
         Some(Self { order, positions, starts, tree, frame })
     }
 

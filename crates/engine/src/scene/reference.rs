@@ -1,12 +1,12 @@
 //! The reference of the scene file and README's table of methods, written from the table of keys. The tests here fail where a
-//! document is stale, and rewrite it with `PELLUCID_WRITE_DOCS` set.
+//! document is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Family, Key, Kind, METHODS, Method, MethodChoice, tables};
 
-const REWRITE: &str = "PELLUCID_WRITE_DOCS=1 cargo test -p pellucid-engine --lib scene::reference";
+const REWRITE: &str = "PELLUCID_UPDATE=1 cargo test -p pellucid-engine --lib scene::reference";
 
 const INTRODUCTION: &str = "\
 # The scene file
@@ -120,7 +120,7 @@ fn check(document: &str, written: impl FnOnce(&str) -> String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(document);
     let found = std::fs::read_to_string(&path).unwrap_or_default();
     let wanted = written(&found);
-    if std::env::var_os("PELLUCID_WRITE_DOCS").is_some() {
+    if pellucid_testing::updates() {
         std::fs::write(&path, wanted).unwrap();
     } else {
         assert!(found == wanted, "{document} is stale; this rewrites it: {REWRITE}");

@@ -63,6 +63,45 @@ pub enum Relief {
     Sphere = 3,
 }
 
+/// A method of soft points, with its settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SoftMethod {
+    /// `soft-base`
+    Base(Soft),
+    /// `soft-concentric`
+    Concentric(Soft),
+    /// `soft-express`
+    Express(Soft),
+}
+
+impl SoftMethod {
+    /// Its settings.
+    pub fn settings(&self) -> &Soft {
+        match self {
+            Self::Base(soft) | Self::Concentric(soft) | Self::Express(soft) => soft,
+        }
+    }
+
+    /// The same method with other settings.
+    #[must_use]
+    pub fn changed(mut self, change: impl FnOnce(&mut Soft)) -> Self {
+        match &mut self {
+            Self::Base(soft) | Self::Concentric(soft) | Self::Express(soft) => change(soft),
+        }
+        self
+    }
+}
+
+impl From<SoftMethod> for Method {
+    fn from(method: SoftMethod) -> Self {
+        match method {
+            SoftMethod::Base(soft) => Self::SoftBase(soft),
+            SoftMethod::Concentric(soft) => Self::SoftConcentric(soft),
+            SoftMethod::Express(soft) => Self::SoftExpress(soft),
+        }
+    }
+}
+
 impl Method {
     /// The methods that blend discs and compute the same image, each with its defaults; `stress` compares them.
     pub fn transparent() -> Vec<Self> {
@@ -87,6 +126,16 @@ impl Method {
     /// The settings of soft transparency; `None` for other methods.
     pub fn soft(&self) -> Option<&Soft> {
         self.part()
+    }
+
+    /// The same as one of the methods of soft points; `None` for others.
+    pub fn as_soft(&self) -> Option<SoftMethod> {
+        match *self {
+            Self::SoftBase(soft) => Some(SoftMethod::Base(soft)),
+            Self::SoftConcentric(soft) => Some(SoftMethod::Concentric(soft)),
+            Self::SoftExpress(soft) => Some(SoftMethod::Express(soft)),
+            _ => None,
+        }
     }
 
     /// The field above which points are soft, if the method distinguishes them from solid ones.

@@ -3,6 +3,7 @@
 mod abuffer;
 mod approximate;
 mod brightness;
+mod cancelled;
 mod elementary;
 mod gpu;
 mod image_space;

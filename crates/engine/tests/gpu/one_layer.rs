@@ -62,6 +62,9 @@ fn compare(image: &Image, points: &Points, colors: &[DVec3], camera: &Camera, of
     let size = [image.width, image.height];
     let wanted = one_layer::render(camera, size, points, colors, of);
     let lists = one_layer::lists(camera, size, points, of.threshold);
+    if image.fragments.as_deref() != Some(&wanted.counts) {
+        return Err("other counts".to_owned());
+    }
     let (limit, bound) = if points.normals.is_some() { (4e-5, 2e-4) } else { (1e-6, 1e-4) };
     let mut doubtful = 0;
     for (at, parts) in lists.iter().enumerate() {
@@ -160,6 +163,9 @@ fn cases_worked_by_hand() {
             assert_eq!(image.depth[x], *depth, "{discs:?}");
         }
         assert_eq!((image.rgba[cases.len()], image.depth[cases.len()]), ([0.0; 4], f32::INFINITY));
+        // Whatever they are, and whatever hides them.
+        let counts: Vec<u32> = cases.iter().map(|(discs, ..)| discs.len() as u32).chain([0]).collect();
+        assert_eq!(image.fragments, Some(counts));
     });
 }
 
@@ -272,6 +278,7 @@ fn neither_order_of_input_nor_windows_change_a_byte() {
             let cut = renderer.render(&mut cloud, &frame).expect("the budget that the error names does");
             cuts += usize::from(cut.facts.windows > 1);
             assert!(bits(&cut.image) == bits(&whole.image), "budget {budget}: {:?}", cut.facts);
+            assert!(cut.image.fragments == whole.image.fragments, "budget {budget}: {:?}", cut.facts);
         }
         assert!(cuts > 0, "some budget cuts the image");
     });

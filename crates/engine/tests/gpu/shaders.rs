@@ -69,12 +69,13 @@ const NUMBERS: [&str; 7] = ["PART_LENGTH", "RUN", "SEGMENT", "SHARED", "STEP", "
 
 /// Choices that a shader shares with others and that its pass makes in one way alone: flat discs in order of depth, oriented ones
 /// out of order, spheres and opaque splats without a falloff.
-const FIXED: [(&str, &str); 13] = [
+const FIXED: [(&str, &str); 14] = [
     ("abuffer/count_tiles", "SHAPE"),
     ("abuffer/resolve_ordered", "SHAPE"),
     ("abuffer/store_tiles", "SHAPE"),
     ("approximate/hybrid", "SHAPE"),
     ("approximate/hybrid_oriented", "SHAPE"),
+    ("bin/gather", "FALLOFF"),
     ("soft/blend_runs", "FALLOFF"),
     ("soft/express", "SHAPE"),
     ("soft/resolve_merge", "FALLOFF"),
@@ -135,7 +136,9 @@ fn every_constant_of_rust_is_mentioned_by_a_shader() {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let code = files.iter().flat_map(|(_, text)| text.lines()).map(|line| line.split("//").next().unwrap_or_default());
     let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !part(c))).collect();
-    for (name, _) in SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten() {
+    let integers = SHADERS.constants.iter().chain(gpu::SHADERS.constants).copied().flatten().map(|(name, _)| *name);
+    let floats = SHADERS.floats.iter().chain(gpu::SHADERS.floats).copied().flatten().map(|(name, _)| *name);
+    for name in integers.chain(floats) {
         assert!(words.contains(name), "{name}");
     }
 }

@@ -9,7 +9,7 @@ use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::reference::shading::shade;
 use pellucid_engine::reference::soft::{self, Behind, Model};
-use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout};
+use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout, SoftMethod};
 use pellucid_testing::*;
 use rand::RngExt;
 
@@ -399,7 +399,7 @@ fn the_papers_layout_is_what_its_reference_says() {
             let colors = shade(&scene, &frame.camera, &frame.shading, frame.color);
             let truth = |layout| {
                 let soft = Soft { layout, ..settings(softness) };
-                let model = Model::new(Method::SoftBase(soft), &scene).unwrap();
+                let model = Model::new(SoftMethod::Base(soft), &scene);
                 let scene =
                     soft::Scene { camera: &frame.camera, size: frame.size, points: &scene, colors: &colors, model };
                 scene.render(|_| Behind::NOTHING)

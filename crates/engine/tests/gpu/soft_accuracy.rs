@@ -113,7 +113,7 @@ impl Case {
     fn reference(&self, method: Method) -> Picture {
         let points = &self.points;
         let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-        let model = Model::new(method, points).expect("a soft method");
+        let model = Model::new(method.as_soft().expect("a soft method"), points);
         let (camera, size) = (&self.camera, self.size);
         let solids = self.solids();
         let behind = |pixel| solids.as_ref().map_or(Behind::NOTHING, |solids| Behind::from_picture(solids, pixel));

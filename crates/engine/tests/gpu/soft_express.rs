@@ -99,7 +99,7 @@ fn composed(
 /// As the method does it: along the axis nearest to the view.
 fn along_axis(points: &Points, frame: &Frame) -> Picture {
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();
-    let model = Model::new(frame.method, points).expect("a soft method");
+    let model = Model::new(frame.method.as_soft().expect("a soft method"), points);
     Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model }.render(|_| Behind::NOTHING)
 }
 

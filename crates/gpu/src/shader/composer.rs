@@ -16,6 +16,8 @@ pub struct Sources {
     pub files: Dir<'static>,
     /// Names and values of constants of type u32. A shader that mentions one gets it, and so must not declare it.
     pub constants: &'static [&'static [(&'static str, u32)]],
+    /// The same of constants of type f32.
+    pub floats: &'static [&'static [(&'static str, f32)]],
 }
 
 impl Sources {
@@ -37,16 +39,23 @@ impl Sources {
         self.files.get_file(&name).or_else(|| crate::SHADERS.files.get_file(&name))?.contents_utf8()
     }
 
+    /// Names of all constants, and their values as WGSL writes them.
+    fn values(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let integers = self.constants.iter().copied().flatten().map(|(name, value)| (*name, format!("{value}u")));
+        let floats = self.floats.iter().copied().flatten().map(|(name, value)| (*name, format!("{value:?}f")));
+        integers.chain(floats)
+    }
+
     /// The constants that a source mentions, as WGSL.
     fn constants_in(&self, source: &str) -> String {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
         let words: HashSet<&str> = code.flat_map(|line| line.split(|c: char| !is_part(c))).collect();
-        let own: &[&[(&str, u32)]] = if std::ptr::eq(self, &raw const crate::SHADERS) { &[] } else { self.constants };
+        let own = (!std::ptr::eq(self, &raw const crate::SHADERS)).then_some(self);
         let mut out = String::new();
-        for (name, value) in crate::SHADERS.constants.iter().chain(own).copied().flatten() {
+        for (name, value) in std::iter::once(&crate::SHADERS).chain(own).flat_map(Self::values) {
             if words.contains(name) {
-                let _ = writeln!(out, "const {name} = {value}u;");
+                let _ = writeln!(out, "const {name} = {value};");
             }
         }
         out

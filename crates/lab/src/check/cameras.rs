@@ -19,10 +19,13 @@ pub(super) fn cases() -> Vec<Case> {
     let discs = Discs::default();
     let oriented = [Method::ABuffer(Discs { shape: DiscShape::Oriented, ..discs })];
     // The others go the way of one of these: averages that of `stochastic`, squares and cones that of circles and paraboloids.
-    let like = ["hybrid", "weighted", "average", "unsorted", "squares", "cone"];
+    let like = |method: &Method| {
+        let averages = Family::Discs == method.family() && !method.is_exact(false) && !method.is_sampled();
+        averages || matches!(method, Method::Squares(_) | Method::Cone(_))
+    };
     let families = [Family::Discs, Family::Opaque, Family::Soft, Family::OneLayer, Family::Surfaces];
-    let all = with_samples(8, except(&like, of_families(&families)));
-    let limits = [with_peel(), except(&like, of_families(&[Family::Opaque]))].concat();
+    let all = with_samples(8, except(like, of_families(&families)));
+    let limits = [with_peel(), except(like, of_families(&[Family::Opaque]))].concat();
     [
         each(
             &exact(),

@@ -19,7 +19,7 @@ pub(super) fn cases() -> Vec<Case> {
     let soft = Soft { density: Density::Softness(0.05), shells: Shells::Fixed(2), ..Soft::default() };
     // The runs of `sorted` follow its windows, and opaque splats that are not blended have nothing to cut.
     let blended = |method: &Method| method.key("blend_depth").is_some();
-    let discs = with_samples(8, except(&["sorted"], of_families(&[Family::Discs])));
+    let discs = with_samples(8, except(|method| matches!(method, Method::Sorted(_)), of_families(&[Family::Discs])));
     let discs = discs.into_iter().map(|method| if method.is_exact(true) { tilted(method) } else { method });
     let splats = Family::Opaque.methods().filter(blended);
     let spheres = Family::Soft.methods().map(|method| with_soft(method, soft));

@@ -8,8 +8,9 @@ pub(super) fn of_families(families: &[Family]) -> Vec<Method> {
 }
 
 /// The same without those that go the way of another one of them.
-pub(super) fn except(names: &[&str], methods: Vec<Method>) -> Vec<Method> {
-    methods.into_iter().filter(|method| !names.contains(&method.name())).collect()
+pub(super) fn except(like: fn(&Method) -> bool, mut methods: Vec<Method>) -> Vec<Method> {
+    methods.retain(|method| !like(method));
+    methods
 }
 
 /// The same with this many samples per pixel, where methods take samples.

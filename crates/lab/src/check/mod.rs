@@ -76,15 +76,15 @@ fn one(name: &str, about: &'static str, run: impl Fn(&mut Stage) -> Result<Findi
 }
 
 /// The same case for each of some methods.
-fn each(
-    methods: &[Method],
+fn each<M: Copy + Into<Method> + 'static>(
+    methods: &[M],
     name: &str,
     about: &'static str,
-    run: fn(&mut Stage, Method) -> Result<Finding, Trouble>,
+    run: fn(&mut Stage, M) -> Result<Finding, Trouble>,
 ) -> Vec<Case> {
-    let case = |method: &Method| {
+    let case = |method: &M| {
         let method = *method;
-        Case { name: format!("{}/{name}", method.name()), about, run: Box::new(move |stage| run(stage, method)) }
+        Case { name: format!("{}/{name}", method.into().name()), about, run: Box::new(move |stage| run(stage, method)) }
     };
     methods.iter().map(case).collect()
 }

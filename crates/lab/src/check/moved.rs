@@ -21,9 +21,12 @@ const BY: DVec3 = DVec3::new(500_000.0, 4_500_000.0, 100.0);
 pub(super) fn cases() -> Vec<Case> {
     let soft = Soft { density: Density::Softness(0.4), shells: Shells::Fixed(3), ..Soft::default() };
     // The others go the way of one of these.
-    let like = ["linked-list", "average", "unsorted", "squares", "cone", "sphere"];
+    let like = |method: &Method| {
+        let discs = matches!(method, Method::LinkedList(_) | Method::Average(_) | Method::Unsorted(_));
+        discs || matches!(method, Method::Squares(_) | Method::Cone(_) | Method::Sphere(_))
+    };
     let families = [Family::Discs, Family::Opaque, Family::Soft, Family::OneLayer, Family::Surfaces];
-    let methods = with_samples(8, except(&like, of_families(&families)));
+    let methods = with_samples(8, except(like, of_families(&families)));
     let tuned = |method| with_distance(with_soft(method, soft), DISTANCE);
     let mut methods: Vec<Method> = methods.into_iter().map(tuned).collect();
     let oriented = Discs { shape: DiscShape::Oriented, ..Discs::default() };

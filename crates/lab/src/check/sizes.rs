@@ -12,7 +12,9 @@ use super::verdict::Naive::{Computed, Stated};
 use super::verdict::Trouble;
 use super::{Case, Finding, Stage, each, naive};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, Stochastic};
+use pellucid_engine::scene::{
+    BlendedSplats, Density, Family, Hybrid, Method, ScreenSplats, Shells, Soft, SoftMethod, Stochastic,
+};
 
 type CaseResult = Result<Finding, Trouble>;
 
@@ -26,7 +28,7 @@ pub(super) fn cases() -> Vec<Case> {
     let one = of_families(&[Family::Discs, Family::Opaque, Family::OneLayer, Family::Soft]);
     let one = with_samples(5, one);
     let spheres = Soft { density: Density::Lambda(1e-6), shells: Shells::Fixed(64), ..Soft::default() };
-    let spheres = [Method::SoftBase(spheres), Method::SoftConcentric(spheres)];
+    let spheres = [SoftMethod::Base(spheres), SoftMethod::Concentric(spheres)];
     let round =
         [exact(), vec![Method::Circles(ScreenSplats::default()), Method::Hqs(BlendedSplats::default())]].concat();
     let placed = [exact(), vec![Method::Points, Method::Circles(ScreenSplats::default())]].concat();
@@ -79,12 +81,12 @@ fn column(stage: &mut Stage, method: Method) -> CaseResult {
     line(stage, method, [1, 16384], |y| DVec3::new(0.5, -y, 0.0))
 }
 
-fn one_sphere(stage: &mut Stage, method: Method) -> CaseResult {
+fn one_sphere(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let size = [16384, 1];
     let position = DVec3::new(8192.0, -0.5, -2e4);
     let dots = [Dot { position, radius: 1e4, field: 1.0, ..Dot::default() }];
     let points = cloud(&dots);
-    let Some(model) = Model::new(method, &points) else { unreachable!("a soft method") };
+    let model = Model::new(method, &points);
     let scene = Scene { camera: &pixels(size), size, points: &points, colors: &[DVec3::ONE], model };
     let wanted = scene.render(|_| Behind::NOTHING).rgba;
     let image = stage.image(&dots, pixels(size), size, method)?;

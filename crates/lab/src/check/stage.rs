@@ -60,12 +60,18 @@ impl Stage {
     }
 
     /// The image of dots by a method, without list lengths.
-    pub fn image(&mut self, dots: &[Dot], camera: Camera, size: [u32; 2], method: Method) -> Result<Image, Error> {
-        Ok(self.render(&cloud(dots), &frame(camera, size, method))?.image)
+    pub fn image(
+        &mut self,
+        dots: &[Dot],
+        camera: Camera,
+        size: [u32; 2],
+        method: impl Into<Method>,
+    ) -> Result<Image, Error> {
+        Ok(self.render(&cloud(dots), &frame(camera, size, method.into()))?.image)
     }
 
     /// The only pixel of the image of dots, which all lie on its ray.
-    pub fn pixel(&mut self, dots: &[Dot], method: Method) -> Result<[f32; 4], Error> {
+    pub fn pixel(&mut self, dots: &[Dot], method: impl Into<Method>) -> Result<[f32; 4], Error> {
         Ok(self.image(dots, pixels([1, 1]), [1, 1], method)?.rgba[0])
     }
 }

@@ -56,7 +56,8 @@ impl Truth {
 
 /// Soft spheres in float64, before the solid points as the device splats them; `None` for another method.
 pub(super) fn soft_spheres(device: &Device, points: &Points, frame: &Frame) -> Result<Option<Image>, Error> {
-    let Some(model) = Model::new(frame.method, points) else { return Ok(None) };
+    let Some(method) = frame.method.as_soft() else { return Ok(None) };
+    let model = Model::new(method, points);
     let solids = solids(device, points, &model.soft, frame)?;
     let colors = shade(points, &frame.camera, &frame.shading, frame.color);
     let scene = Scene { camera: &frame.camera, size: frame.size, points, colors: &colors, model };

@@ -4,7 +4,7 @@
 use pellucid_engine::methods::{self, Renderer};
 use pellucid_engine::scene::Method;
 use pellucid_lab::check::{self, Case, Counts, Verdict};
-use pellucid_testing::{is_llvmpipe, root, with_device};
+use pellucid_testing::{is_llvmpipe, root, updates, with_device};
 
 /// Cases on llvmpipe, all of which apply there.
 const CASES: usize = 356;
@@ -72,7 +72,7 @@ fn every_case_passes_would_notice_the_naive_formula_and_is_no_worse_than_release
         }
         let mut wrong = wrong(&results);
         if is_llvmpipe(device) {
-            if std::env::var_os("PELLUCID_UPDATE").is_some_and(|value| value == "1") {
+            if updates() {
                 update(&results);
                 println!("docs/numerics.md and released.txt were written; the next run compares with them");
             } else {

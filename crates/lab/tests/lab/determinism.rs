@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use pellucid_engine::gpu::Device;
+use pellucid_engine::gpu::{self, Device, Variant};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
@@ -73,6 +73,54 @@ impl Wrong {
     fn assert_none(&self) {
         assert!(self.0.is_empty(), "{} differ:\n{}", self.0.len(), self.0.join("\n"));
     }
+}
+
+/// Overrides whose values a frame or a device decides, be they whatever they may.
+const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
+
+/// A shader and its variant, without the values of [`NUMBERS`].
+fn key(stem: &str, variant: &Variant) -> String {
+    let mut variant = variant.clone();
+    variant.overrides.iter_mut().filter(|(name, _)| NUMBERS.contains(name)).for_each(|(_, value)| *value = 0.0);
+    format!("{stem}: {}", variant.key())
+}
+
+/// Those of some variants that no stage lists, so that the tests of shaders don't go through them.
+fn unlisted(ran: &[(&'static str, Variant)]) -> Vec<String> {
+    let shaders = pellucid_engine::shaders().into_iter().chain(gpu::shaders());
+    let keys = |shader: gpu::shader::Shader| {
+        shader.variants.iter().map(|variant| key(shader.stem, variant)).collect::<Vec<_>>()
+    };
+    let listed: HashSet<String> = shaders.flat_map(keys).collect();
+    ran.iter().map(|(stem, variant)| key(stem, variant)).filter(|key| !listed.contains(key)).collect()
+}
+
+/// Every shader that ran on the device must be listed by its stage, in that variant.
+fn assert_listed(device: &Device) {
+    let ran = device.variants();
+    let missing = unlisted(&ran);
+    assert!(missing.is_empty(), "{} of {}:\n{}", missing.len(), ran.len(), missing.join("\n"));
+}
+
+#[test]
+fn a_variant_that_no_stage_lists_is_found() {
+    let shaders = pellucid_engine::shaders();
+    let shader = shaders.iter().find(|shader| shader.name == "opaque/nearest").expect("a pass of opaque splats");
+    let listed = || shader.variants[0].clone();
+    assert_eq!(unlisted(&[(shader.stem, listed())]), Vec::<String>::new());
+    let mut other = listed();
+    other.overrides[0].1 = 17.0;
+    let made_up = [other, listed().with("PART_LENGTH", 1), listed().subgroup(7), listed().walker("walk_nothing")];
+    for made_up in made_up {
+        assert_eq!(unlisted(&[(shader.stem, made_up.clone())]), [key(shader.stem, &made_up)]);
+    }
+    assert_eq!(unlisted(&[("splat/nowhere", listed())]).len(), 1);
+    // The length of a part is the device's.
+    let shader = shaders.iter().find(|shader| shader.name == "opaque/resolve").expect("a pass over parts");
+    let mut long = shader.variants[0].clone();
+    let (_, length) = long.overrides.iter_mut().find(|(name, _)| *name == "PART_LENGTH").expect("it has parts");
+    *length += 64.0;
+    assert_eq!(unlisted(&[(shader.stem, long)]), Vec::<String>::new());
 }
 
 /// Runs on a renderer that has rendered all the others before, in both directions, and on fresh ones.
@@ -157,6 +205,7 @@ fn the_same_bytes_whatever_ran_before_and_in_whatever_order() {
         repeated(device, &all, 2, &mut wrong);
         reordered(device, &all, 2, &mut wrong);
         wrong.assert_none();
+        assert_listed(device);
     });
 }
 
@@ -170,6 +219,7 @@ fn the_same_bytes_however_the_work_is_cut() {
         streamed(device, &all, &mut wrong);
         otherwise(device, &all, &mut wrong);
         wrong.assert_none();
+        assert_listed(device);
     });
     // Arrays in slices, images in windows: chunks of points have at least 4096, of 20 bytes each. Where points are
     // streamed, as those of the crowd are above, an upload of 65 536 must.
@@ -179,6 +229,7 @@ fn the_same_bytes_however_the_work_is_cut() {
             wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 100 000 bytes");
         }
         wrong.assert_none();
+        assert_listed(device);
     });
 }
 

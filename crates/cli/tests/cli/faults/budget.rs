@@ -1,34 +1,21 @@
-//! Budgets that are too small, for each family of methods: the same picture, or an error that names a budget that will do.
+//! Budgets that are too small, for every method: the same picture, or an error that names a budget that will do.
 
 use std::fs;
 
+use pellucid_engine::scene::{Family, Method};
 use tempfile::TempDir;
 
 use super::{command, has_device, place, text};
 
-/// With least budgets: `spbr` works within any, but copies its points so often that it takes minutes.
-const METHODS: [(&str, &[&str]); 20] = [
-    ("points", &["1", "10KB"]),
-    ("squares", &["1", "10KB"]),
-    ("sphere", &["1", "10KB"]),
-    ("hqs", &["1", "60KB"]),
-    ("splats", &["1", "60KB"]),
-    ("image-space", &["1", "10KB"]),
-    ("peel-layers", &["1", "40KB"]),
-    ("abuffer", &["1", "2KB", "40KB"]),
-    ("linked-list", &["1", "2KB", "40KB"]),
-    ("sorted", &["1", "40KB"]),
-    ("peel", &["1", "2KB"]),
-    ("stochastic", &["1", "60KB"]),
-    ("weighted", &["1", "40KB"]),
-    ("hybrid", &["1", "40KB"]),
-    ("average", &["1", "40KB"]),
-    ("unsorted", &["1", "40KB"]),
-    ("soft-base", &["1", "40KB"]),
-    ("soft-express", &["1", "40KB"]),
-    ("one-layer", &["1", "60KB"]),
-    ("spbr", &["300KB"]),
-];
+/// Budgets that a method tries: nothing, and what lists or tiles make something of. Ensembles work within any, but copy their
+/// points so often that it takes minutes.
+fn budgets(method: &Method) -> &'static [&'static str] {
+    match method.family() {
+        Family::Discs => &["1", "2KB", "40KB"],
+        Family::Ensembles => &["300KB"],
+        _ => &["1", "10KB", "60KB"],
+    }
+}
 
 /// The picture, or what was said instead.
 fn render(folder: &TempDir, method: &str, budget: Option<&str>) -> Result<Vec<u8>, String> {
@@ -53,7 +40,8 @@ fn a_budget_is_kept_or_the_error_names_one_that_will_do() {
         return;
     }
     let folder = place();
-    for (method, budgets) in METHODS {
+    for method in Method::all() {
+        let (budgets, method) = (budgets(&method), method.name());
         let wanted = render(&folder, method, None).unwrap();
         for budget in budgets {
             let mut budget = (*budget).to_owned();

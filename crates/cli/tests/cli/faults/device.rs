@@ -3,6 +3,7 @@
 
 use std::process::Output;
 
+use pellucid_engine::scene::{Family, Method};
 use pellucid_testing::long_or;
 
 use super::checker::{Allowed, complaints};
@@ -26,18 +27,17 @@ const TRADEOFF: [&str; 9] =
 const STRESS: [&str; 11] =
     ["stress", "-q", "-o", "new", "--quick", "--method", "sorted", "--frames", "1", "--max-fragments", "4096"];
 
-/// Of each family of methods one, and the rasteriser.
-const METHODS: [&[&str]; 9] = [
-    &["--method", "circles"],
-    &["--method", "hqs"],
-    &["--method", "peel-layers"],
-    &["--method", "linked-list"],
-    &["--method", "sorted"],
-    &["--method", "stochastic", "--set", "method.raster=hardware"],
-    &["--method", "hybrid"],
-    &["--method", "soft-base", "--set", "method.threshold=0.5"],
-    &["--method", "spbr"],
-];
+/// Runs a check on the rendering of a picture by each method, and in each way that the table of methods has to draw the same.
+fn for_renders(methods: impl IntoIterator<Item = Method>, check: impl Fn(&[&str])) {
+    for method in methods {
+        let plain = [RENDER_EXR.args, &["--method", method.name()]].concat();
+        check(&plain);
+        for setting in method.also() {
+            let setting = format!("method.{setting}");
+            check(&[&plain[..], &["--set", &setting]].concat());
+        }
+    }
+}
 
 /// Runs with a fault and validation; the files must be as they were. `None` if it ended before the fault, as it should.
 fn failed(args: &[&str], fault: &str) -> Option<Output> {
@@ -74,10 +74,6 @@ fn assert_out_of_memory(args: &[&str], fault: &str) -> bool {
     output.is_some()
 }
 
-fn render(options: &[&'static str]) -> Vec<&'static str> {
-    [RENDER_EXR.args, options].concat()
-}
-
 #[test]
 fn a_lost_device_is_an_error_that_says_what_helps() {
     if !has_device() {
@@ -86,9 +82,7 @@ fn a_lost_device_is_an_error_that_says_what_helps() {
     for fault in ["submit", "wait", "submit:2", "wait:4"] {
         assert!(assert_lost(RENDER_EXR.args, &format!("device-lost@{fault}")), "{fault}");
     }
-    for options in METHODS {
-        assert!(assert_lost(&render(options), "device-lost@wait:3"), "{options:?}");
-    }
+    for_renders(Method::all(), |args| assert!(assert_lost(args, "device-lost@wait:3"), "{args:?}"));
     let others: [(&[&str], &str); 4] =
         [(CASES[6].args, "wait:9"), (&LIGHT, "submit:3"), (&TRADEOFF, "wait:2"), (&STRESS, "wait:8")];
     for (args, point) in others {
@@ -105,9 +99,9 @@ fn too_little_memory_on_the_device_is_an_error_that_names_what_needed_it() {
     for nth in [1, 4, 12] {
         assert!(assert_out_of_memory(RENDER_EXR.args, &format!("out-of-memory@allocate:{nth}")), "{nth}");
     }
-    for options in METHODS {
-        assert!(assert_out_of_memory(&render(options), "out-of-memory@allocate:15"), "{options:?}");
-    }
+    for_renders(Method::all(), |args| {
+        assert!(assert_out_of_memory(args, "out-of-memory@allocate:15"), "{args:?}");
+    });
     assert!(assert_out_of_memory(&LIGHT, "out-of-memory@allocate:5"));
     assert!(assert_out_of_memory(&TRADEOFF, "out-of-memory@allocate:10"));
     let busy = failed(RENDER_EXR.args, "out-of-memory@submit:2").unwrap();
@@ -115,20 +109,17 @@ fn too_little_memory_on_the_device_is_an_error_that_names_what_needed_it() {
 }
 
 #[test]
-#[ignore = "long: every submission and allocation of every family of methods"]
+#[ignore = "long: every submission and allocation of a third of each family's methods"]
 fn a_device_that_fails_at_any_time() {
     if !has_device() {
         return;
     }
-    for options in METHODS {
-        let args = render(options);
+    for_renders(Family::ALL.iter().flat_map(|family| family.methods().step_by(3)), |args| {
         for point in ["submit", "wait"] {
-            (1..).step_by(long_or(1, 7)).find(|nth| !assert_lost(&args, &format!("device-lost@{point}:{nth}")));
+            (1..).step_by(long_or(1, 7)).find(|nth| !assert_lost(args, &format!("device-lost@{point}:{nth}")));
         }
-        (1..)
-            .step_by(long_or(1, 16))
-            .find(|nth| !assert_out_of_memory(&args, &format!("out-of-memory@allocate:{nth}")));
-    }
+        (1..).step_by(long_or(1, 16)).find(|nth| !assert_out_of_memory(args, &format!("out-of-memory@allocate:{nth}")));
+    });
 }
 
 #[test]

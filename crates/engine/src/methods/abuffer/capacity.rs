@@ -3,6 +3,7 @@
 use super::{ABuffer, Counted, FRAGMENT_BYTES, PIXEL_BYTES, RANK_BYTES, Storing, WindowJob, in_place_length};
 use crate::gpu::{self, Device};
 use crate::methods::Error;
+use crate::methods::engine::Work;
 use crate::methods::linked_list;
 use crate::methods::soft::{self, Interior, Spheres};
 use crate::passes::bands::{self, Band, Budget};
@@ -20,11 +21,11 @@ impl ABuffer {
 
     pub(super) fn plan_bands(
         &self,
-        device: &Device,
+        work: &Work<'_>,
         job: &WindowJob<'_>,
         counted: &Counted,
     ) -> Result<Vec<Band>, Error> {
-        let window = job.raster.window;
+        let (device, window) = (work.device, job.raster.window);
         let (length, most) = (counted.lengths.longest, in_place_length());
         if job.discs.long_lists == LongLists::InPlace && length > most {
             return Err(Error::ListTooLong { length, most });
@@ -33,6 +34,7 @@ impl ABuffer {
         if u64::from(counted.total) <= capacity {
             return Ok(vec![Band::whole(window, u64::from(counted.total))]);
         }
+        work.progress.check()?;
         let offsets = self.offsets.get().read(0, bands::pixels(window) + 1)?;
         bands::bands(&offsets, capacity).map_err(|_| {
             let (pixel, length) = bands::longest(&offsets);

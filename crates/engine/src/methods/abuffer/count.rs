@@ -89,7 +89,7 @@ impl ABuffer {
         if counted.is_some() {
             recorder.copy("abuffer/summary", self.sphere_lengths.all().cast(), self.summary.slice(4, 2))?;
         }
-        timeline.add(recorder.submit("abuffer/count and scan")?);
+        timeline.submit(recorder, "abuffer/count and scan")?;
         let words = self.summary.mapped_slice();
         let (longest, total) = (words[1], words[3]);
         let [most_spheres, spheres] = match job.storing.spheres() {

@@ -54,19 +54,19 @@ impl ListEngine {
         device: &Device,
         cloud: &mut DeviceCloud,
         buffers: &mut Buffers,
-        frame: &Frame,
-        budget: Budget,
+        (frame, budget): (&Frame, Budget),
+        timeline: &mut Timeline,
     ) -> Result<Lists, Error> {
         let [width, height] = frame.size;
         let (window, how) = ([0, 0, width, height], projecting(frame, cloud, &self.discs));
-        let stats = project(device, cloud, (frame, window), &how, &mut Timeline::default())?;
+        let stats = project(device, cloud, (frame, window), &how, timeline)?;
         let walker = walker(device, self.discs.raster, window)?;
         buffers.tiles.reserve(device, &stats, window)?;
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
         let job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
-        buffers.machines.lists.lists(device, &job)
+        buffers.machines.lists.lists(device, &job, timeline)
     }
 }
 

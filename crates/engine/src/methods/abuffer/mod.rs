@@ -150,7 +150,7 @@ impl ABuffer {
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        let bands = self.plan_bands(device, job, &counted)?;
+        let bands = self.plan_bands(work, job, &counted)?;
         self.reserve_fragments(device, job, &bands, &counted)?;
         let facts = &mut *work.facts;
         counted.note(&bands, facts);
@@ -180,7 +180,7 @@ impl ABuffer {
                 }
                 target.record_read_back(&mut recorder, pixels)?;
             }
-            work.timeline.add(recorder.submit("abuffer/store and blend")?);
+            work.timeline.submit(recorder, "abuffer/store and blend")?;
             work.progress.inc(u64::from(band.pixels[1] - band.pixels[0]));
         }
         Ok(Outcome::Done)
@@ -192,7 +192,7 @@ impl ABuffer {
         if counted.overflow {
             return Ok(Outcome::Overflow);
         }
-        let bands = self.plan_bands(work.device, job, &counted)?;
+        let bands = self.plan_bands(work, job, &counted)?;
         counted.note(&bands, work.facts);
         Ok(Outcome::Done)
     }
@@ -222,15 +222,14 @@ impl ABuffer {
     }
 
     /// Count, scan and store of a window that fits as one band, without sorting or blending.
-    pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>) -> Result<Lists, Error> {
-        let mut timeline = Timeline::default();
-        let counted = self.count(device, job, &mut timeline)?;
+    pub fn lists(&mut self, device: &Device, job: &WindowJob<'_>, timeline: &mut Timeline) -> Result<Lists, Error> {
+        let counted = self.count(device, job, timeline)?;
         let pixels = bands::pixels(job.raster.window);
         let band = Band::whole(job.raster.window, u64::from(counted.total));
         self.reserve_fragments(device, job, &[band], &counted)?;
         let mut recorder = device.recorder()?;
         self.record_store(&mut recorder, job, &band, &counted)?;
-        recorder.submit("abuffer/store")?;
+        timeline.submit(recorder, "abuffer/store")?;
         Ok(Lists {
             offsets: self.offsets.get().read(0, pixels + 1)?,
             fragments: self.fragments.get().read(0, u64::from(counted.total))?,

@@ -220,7 +220,7 @@ impl Approximations {
             }
         }
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("accumulate")?);
+        work.timeline.submit(recorder, "accumulate")?;
         Ok(Outcome::Done)
     }
 

@@ -208,7 +208,7 @@ impl Filterer {
             recorder.run(&deliver, job.deliver_push(), &Run::new(self.deliver_dispatch(job)))?;
             target.record_read_back(&mut recorder, pixels)?;
         }
-        work.timeline.add(recorder.submit("points and filters")?);
+        work.timeline.submit(recorder, "points and filters")?;
         self.note(job, 1, work.facts);
         Ok(())
     }
@@ -401,8 +401,11 @@ impl Filterer {
     }
 }
 
-/// Alpha of background between filters, as in shaders/shared/tiled.wgsl.
+/// Alpha of background between filters: a point of no opacity is not background.
 const BACKGROUND_ALPHA: f32 = -1.0;
+
+/// Floats that shaders know of this module.
+pub(crate) const FLOATS: [(&str, f32); 1] = [("BACKGROUND_ALPHA", BACKGROUND_ALPHA)];
 
 /// Bytes that a pass must at least read and write: those of filters by the tiles that they had.
 pub fn least_bytes(name: &str, facts: &Facts, cloud: &DeviceCloud, cull: bool) -> Option<u64> {

@@ -2,21 +2,52 @@
 
 use super::record;
 use crate::gpu::DeviceInfo;
+use crate::methods::abuffer::{self, Storing, list_bytes};
 use crate::methods::bytes::PassRuns;
 use crate::methods::engine::{Channels, Counts, Engine, Work, windows_of};
 use crate::methods::explain::{Absent, PassGroup, Plan};
-use crate::methods::splats::{self, Onto, SOLID_BYTES, solid_projecting};
-use crate::methods::{Buffers, Error, Frame, Outcome};
+use crate::methods::splats::{self, Drawing, Onto, SOLID_BYTES, solid_projecting};
+use crate::methods::{Buffers, Error, Frame, Outcome, sorted, tiled};
 use crate::passes::bands::{Budget, Window};
-use crate::passes::bin;
-use crate::passes::project::{DeviceCloud, Part};
-use crate::passes::raster::Walker;
-use crate::scene::OneLayer;
+use crate::passes::project::{DeviceCloud, Footprint, Part, Stats};
+use crate::passes::raster::{Raster, Walker};
+use crate::scene::{BlendedSplats, Discs, OneLayer};
 
 /// The nearest soft points as a transparent layer over everything else.
 pub(crate) struct OneLayerEngine {
     /// The threshold of soft points, and the opacity of the layer.
     pub settings: OneLayer,
+}
+
+/// Projected points: what was found in each chunk, and which pixels they cover.
+type Splats<'a> = (&'a [Stats], Footprint);
+
+/// Draws projected points as `splats` does, with its defaults.
+fn draw(
+    cloud: &DeviceCloud,
+    buffers: &mut Buffers,
+    work: &mut Work<'_>,
+    (stats, footprint): Splats<'_>,
+    onto: Onto,
+) -> Result<Outcome, Error> {
+    let counted_bytes = if work.frame.fragments { abuffer::PIXEL_BYTES } else { 0 };
+    let (blend_depth, used_bytes) = (BlendedSplats::default().blend_depth, SOLID_BYTES + counted_bytes);
+    splats::draw(cloud, buffers, work, &Drawing { stats, footprint, blend_depth, used_bytes, onto })
+}
+
+/// Counts the splats of each pixel.
+fn count(
+    cloud: &DeviceCloud,
+    Buffers { tiles, machines }: &mut Buffers,
+    work: &mut Work<'_>,
+    (stats, footprint): Splats<'_>,
+) -> Result<Outcome, Error> {
+    let Some(budget) = work.reserve_tiles(tiles, stats, true)? else { return Ok(Outcome::Overflow) };
+    work.budget = budget;
+    let raster = Raster { cloud, stats, tiles, walker: Walker::Compute, footprint, window: work.window };
+    let stop = sorted::stop(work.frame.stop, work.frame.color, 1.0);
+    let job = abuffer::WindowJob { raster, discs: Discs::default(), storing: Storing::Slots, stop, budget };
+    machines.lists.tally(work, &job)
 }
 
 impl Engine for OneLayerEngine {
@@ -25,17 +56,22 @@ impl Engine for OneLayerEngine {
     }
 
     fn windows(&self, frame: &Frame, budget: Budget) -> Result<Vec<Window>, Error> {
-        Ok(windows_of(frame, budget, bin::PIXEL_BYTES + SOLID_BYTES))
+        Ok(windows_of(frame, budget, tiled::counted_bytes(frame) + SOLID_BYTES))
     }
 
     fn channels(&self) -> Channels {
-        Channels::NONE
+        Channels::LISTS_BESIDE
     }
 
     /// Draws soft points into the layer, then all points, soft ones only behind the layer, and lays the layer over
-    /// them. Without a layer it draws the solid points.
+    /// them. Without a layer it draws the solid points. The last projection holds every splat that covers a pixel, so that it is
+    /// the one to be counted.
     fn render(&self, cloud: &mut DeviceCloud, buffers: &mut Buffers, work: &mut Work<'_>) -> Result<Outcome, Error> {
         let OneLayer { threshold, softness } = self.settings;
+        if work.frame.fragments {
+            // What tiles of large splats may take, which are made behind the layer.
+            work.budget.tiles = work.budget.bytes / 8;
+        }
         let mut met = Vec::new();
         if cloud.parts(threshold).soft > 0 {
             let how = solid_projecting(work.frame, cloud, Part::Soft { threshold, modulation: None });
@@ -43,7 +79,7 @@ impl Engine for OneLayerEngine {
             if !work.survey {
                 buffers.machines.layer.reserve(work.device, work.pixels())?;
             }
-            if splats::draw_solid(cloud, buffers, work, (&met, how.footprint, Onto::Layer))? == Outcome::Overflow {
+            if draw(cloud, buffers, work, (&met, how.footprint), Onto::Layer)? == Outcome::Overflow {
                 return Ok(Outcome::Overflow);
             }
         }
@@ -55,7 +91,11 @@ impl Engine for OneLayerEngine {
         };
         let how = solid_projecting(work.frame, cloud, part);
         let stats = work.project(cloud, &how)?;
-        if splats::draw_solid(cloud, buffers, work, (&stats, how.footprint, onto))? == Outcome::Overflow {
+        let splats = (stats.as_slice(), how.footprint);
+        if work.frame.fragments && count(cloud, buffers, work, splats)? == Outcome::Overflow {
+            return Ok(Outcome::Overflow);
+        }
+        if draw(cloud, buffers, work, splats, onto)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }
         work.facts.layered += u64::from(layered);
@@ -64,24 +104,25 @@ impl Engine for OneLayerEngine {
             let mut recorder = work.device.recorder()?;
             let layer = &buffers.machines.layer;
             record(&mut recorder, layer.pixels(), work.target.pixels(), work.window, softness)?;
-            work.timeline.add(recorder.submit("one-layer/compose")?);
+            work.timeline.submit(recorder, "one-layer/compose")?;
         }
         work.read_back()?;
         Ok(Outcome::Done)
     }
 
-    fn counts(&self, _buffers: &Buffers, _frame: &Frame, _window: Window) -> Result<Counts, Error> {
-        Ok(Counts::default())
+    fn counts(&self, buffers: &Buffers, frame: &Frame, window: Window) -> Result<Counts, Error> {
+        tiled::counts(buffers, frame, window)
     }
 
     /// The number of solid splats is unknown.
     fn least_bytes(&self, pass: &PassRuns<'_>) -> Option<u64> {
-        pass.projected(false)
+        let counted = || list_bytes(pass, false).filter(|_| pass.name != "abuffer/count");
+        pass.projected(false).or_else(counted)
     }
 
     fn explain(&self, plan: &mut Plan<'_>) {
         plan.projected();
-        splats::explain_windows(plan);
+        splats::explain_windows(plan, abuffer::counted_beside);
     }
 }
 

@@ -107,7 +107,7 @@ impl Opaque {
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(compose::variant(cut, Footprint::Disc, Falloff::Flat)))?;
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("opaque/nearest")?);
+        work.timeline.submit(recorder, "opaque/nearest")?;
         Ok(())
     }
 }

@@ -159,17 +159,18 @@ impl Peeler {
         let mut recorder = device.recorder()?;
         let mut dispatches = vec![recorder.arguments("peel/blend", Dispatch::Invocations(pixels))?];
         dispatches.extend(job.raster.arguments(&recorder, &Band::whole(job.raster.window, 0))?);
+        work.progress.check()?;
         let arguments = device.upload("layer dispatches", dispatches.as_flattened())?;
         self.record_count(&mut recorder, job)?;
         self.record_nothing(&mut recorder, pixels, target)?;
-        work.timeline.add(recorder.submit("peel/clear")?);
+        work.timeline.submit(recorder, "peel/clear")?;
         self.note_counts(job, work.facts)?;
 
         let layers = self.peel(work, job, arguments.all())?;
         work.facts.layers = work.facts.layers.max(layers);
         let mut recorder = device.recorder()?;
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("image/read-back")?);
+        work.timeline.submit(recorder, "image/read-back")?;
         work.finish();
         Ok(())
     }
@@ -180,7 +181,7 @@ impl Peeler {
         self.reserve(device, job)?;
         let mut recorder = device.recorder()?;
         self.record_count(&mut recorder, job)?;
-        work.timeline.add(recorder.submit("peel/count")?);
+        work.timeline.submit(recorder, "peel/count")?;
         self.note_counts(job, work.facts)
     }
 
@@ -245,7 +246,7 @@ impl Peeler {
                 self.record_layer(&mut recorder, job, cut, arguments, target)?;
             }
             recorder.copy("peel/summary", self.work.all(), self.work_host.all())?;
-            work.timeline.add(recorder.submit("peel/nearest and blend")?);
+            work.timeline.submit(recorder, "peel/nearest and blend")?;
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;
             if job.peel.layers == 0 && layers > job.limit {

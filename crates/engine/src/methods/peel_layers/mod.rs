@@ -127,13 +127,14 @@ impl LayerPeeler {
         self.layers.reserve(device, if job.counted { pixels } else { 1 })?;
         let mut recorder = device.recorder()?;
         let words = Self::arguments(&recorder, image)?;
+        work.progress.check()?;
         let uploaded = device.upload("layer dispatches", words.as_flattened())?;
         let dispatches = Dispatches { all: uploaded.all(), chunks: image.cloud.chunks().count() as u64 };
         images.record_clear(&mut recorder, image)?;
         recorder.fill("peel-layers/clear", self.layers.get().all(), 0)?;
         recorder.fill("image/clear", target.image().first(pixels), 0)?;
         recorder.fill("image/clear", target.depths().first(pixels), f32::INFINITY.to_bits())?;
-        work.timeline.add(recorder.submit("peel-layers/clear")?);
+        work.timeline.submit(recorder, "peel-layers/clear")?;
 
         let layers = self.peel(images, work, job, dispatches)?;
         work.facts.layers = work.facts.layers.max(layers);
@@ -141,7 +142,7 @@ impl LayerPeeler {
         if job.read_back {
             let mut recorder = device.recorder()?;
             target.record_read_back(&mut recorder, pixels)?;
-            work.timeline.add(recorder.submit("image/read-back")?);
+            work.timeline.submit(recorder, "image/read-back")?;
         }
         Ok(())
     }
@@ -185,7 +186,7 @@ impl LayerPeeler {
             }
             recorder.copy("peel-layers/summary", images.work.all(), self.work_host.all())?;
             images.record_summary(&mut recorder)?;
-            work.timeline.add(recorder.submit("layers of points")?);
+            work.timeline.submit(recorder, "layers of points")?;
             recorded += batch;
             let layers = self.work_host.mapped_slice()[0].layers;
             if layers < recorded || recorded == job.layers {

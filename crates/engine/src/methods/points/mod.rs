@@ -133,7 +133,7 @@ impl Opaque {
         let run = Run::new(Dispatch::Invocations(pixels));
         recorder.run(&resolve, push, &run.variant(how.shaded(cloud.has_normals()).cut(cut)))?;
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("points/nearest")?);
+        work.timeline.submit(recorder, "points/nearest")?;
         Ok(cloud.stats())
     }
 }

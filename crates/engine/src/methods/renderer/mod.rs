@@ -42,7 +42,8 @@ pub struct Renderer {
     target: Target,
     /// An image that was given back.
     spare: Option<Image>,
-    /// Counts finished pixels of a frame; hidden unless the caller puts its own here.
+    /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
+    /// puts its own here.
     pub progress: Progress,
     /// True if opaque splats and layers use 64-bit atomics; follows the device unless a test switches it off.
     pub wide_atomics: bool,
@@ -100,14 +101,18 @@ impl Renderer {
     }
 
     /// Renders a frame.
+    ///
+    /// # Errors
+    /// A frame that does not fit, a device that fails, and a frame that [`Self::progress`] cancels: within one submission, after
+    /// which the renderer and the cloud serve other frames as before.
     pub fn render(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Rendered, Error> {
         frame.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
-        engine.place(&self.device, cloud, frame, false)?;
+        self.place(engine, cloud, frame, false)?;
         self.device.reset_peak();
         engine.prepare(&self.device, cloud, frame)?;
-        let mut timeline = Timeline::default();
+        let mut timeline = Timeline::new(&self.progress);
         let light_views = light_views(cloud, frame);
         self.cast_shadows(engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(engine, cloud, frame);
@@ -141,6 +146,12 @@ impl Renderer {
         Ok(Rendered { image, profile, facts })
     }
 
+    /// Brings to the device what frames need of a cloud, unless the frame is cancelled already.
+    fn place(&self, engine: &dyn Engine, cloud: &mut DeviceCloud, frame: &Frame, survey: bool) -> Result<(), Error> {
+        self.progress.check()?;
+        engine.place(&self.device, cloud, frame, survey)
+    }
+
     /// Computes the light of each point for the shadows of a frame, unless it has none or the cloud has them already.
     /// They stay with the cloud, for any camera and method, until others are cast.
     fn cast_shadows(
@@ -165,8 +176,8 @@ impl Renderer {
     /// Those of [`Renderer::render`].
     pub fn cast(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Casting>, Error> {
         let engine = engine_of(&frame.method);
-        engine.place(&self.device, cloud, frame, false)?;
-        self.cast_shadows(engine.as_ref(), cloud, frame, &mut Timeline::default())?;
+        self.place(engine.as_ref(), cloud, frame, false)?;
+        self.cast_shadows(engine.as_ref(), cloud, frame, &mut Timeline::new(&self.progress))?;
         Ok(shadows::casting(frame, cloud))
     }
 
@@ -188,6 +199,7 @@ impl Renderer {
             let part = Part { engine, frame, window, budget, samples, survey: false };
             match self.window(cloud, &part, timeline, &mut facts)? {
                 Outcome::Done => {
+                    self.progress.check()?;
                     self.target.deliver(window, image);
                     place(frame, window, engine.counts(&self.buffers, frame, window)?, image);
                 }
@@ -236,7 +248,8 @@ impl Renderer {
         frame.check()?;
         let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)) };
         let budget = self.budget(&engine, cloud, frame);
-        engine.lists(&self.device, cloud, &mut self.buffers, frame, budget)
+        let mut timeline = Timeline::new(&self.progress);
+        engine.lists(&self.device, cloud, &mut self.buffers, (frame, budget), &mut timeline)
     }
 
     /// The expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or blended.
@@ -244,7 +257,7 @@ impl Renderer {
         frame.check()?;
         let engine = engine_of(&frame.method);
         let engine = engine.as_ref();
-        engine.place(&self.device, cloud, frame, true)?;
+        self.place(engine, cloud, frame, true)?;
         let budget = self.budget(engine, cloud, frame);
         let windows = engine.windows(frame, budget)?;
         if engine.renders_to_survey() {
@@ -252,10 +265,10 @@ impl Renderer {
         }
         let (light_views, samples) = (light_views(cloud, frame), engine.samples(frame).unwrap_or(0));
         let mut facts = Facts { points: cloud.len(), light_views, ..Default::default() };
-        let mut windows = last_first(&windows);
+        let (mut windows, mut timeline) = (last_first(&windows), Timeline::new(&self.progress));
         while let Some(window) = windows.pop() {
             let part = Part { engine, frame, window, budget, samples, survey: true };
-            if let Outcome::Overflow = self.window(cloud, &part, &mut Timeline::default(), &mut facts)? {
+            if let Outcome::Overflow = self.window(cloud, &part, &mut timeline, &mut facts)? {
                 split(engine, window, &mut windows)?;
             }
         }
@@ -267,7 +280,7 @@ impl Renderer {
         frame.check()?;
         let [width, height] = frame.size;
         let (window, how) = ([0, 0, width, height], abuffer::projecting(frame, cloud, discs));
-        let stats = project(&self.device, cloud, (frame, window), &how, &mut Timeline::default())?;
+        let stats = project(&self.device, cloud, (frame, window), &how, &mut Timeline::new(&self.progress))?;
         let splats = stats.iter().map(|s| u64::from(s.visible)).sum();
         Ok(Load { splats, area: Stats::area(&stats), pixels: u64::from(width) * u64::from(height) })
     }

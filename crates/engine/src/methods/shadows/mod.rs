@@ -197,7 +197,7 @@ pub fn cast(
         let run = Run::new(Dispatch::Invocations(count));
         recorder.run(&start, push(count), &run.variant(start_variant(cloud.has_normals())))?;
     }
-    timeline.add(recorder.submit("shadows/start")?);
+    timeline.submit(recorder, "shadows/start")?;
     progress.set_length(u64::from(casting.samples));
     progress.set_position(0);
     for views in views(casting, cloud) {
@@ -207,7 +207,7 @@ pub fn cast(
             cloud.set_view(&view.camera, [resolution; 2], window, how);
             let mut recorder = device.recorder()?;
             image.record(&mut recorder, cloud, casting, &frame, view.face.is_some())?;
-            timeline.add(recorder.submit("shadows/lit")?);
+            timeline.submit(recorder, "shadows/lit")?;
         }
         progress.inc(1);
     }
@@ -217,7 +217,7 @@ pub fn cast(
             let share = Share { normals: cloud.normals.slice(first, count) };
             recorder.run(&share, push(count), &Run::new(Dispatch::Invocations(count)))?;
         }
-        timeline.add(recorder.submit("shadows/share")?);
+        timeline.submit(recorder, "shadows/share")?;
     }
     cloud.set_casting(*casting);
     Ok(())

@@ -256,7 +256,7 @@ fn only_solids(cloud: &DeviceCloud, layer: &Layer, work: &mut Work<'_>) -> Resul
         let mut recorder = work.device.recorder()?;
         record_nothing(&mut recorder, work.target, work.window)?;
         record_compose(&mut recorder, layer, work.target, work.pixels(), cloud.depth_origin())?;
-        work.timeline.add(recorder.submit("solid points alone")?);
+        work.timeline.submit(recorder, "solid points alone")?;
     }
     work.facts.note(&[], Walker::Compute);
     work.read_back()?;

@@ -101,8 +101,9 @@ impl SoftDiscs {
             record_compose(&mut recorder, layer, target, pixels, 0.0)?;
         }
         target.record_read_back(&mut recorder, pixels)?;
-        work.timeline.add(recorder.submit("soft/express")?);
+        work.timeline.submit(recorder, "soft/express")?;
         if counted {
+            work.progress.check()?;
             self.counted = match binned {
                 Some(_) => self.counts.get().read(0, pixels)?,
                 None => vec![0; pixels as usize],

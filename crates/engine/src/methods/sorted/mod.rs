@@ -80,7 +80,7 @@ pub(crate) fn render(bins: &mut Bins, work: &mut Work<'_>, job: &WindowJob<'_>) 
         }
     }
     target.record_read_back(&mut recorder, bands::pixels(window))?;
-    work.timeline.add(recorder.submit("sorted/blend")?);
+    work.timeline.submit(recorder, "sorted/blend")?;
     Ok(Outcome::Done)
 }
 

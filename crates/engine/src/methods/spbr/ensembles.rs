@@ -86,10 +86,10 @@ impl Ensembles {
                 self.record_resolve(&mut recorder, job, target)?;
                 recorder.copy("spbr/summary", self.counters.get().all(), self.counters_host.get().all())?;
                 target.record_read_back(&mut recorder, job.pixels())?;
-                work.timeline.add(recorder.submit("spbr/resolve")?);
+                work.timeline.submit(recorder, "spbr/resolve")?;
                 break;
             }
-            work.timeline.add(recorder.submit("spbr/draw")?);
+            work.timeline.submit(recorder, "spbr/draw")?;
             submissions += 1;
             let done = submission.last().map_or(0, |task| task.ensembles.end);
             work.progress.set_message(format!("rendering, {done} ensembles"));
@@ -180,10 +180,9 @@ impl Ensembles {
         }
         let stage = task.stage;
         let count = task.piece.slots.end - task.piece.slots.start;
-        let (kind, counted) = (job.kind(), job.form.stages().first() == Some(&stage));
-        let again = task.piece.rows.is_some();
+        let (kind, again) = (job.kind(), task.piece.rows.is_some());
         let run = Run::new(Dispatch::Invocations(count.div_ceil(RUN)));
-        let walk = (run, kind.variant(stage, Through::Slots { counted }, again));
+        let walk = (run, kind.variant(stage, Through::Slots { again }));
         let listed: Slice<'a, u32> = self.counters.get().all().cast::<u32>().skip(2).first(1);
         if !job.listed() {
             self.record_stage(device, recorder, job, task, walk)?;
@@ -196,7 +195,7 @@ impl Ensembles {
         let most = LargePush { stripes, most: device.limits().groups_x.min(65_535) };
         recorder.run(&large, most, &Run::new(Dispatch::Invocations(1)))?;
         let run = Run::new(Dispatch::Indirect(self.arguments.get().all()));
-        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes }, again)))
+        self.record_stage(device, recorder, job, task, (run, kind.variant(stage, Through::Large { stripes })))
     }
 
     fn record_stage<'a>(

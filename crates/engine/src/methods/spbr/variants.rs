@@ -56,6 +56,18 @@ pub enum Stage {
     Sum,
 }
 
+impl Stage {
+    /// True if it is the first to meet a frame's points, and so counts those that are drawn.
+    fn counts(self) -> bool {
+        matches!(self, Self::Draw | Self::Nearest | Self::NearestDepth)
+    }
+
+    /// True if the standard error shows in it.
+    fn spreads(self) -> bool {
+        matches!(self, Self::Draw | Self::Sum)
+    }
+}
+
 /// Properties of frame and cloud on which the passes over slots depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
@@ -80,8 +92,8 @@ choices!(struct Kind { weighted, thinned, slanted, squares, planes, spread });
 pub(super) enum Through {
     /// An invocation for some slots each.
     Slots {
-        /// True if drawn points are counted.
-        counted: bool,
+        /// True if they are of a later pass over the cloud.
+        again: bool,
     },
     /// So many workgroups for each square of the list of large ones.
     Large {
@@ -92,13 +104,18 @@ pub(super) enum Through {
 
 impl Choices for Through {
     fn all() -> Vec<Self> {
-        vec![Self::Slots { counted: false }, Self::Slots { counted: true }, Self::Large { stripes: 3 }]
+        vec![Self::Slots { again: false }, Self::Slots { again: true }, Self::Large { stripes: 3 }]
     }
 }
 
 impl Kind {
-    /// The variant of a stage that goes through slots; `again`: of a later pass over the cloud.
-    pub(super) fn variant(self, stage: Stage, through: Through, again: bool) -> Variant {
+    /// True if there are such clouds and frames: points that ask for less in different ways may ask for less than a pixel.
+    fn is_possible(self) -> bool {
+        self.thinned || !(self.weighted || self.slanted)
+    }
+
+    /// The variant of a stage that goes through slots.
+    pub(super) fn variant(self, stage: Stage, through: Through) -> Variant {
         let variant = Variant::plain()
             .with("WEIGHTED", u32::from(self.weighted))
             .with("THINNED", u32::from(self.thinned))
@@ -106,23 +123,20 @@ impl Kind {
             .with("SQUARES", u32::from(self.squares))
             .with("PLANES", u32::from(self.planes));
         let variant = match through {
-            Through::Slots { counted } => variant
+            Through::Slots { again } => variant
                 .walker("spbr_slots")
                 .with("RUN", RUN as u32)
-                .with("COUNTED", u32::from(counted))
+                .with("COUNTED", u32::from(stage.counts()))
                 .with("AGAIN", u32::from(again)),
             Through::Large { stripes } => variant.walker("spbr_large").with("STRIPES", stripes),
         };
-        match stage {
-            Stage::Draw | Stage::Sum => variant.with("SPREAD", u32::from(self.spread)),
-            _ => variant,
-        }
+        if stage.spreads() { variant.with("SPREAD", u32::from(self.spread)) } else { variant }
     }
 
     /// The variants of a stage.
     fn variants(stage: Stage) -> Vec<Variant> {
-        let choices = <(Self, (Through, bool))>::all().into_iter();
-        choices.map(|(kind, (through, again))| kind.variant(stage, through, again)).collect()
+        let possible = <(Self, Through)>::all().into_iter().filter(|(kind, _)| kind.is_possible());
+        possible.map(|(kind, through)| kind.variant(stage, through)).collect()
     }
 }
 
@@ -145,14 +159,12 @@ pub(super) fn resolve_variant(spread: bool) -> Variant {
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
     let stages = Kind::variants;
-    let (cut, color) = (Cut::all()[0], ColorSpace::Linear);
-    let (draws, sums) = (stages(Stage::Draw), stages(Stage::Sum));
-    // Where a point shows does not depend on its color: every variant of the one, and every variant of the other.
-    let colored = <(Cut, ColorSpace)>::all().into_iter().map(|(cut, color)| draw_variant(draws[0].clone(), cut, color));
-    let draw = draws.iter().map(|variant| draw_variant(variant.clone(), cut, color)).chain(colored);
-    let shaded = Shaded::all();
-    let colored = shaded.iter().map(|shaded| sum_variant(sums[0].clone(), *shaded));
-    let sum = sums.iter().map(|variant| sum_variant(variant.clone(), shaded[0])).chain(colored);
+    let colored = |draw: Variant| {
+        <(Cut, ColorSpace)>::all().into_iter().map(move |(cut, color)| draw_variant(draw.clone(), cut, color))
+    };
+    let shaded = |sum: Variant| Shaded::all().into_iter().map(move |shaded| sum_variant(sum.clone(), shaded));
+    let draw = stages(Stage::Draw).into_iter().flat_map(colored);
+    let sum = stages(Stage::Sum).into_iter().flat_map(shaded);
     vec![
         Shader::new::<Draw>(draw),
         Shader::new::<Nearest>(stages(Stage::Nearest)),

@@ -62,7 +62,7 @@ impl Engine for SplatsEngine {
 
     fn explain(&self, plan: &mut Plan<'_>) {
         plan.projected();
-        explain_windows(plan);
+        explain_windows(plan, |plan, counters| plan.scan(counters, "counters of digits and tiles"));
     }
 }
 
@@ -140,11 +140,11 @@ pub(crate) fn pass_group() -> PassGroup {
     PassGroup::new(&PASSES, Absent::Method("no splats are blended in three passes"))
 }
 
-/// The plan of windows of splats, and perhaps a layer over them.
-pub(crate) fn explain_windows(plan: &mut Plan<'_>) {
+/// The plan of windows of splats, and perhaps a layer over them; `scan` explains the prefix sums of so many counters.
+pub(crate) fn explain_windows(plan: &mut Plan<'_>, scan: fn(&mut Plan<'_>, u64)) {
     let (facts, why) = (plan.facts, plan.why);
     let counters = explain_solids(plan, why);
-    plan.scan(counters, "counters of digits and tiles");
+    scan(plan, counters);
     let layered = facts.layered > 0;
     let layer = format!("soft points lie before others in {} window(s)", facts.layered);
     plan.add("one-layer/compose", layered, if layered { &layer } else { "no soft point touches the image" });

@@ -10,7 +10,8 @@
 mod engine;
 
 pub(crate) use engine::{
-    Onto, SOLID_BYTES, SplatsEngine, draw_solid, explain_solids, explain_windows, pass_group, solid_projecting,
+    Drawing, Onto, SOLID_BYTES, SplatsEngine, draw, draw_solid, explain_solids, explain_windows, pass_group,
+    solid_projecting,
 };
 
 use super::abuffer::CountPush;
@@ -21,7 +22,7 @@ use crate::gpu::{Device, Dispatch, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::passes::bands;
 use crate::passes::bin::{self, Bin, Binned, Bins, FoldingGroup, TileWalk};
 use crate::passes::compose;
-use crate::passes::project::{DISCS, Footprint};
+use crate::passes::project::{Footprint, TILED};
 use crate::scene::Falloff;
 use crate::{gpu_struct, pass};
 
@@ -127,7 +128,7 @@ impl Splatter {
                 self.record(bins, &mut recorder, job, binned, into)?;
             }
         }
-        work.timeline.add(recorder.submit("splats/visibility and attributes")?);
+        work.timeline.submit(recorder, "splats/visibility and attributes")?;
         Ok(Outcome::Done)
     }
 
@@ -233,11 +234,11 @@ pub fn shaders() -> Vec<Shader> {
         let choices = <(bool, (bool, bool))>::all().into_iter();
         let sized = choices
             .flat_map(|(later, (kept, behind))| SUBGROUPS.map(|subgroup| OneRun { later, kept, behind, subgroup }));
-        sized.flat_map(|run| DISCS.map(|disc| (run, disc)))
+        sized.flat_map(|run| TILED.map(|shape| (run, shape)))
     };
     vec![
-        Shader::new::<Visibility>(runs().map(|(run, disc)| run.visibility(disc))),
-        Shader::new::<Attributes>(runs().map(|(run, disc)| run.attributes(disc))),
+        Shader::new::<Visibility>(runs().map(|(run, shape)| run.visibility(shape))),
+        Shader::new::<Attributes>(runs().map(|(run, shape)| run.attributes(shape))),
         Shader::plain::<Normalise>(),
     ]
 }

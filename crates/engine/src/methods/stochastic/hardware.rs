@@ -217,7 +217,7 @@ impl Sampler {
                     self.record_stratum(&mut recorder, job, Stratum { batch, number, depths }, target)?;
                 }
                 self.record_gather(&mut recorder, job, batch, target)?;
-                work.timeline.add(recorder.submit("stochastic/draw-held and draw-sums")?);
+                work.timeline.submit(recorder, "stochastic/draw-held and draw-sums")?;
                 work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
                 recorder = device.recorder()?;
             }
@@ -227,7 +227,7 @@ impl Sampler {
             recorder.fill("image/clear", self.spread.get().all(), 0)?;
         }
         target.record_read_back(&mut recorder, job.pixels())?;
-        work.timeline.add(recorder.submit("stochastic/resolve")?);
+        work.timeline.submit(recorder, "stochastic/resolve")?;
         Ok(())
     }
 

@@ -239,7 +239,7 @@ impl Sampler {
                     recorder = device.recorder()?;
                     self.record_tiles(&mut recorder, job, bins.tiles(binned), batch, target)?;
                     self.record_gather(&mut recorder, job, batch, target)?;
-                    work.timeline.add(recorder.submit("stochastic/visibility and accumulate")?);
+                    work.timeline.submit(recorder, "stochastic/visibility and accumulate")?;
                     work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));
                 }
                 recorder = device.recorder()?;
@@ -247,7 +247,7 @@ impl Sampler {
             }
         }
         target.record_read_back(&mut recorder, job.pixels())?;
-        work.timeline.add(recorder.submit("stochastic/resolve")?);
+        work.timeline.submit(recorder, "stochastic/resolve")?;
         Ok(Outcome::Done)
     }
 

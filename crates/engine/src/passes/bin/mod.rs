@@ -133,7 +133,7 @@ impl Bins {
         let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(Bin::TooLarge) };
         let mut recorder = device.recorder()?;
         self.record_tile_store(&mut recorder, job, &binning)?;
-        timeline.add(recorder.submit("bin/tile-store")?);
+        timeline.submit(recorder, "bin/tile-store")?;
         Ok(Bin::Done(binned))
     }
 
@@ -154,7 +154,7 @@ impl Bins {
         };
         self.record_gather(&mut recorder, device, job, binning.drawn, self.records[last].get().all())?;
         self.record_tile_count(&mut recorder, job, &binning)?;
-        timeline.add(recorder.submit("bin/sort and count")?);
+        timeline.submit(recorder, "bin/sort and count")?;
         let words = self.summary.mapped_slice();
         let [overflow, entries, longest] = [words[0], words[1], words[2]];
         if overflow != 0 || u64::from(entries) * 4 > left {
@@ -242,7 +242,7 @@ pub fn shaders() -> Vec<Shader> {
     let presorted = || SUBGROUPS.map(presorted_variant);
     vec![
         Shader::new::<Keys>([Order::Depth, Order::Index, Order::File].map(keys_variant)),
-        Shader::new::<Gather>(compose::variants()),
+        Shader::new::<Gather>(compose::tiled_variants()),
         Shader::new::<Pick>(presorted()),
         Shader::new::<Place>(presorted()),
         Shader::plain::<TileCount>(),

@@ -33,6 +33,9 @@ choices!(
 /// The footprints that are composed.
 pub const DISCS: [Footprint; 2] = [Footprint::Disc, Footprint::Oriented];
 
+/// The footprints of splats that go through tiles.
+pub const TILED: [Footprint; 3] = [Footprint::Disc, Footprint::Oriented, Footprint::Square];
+
 impl Footprint {
     /// True if splats of this shape have tilts.
     pub fn has_tilts(self) -> bool {

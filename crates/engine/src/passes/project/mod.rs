@@ -7,7 +7,7 @@ mod shade;
 mod view;
 
 pub use cloud::{COLUMN_BYTES, Column, DeviceCloud, Placed};
-pub use footprint::{DISCS, Footprint};
+pub use footprint::{DISCS, Footprint, TILED};
 pub use part::{Part, Parts};
 pub(crate) use shade::Shaded;
 pub use view::View;

@@ -19,13 +19,13 @@ pub use self::spans::{Limits, Medium, Span, in_8_bits};
 use super::Picture;
 use crate::camera::{Camera, Projection};
 use crate::points::Points;
-use crate::scene::{MAX_SHELLS, Method, Shells, Soft};
+use crate::scene::{MAX_SHELLS, Shells, Soft, SoftMethod};
 
 /// A soft method, its settings, and their meaning for a cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
     /// The method.
-    pub method: Method,
+    pub method: SoftMethod,
     /// Its settings.
     pub soft: Soft,
     /// λ and a₀.
@@ -33,11 +33,11 @@ pub struct Model {
 }
 
 impl Model {
-    /// `None` for a method that is not a soft one.
-    pub fn new(method: Method, points: &Points) -> Option<Self> {
-        let soft = *method.soft()?;
+    /// Of a method, for some points.
+    pub fn new(method: SoftMethod, points: &Points) -> Self {
+        let soft = *method.settings();
         let median_radius = density::median_radius(points, soft.threshold);
-        Some(Self { method, soft, strength: Strength::new(&method, &soft, median_radius) })
+        Self { method, soft, strength: Strength::new(&method.into(), &soft, median_radius) }
     }
 }
 
@@ -151,7 +151,7 @@ impl Scene<'_> {
     }
 
     fn shells(&self, radius: f64, z: f64) -> Option<u32> {
-        let Method::SoftConcentric(soft) = self.model.method else { return None };
+        let SoftMethod::Concentric(soft) = self.model.method else { return None };
         Some(match soft.shells {
             Shells::Fixed(shells) => shells,
             Shells::Adaptive => {
@@ -174,7 +174,7 @@ impl Scene<'_> {
     /// Renders these pixels (row · width + column, ascending), testing every sphere on each. `behind` gives the
     /// background of a pixel.
     pub fn render_at(&self, wanted: &[usize], behind: impl Fn(usize) -> Behind + Sync) -> Vec<Pixel> {
-        if let Method::SoftExpress(_) = self.model.method {
+        if let SoftMethod::Express(_) = self.model.method {
             let found = |pixel: usize| wanted.binary_search(&pixel).ok();
             let lists = express::lists(self.camera, self.size, self.points, &self.model, found, wanted.len());
             let each = lists.iter().zip(wanted);
@@ -187,7 +187,7 @@ impl Scene<'_> {
     /// Renders the whole image. `behind` gives the background of a pixel.
     pub fn render(&self, behind: impl Fn(usize) -> Behind + Sync) -> Picture {
         let pixels = match self.model.method {
-            Method::SoftExpress(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),
+            SoftMethod::Express(_) => self.render_at(&(0..self.pixels()).collect::<Vec<_>>(), behind),
             _ => self.render_rows(behind),
         };
         Picture {

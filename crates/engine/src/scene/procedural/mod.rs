@@ -30,7 +30,7 @@ pub struct Builtin {
     pub summary: &'static str,
     /// The parameters of `--set`.
     pub parameters: &'static [Parameter],
-    generate: fn(&Values, u64) -> Result<Generated, Error>,
+    generate: fn(&Given<'_>, u64) -> Result<Generated, Error>,
 }
 
 /// A number that shapes a built-in scene.
@@ -188,20 +188,21 @@ pub fn build(name: &str, parameters: &[(String, f64)], seed: u64) -> Result<Gene
         let known = || BUILTINS.iter().map(|b| b.name).chain([iso::NAME]);
         Error::UnknownScene { name: name.to_owned(), hint: hint(name, known()), known: list(known()) }
     })?;
-    let values = Values::new(builtin.name, builtin.parameters, parameters)?;
-    (builtin.generate)(&values, seed)
+    (builtin.generate)(&Given { scene: builtin.name, values: parameters }, seed)
 }
 
-/// The checked parameters of one scene.
-struct Values {
-    parameters: &'static [Parameter],
-    values: Vec<f64>,
+/// The parameters that are given for a scene, unchecked.
+struct Given<'a> {
+    scene: &'static str,
+    values: &'a [(String, f64)],
 }
 
-impl Values {
-    fn new(scene: &'static str, parameters: &'static [Parameter], given: &[(String, f64)]) -> Result<Self, Error> {
-        let mut values: Vec<f64> = parameters.iter().map(|p| p.default).collect();
-        for (name, value) in given {
+impl Given<'_> {
+    /// The values of all parameters that the scene has, in its order. Counts are whole numbers below 2⁵³.
+    fn values<const N: usize>(&self, parameters: &[Parameter; N]) -> Result<[f64; N], Error> {
+        let scene = self.scene;
+        let mut values = parameters.each_ref().map(|p| p.default);
+        for (name, value) in self.values {
             let known = || parameters.iter().map(|p| p.name);
             let Some((slot, p)) = values.iter_mut().zip(parameters).find(|(_, p)| p.name == name) else {
                 let (hint, known) = (hint(name, known()), list(known()));
@@ -215,18 +216,7 @@ impl Values {
             }
             *slot = *value;
         }
-        Ok(Self { parameters, values })
-    }
-
-    /// The value of a parameter that the scene declares; asking for another one is a fault of this module.
-    fn real(&self, name: &str) -> f64 {
-        let index = self.parameters.iter().position(|p| p.name == name);
-        index.and_then(|i| self.values.get(i).copied()).unwrap_or_else(|| unreachable!("parameter {name} not declared"))
-    }
-
-    /// Like [`Self::real`], for a count; the range check keeps it below 2⁵³.
-    fn count(&self, name: &str) -> usize {
-        self.real(name) as usize
+        Ok(values)
     }
 }
 

@@ -6,16 +6,18 @@ use glam::DVec3;
 use super::builder::CloudBuilder;
 use super::random::Random;
 use super::stack::{COLORS, EYE_Z, MAX_LAYERS, height, shuffle};
-use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
+
+const PARAMETERS: [Parameter; 3] = [
+    Parameter::count("layers", 16.0, 1.0, MAX_LAYERS, "fragments in every pixel"),
+    Parameter::count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
+    Parameter::real("opacity", 0.05, 0.0, 1.0, "opacity of a layer"),
+];
 
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "mosaic",
     summary: "parallel layers of discs of 9 pixels that tile the image: every pixel holds exactly as many fragments",
-    parameters: &[
-        Parameter::count("layers", 16.0, 1.0, MAX_LAYERS, "fragments in every pixel"),
-        Parameter::count("size", 256.0, 1.0, 16384.0, "width and height of the image"),
-        Parameter::real("opacity", 0.05, 0.0, 1.0, "opacity of a layer"),
-    ],
+    parameters: &PARAMETERS,
     generate,
 };
 
@@ -26,8 +28,9 @@ const PITCH: usize = 3;
 /// the rim is 0.28 pixels away from any pixel's centre, so that float32 decides as float64 does.
 const RADIUS: f64 = 1.7;
 
-fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
-    let (layers, size) = (values.count("layers"), values.count("size"));
+fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
+    let [layers, size, opacity] = given.values(&PARAMETERS)?;
+    let (layers, size) = (layers as usize, size as usize);
     let most = (size / PITCH + 2).pow(2) as f64 * layers as f64;
     if most > MAX_POINTS {
         // Rounded up: the size of a full grid on every layer.
@@ -43,7 +46,6 @@ fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
         let position = DVec3::new(x as f64 - 0.5 - middle, middle - (y as f64 - 0.5), height(layer, layers));
         builder.point(position, COLORS[random.index(COLORS.len())]);
     }
-    let opacity = values.real("opacity");
     let scene_toml = format!(
         r#"# {layers} layers of discs of 3 × 3 pixels, in the file in random order. A world unit is a pixel.
 [image]

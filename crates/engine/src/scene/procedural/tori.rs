@@ -6,13 +6,16 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::{Random, unit_circle};
-use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
 use crate::cloud::Cloud;
+
+const PARAMETERS: [Parameter; 1] =
+    [Parameter::count("points", 600_000.0, 100.0, MAX_POINTS, "points of all three together")];
 
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "tori",
     summary: "three nested tori, brown in green in blue, of opacity 1, 0.5 and 0.3",
-    parameters: &[Parameter::count("points", 600_000.0, 100.0, MAX_POINTS, "points of all three together")],
+    parameters: &PARAMETERS,
     generate,
 };
 
@@ -25,8 +28,8 @@ const TORI: [(&str, f64, f64, Rgb); 3] =
 /// farther from a point than √2/2 spacings, so the surfaces are closed.
 const RADIUS_PER_SPACING: f64 = 0.858;
 
-fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
-    let points = values.count("points");
+fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
+    let points = given.values(&PARAMETERS)?[0] as usize;
     let mut random = Random::new(seed);
     let area: f64 = TORI.iter().map(|&(_, tube, ..)| TAU * TAU * tube).sum();
     let spacing = (area / points as f64).sqrt();

@@ -4,15 +4,17 @@ use glam::{DVec2, DVec3};
 
 use super::builder::CloudBuilder;
 use super::random::Random;
-use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
+
+const PARAMETERS: [Parameter; 2] = [
+    Parameter::count("points", 200_000.0, 1.0, MAX_POINTS, "points in the cube"),
+    Parameter::real("layers", 32.0, 1.0, 100_000.0, "mean fragments of the pixels that hold any"),
+];
 
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "volume",
     summary: "uniform random points in a cube, with a wanted mean number of layers per covered pixel",
-    parameters: &[
-        Parameter::count("points", 200_000.0, 1.0, MAX_POINTS, "points in the cube"),
-        Parameter::real("layers", 32.0, 1.0, 100_000.0, "mean fragments of the pixels that hold any"),
-    ],
+    parameters: &PARAMETERS,
     generate,
 };
 
@@ -26,8 +28,9 @@ const LARGEST_RADIUS: f64 = 3.2;
 /// The search ends this near to the wanted layers; a pixel more or less on a rim is of this order for small clouds.
 const TOLERANCE: f64 = 1e-3;
 
-fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
-    let (points, layers) = (values.count("points"), values.real("layers"));
+fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
+    let [points, layers] = given.values(&PARAMETERS)?;
+    let points = points as usize;
     let mut random = Random::new(seed);
     let mut builder = CloudBuilder::with_capacity(points)?;
     for _ in 0..points {

@@ -4,16 +4,16 @@ use std::f64::consts::E;
 
 use glam::{DVec3, Vec3};
 
-use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide, with};
+use super::{CaseResult, DISTANCE, INTEGRAL, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::naive::{self, over};
 use crate::check::stage::{Dot, HALF_ULP, apart, bytes_apart, cloud, composed, dot, pixels, pixels_apart};
 use crate::check::verdict::Naive::Computed;
 use crate::check::{Finding, Stage};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Ray, Scene};
-use pellucid_engine::scene::{Density, Method};
+use pellucid_engine::scene::{Density, Method, SoftMethod};
 
-pub(super) fn inside_one(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn inside_one(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (camera, size) = (wide(90.0, 0.01), [8, 6]);
     let dots = [Dot { position: DVec3::new(0.2, -0.1, -0.3), ..beside(0, 0.0, 0.0, 1.0) }];
     let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
@@ -32,7 +32,7 @@ fn around_the_origin() -> Vec<Dot> {
     (0..300).map(sphere).collect()
 }
 
-pub(super) fn inside_many(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn inside_many(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (camera, size, dots) = (wide(60.0, 0.01), [4, 3], around_the_origin());
     let method = lambda(method, 0.01);
     let naive = naive::Soft { limits: [0.01, f32::INFINITY], most_open: 64, ..naive::Soft::new(0.01) };
@@ -40,7 +40,7 @@ pub(super) fn inside_many(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, (camera, size), method, bound(300, 0.01, 1.5), &naive)
 }
 
-pub(super) fn near_plane(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn near_plane(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let camera = Camera { near: 10.0, ..pixels([1, 1]) };
     let image = stage.image(&dots, camera, [1, 1], lambda(method, 0.25))?;
@@ -51,7 +51,7 @@ pub(super) fn near_plane(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: apart(&found, &[opacity(half), 10.0]), bound: bound(1, 0.25, 2.0), naive: Computed(naive) })
 }
 
-pub(super) fn solid(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn solid(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     // A wall through the sphere's middle, before a wide view: 60 degrees off the axis a ray is twice as long.
     let (camera, size) = (wide(120.0, 0.01), [9, 9]);
     let sphere = Dot { position: DVec3::new(0.0, 0.0, -2.0), ..beside(0, 0.0, 0.0, 8.0) };
@@ -59,7 +59,7 @@ pub(super) fn solid(stage: &mut Stage, method: Method) -> CaseResult {
     let method = lambda(method, 0.01);
     let image = stage.image(&[sphere, wall], camera, size, method)?;
     let points = cloud(&[sphere]);
-    let Some(model) = Model::new(method, &points) else { unreachable!("a soft method") };
+    let model = Model::new(method, &points);
     let colors = [sphere.color.as_dvec3()];
     let scene = Scene { camera: &camera, size, points: &points, colors: &colors, model };
     // The wall's drawn radius is 25 pixels at most: more than the image.
@@ -74,7 +74,7 @@ pub(super) fn solid(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: bound(1, 0.01, 8.0), naive: Computed(pixels_apart(&naive, &wanted)) })
 }
 
-pub(super) fn open_300(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn open_300(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots: Vec<Dot> = around_the_origin();
     let projection = Projection::Orthographic { height: 0.2 };
     let camera = Camera { projection, eye: DVec3::Z * 5.0, ..wide(90.0, 0.5) };
@@ -82,7 +82,7 @@ pub(super) fn open_300(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, (camera, [4, 3]), lambda(method, 0.01), bound(300, 0.01, 1.5), &naive)
 }
 
-pub(super) fn coincident(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn coincident(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let one = beside(0, 0.7, 10.0, 2.0);
     let method = lambda(method, 0.002);
     let single = -(-truth(&[one], &pixels([1, 1]), [1, 1], method)[0][3]).ln_1p();
@@ -94,7 +94,7 @@ pub(super) fn coincident(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: apart(&found, &wanted), bound: bound(300, 0.002, 2.0), naive: Computed(apart(&lost, &wanted)) })
 }
 
-pub(super) fn leftover(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn leftover(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     // A large red sphere that the ray grazes, and many small blue ones in its first half, all open at once.
     let red = Dot { color: Vec3::X, ..beside(0, 63.5, 100.0, 64.0) };
     let blue = |i: u32| {
@@ -117,7 +117,7 @@ pub(super) fn leftover(stage: &mut Stage, method: Method) -> CaseResult {
     )
 }
 
-pub(super) fn reversed(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn reversed(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     // Multiples of the golden ratio, less their whole part: no two sums of them round alike.
     let part = |i: u32, k: f32| (i as f32 * k * 0.618_034).fract();
     let color = |i: u32| Vec3::new(part(i, 1.0), part(i, 3.0), part(i, 7.0));
@@ -125,18 +125,18 @@ pub(super) fn reversed(stage: &mut Stage, method: Method) -> CaseResult {
         .map(|i| Dot { color: color(i), opacity: 0.01, ..beside(0, 0.3, f64::from(10 + i / 100), 1.0) })
         .collect();
     let backward: Vec<Dot> = dots.iter().rev().copied().collect();
-    let method = with(method, |soft| soft.density = Density::Softness(0.01));
+    let method = method.changed(|soft| soft.density = Density::Softness(0.01));
     let first = stage.image(&dots, pixels([1, 1]), [1, 1], method)?;
     let second = stage.image(&backward, pixels([1, 1]), [1, 1], method)?;
     let naive = |dots: &[Dot]| match method {
-        Method::SoftExpress(_) => over(dots),
+        SoftMethod::Express(_) => over(dots),
         _ => naive::Soft::new(0.01).pixel(dots, &pixels([1, 1]), [1, 1], [0, 0]),
     };
     let differ = naive(&dots).iter().zip(naive(&backward)).filter(|(a, b)| **a != *b).count();
     Ok(Finding { error: bytes_apart(&first, &second), bound: 0.0, naive: Computed(differ as f64) })
 }
 
-pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn along_the_axis(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let color = |i: u32| Vec3::new((i % 2) as f32, (i % 3) as f32 / 2.0, i as f32 / 200.0);
     // Through the middle, so that the opacity is λ itself.
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, opacity: 0.02, ..dot(1.0 + f64::from(i), color(i), 1.0) };
@@ -145,7 +145,7 @@ pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> CaseResult {
     let mut shuffled = dots;
     shuffled.rotate_left(77);
     shuffled[..100].reverse();
-    let method = with(method, |soft| soft.density = Density::Softness(0.02));
+    let method = method.changed(|soft| soft.density = Density::Softness(0.02));
     let found = stage.pixel(&shuffled, method)?;
     // Four roundings of each of a sum of at most 1.
     Ok(Finding {
@@ -155,7 +155,7 @@ pub(super) fn along_the_axis(stage: &mut Stage, method: Method) -> CaseResult {
     })
 }
 
-pub(super) fn faint_discs(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn faint_discs(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let disc = |i: u32| Dot { field: 1.0, radius: 0.25, ..dot(1.0 + f64::from(i), Vec3::ONE, 1e-6) };
     let dots: Vec<Dot> = (0..10_000).map(disc).collect();
     let wanted = composed(&dots);

@@ -13,7 +13,7 @@ use super::verdict::Trouble;
 use super::{Case, Finding, Stage, each};
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::reference::soft::{Behind, Model, Scene};
-use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft};
+use pellucid_engine::scene::{Density, Method, OneLayer, Shells, Soft, SoftMethod};
 
 type CaseResult = Result<Finding, Trouble>;
 
@@ -26,10 +26,10 @@ const DISTANCE: f64 = 12.0 * ULP;
 
 pub(super) fn cases() -> Vec<Case> {
     let soft = Soft { density: Density::Lambda(1.0), ..Soft::default() };
-    let base = [Method::SoftBase(soft)];
-    let concentric = [Method::SoftConcentric(Soft { shells: Shells::Fixed(3), ..soft })];
+    let base = [SoftMethod::Base(soft)];
+    let concentric = [SoftMethod::Concentric(Soft { shells: Shells::Fixed(3), ..soft })];
     let both = [base[0], concentric[0]];
-    let express = [Method::SoftExpress(Soft { density: Density::Softness(0.5), ..soft })];
+    let express = [SoftMethod::Express(Soft { density: Density::Softness(0.5), ..soft })];
     let all = [both[0], both[1], express[0]];
     let layer = [Method::OneLayer(OneLayer::default())];
     [
@@ -98,16 +98,8 @@ pub(super) fn cases() -> Vec<Case> {
     .collect()
 }
 
-fn with(method: Method, change: impl Fn(&mut Soft)) -> Method {
-    let mut method = method;
-    if let Method::SoftBase(soft) | Method::SoftConcentric(soft) | Method::SoftExpress(soft) = &mut method {
-        change(soft);
-    }
-    method
-}
-
-fn lambda(method: Method, lambda: f32) -> Method {
-    with(method, |soft| soft.density = Density::Lambda(lambda))
+fn lambda(method: SoftMethod, lambda: f32) -> SoftMethod {
+    method.changed(|soft| soft.density = Density::Lambda(lambda))
 }
 
 /// A soft sphere that the ray of a pixel passes at a distance, above its centre.
@@ -121,10 +113,10 @@ fn opacity(depth: f64) -> f64 {
 }
 
 /// The image in float64.
-fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: Method) -> Vec<[f64; 4]> {
+fn truth(dots: &[Dot], camera: &Camera, size: [u32; 2], method: SoftMethod) -> Vec<[f64; 4]> {
     let points = cloud(dots);
     let colors: Vec<DVec3> = points.colors.iter().map(|color| color.as_dvec3()).collect();
-    let Some(model) = Model::new(method, &points) else { unreachable!("a soft method") };
+    let model = Model::new(method, &points);
     Scene { camera, size, points: &points, colors: &colors, model }.render(|_| Behind::NOTHING).rgba
 }
 
@@ -143,7 +135,7 @@ fn against_float64(
     stage: &mut Stage,
     dots: &[Dot],
     (camera, size): (Camera, [u32; 2]),
-    method: Method,
+    method: SoftMethod,
     bound: f64,
     naive: &[[f32; 4]],
 ) -> CaseResult {

@@ -4,13 +4,13 @@ use std::f64::consts::{E, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::{CaseResult, DISTANCE, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide, with};
+use super::{CaseResult, DISTANCE, INTEGRAL, ULP, against_float64, beside, bound, lambda, opacity, truth, wide};
 use crate::check::stage::{Dot, HALF_ULP, apart, pixels, pixels_apart};
 use crate::check::verdict::Naive::{Computed, Stated};
 use crate::check::{Finding, Stage, naive};
 use pellucid_engine::camera::Camera;
 use pellucid_engine::reference::soft::density::antiderivative;
-use pellucid_engine::scene::{Density, Method, Shells, Soft, SoftLayout};
+use pellucid_engine::scene::{Density, Shells, Soft, SoftLayout, SoftMethod};
 
 /// The integral of ρ over a whole chord.
 fn chord(radius: f64, distance: f64) -> f64 {
@@ -21,7 +21,7 @@ fn relative(found: f32, wanted: f64) -> f64 {
     apart(&[found], &[wanted]) / wanted
 }
 
-pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn faint(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [Dot { color: Vec3::ONE, ..beside(0, 0.3, 10.0, 1.0) }];
     let method = lambda(method, 1e-6);
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
@@ -32,7 +32,7 @@ pub(super) fn faint(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error: relative(found, wanted), bound, naive: Computed(relative(1.0 - (-depth).exp(), wanted)) })
 }
 
-pub(super) fn dense(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn dense(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let edges = [1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5];
     let sphere = |(x, edge): (u32, &f64)| beside(x, 0.25 * (1.0 - edge), 1000.0, 0.25);
     let dots: Vec<Dot> = (0..).zip(&edges).map(sphere).collect();
@@ -43,7 +43,7 @@ pub(super) fn dense(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, (pixels(size), size), method, bound, &naive)
 }
 
-pub(super) fn through_centre(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn through_centre(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let distances = [0.0, 1e-40, 1e-30, 1e-20, 1e-10, 1e-6, 1e-4, 1e-3];
     let dots: Vec<Dot> = (0..).zip(&distances).map(|(x, d)| beside(x, *d, 10.0, 0.25)).collect();
     let size = [8, 1];
@@ -51,7 +51,7 @@ pub(super) fn through_centre(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, (pixels(size), size), lambda(method, 16.0), bound(1, 16.0, 0.25), &naive)
 }
 
-pub(super) fn grazing(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn grazing(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.25 * (1.0 - 1e-4), 1000.0, 0.25)];
     let wanted = truth(&dots, &pixels([1, 1]), [1, 1], method)[0][3];
     let found = stage.pixel(&dots, method)?[3];
@@ -63,7 +63,7 @@ pub(super) fn grazing(stage: &mut Stage, method: Method) -> CaseResult {
 
 /// A sphere of radius 1, cut by near and a solid point behind it: its visible part, and the result of the naive
 /// formula.
-fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> CaseResult {
+fn segment(stage: &mut Stage, method: SoftMethod, near: f64, center: f64) -> CaseResult {
     let length = 2f64.powi(-17);
     let sphere = Dot { color: Vec3::ONE, ..beside(0, 0.25, center, 1.0) };
     let wall = Dot { field: 0.0, color: Vec3::ZERO, ..beside(0, 0.0, near + length, 1.0) };
@@ -71,7 +71,7 @@ fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> CaseRes
     let method = lambda(method, 1e5);
     let image = stage.image(&[sphere, wall], camera, [1, 1], method)?;
     let density = match method {
-        Method::SoftBase(_) => {
+        SoftMethod::Base(_) => {
             let from = near - center;
             antiderivative(1.0, 0.25, from + length) - antiderivative(1.0, 0.25, from)
         }
@@ -90,33 +90,33 @@ fn segment(stage: &mut Stage, method: Method, near: f64, center: f64) -> CaseRes
     Ok(Finding { error: relative(image.rgba[0][0], wanted), bound, naive: Computed(relative(naive, wanted)) })
 }
 
-pub(super) fn thin_segment(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn thin_segment(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     segment(stage, method, 8.0, 8.5)
 }
 
-pub(super) fn far_segment(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn far_segment(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     segment(stage, method, 65536.0, 65536.5)
 }
 
-pub(super) fn no_radius(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn no_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let radii = [0.0, 1e-45, 1e-20];
     let dots: Vec<Dot> = (0..).zip(radii).map(|(x, radius)| beside(x, 0.0, 10.0, radius)).collect();
     let image = stage.image(&dots, pixels([3, 1]), [3, 1], method)?;
     let wanted: Vec<[f64; 4]> = match method {
         // A disc covers the pixel of its centre, except with a radius of 0.
-        Method::SoftExpress(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
+        SoftMethod::Express(_) => [0.0, 0.5, 0.5].map(|a: f64| [a / 4.0, a / 2.0, a, a]).to_vec(),
         _ => vec![[0.0; 4]; 3],
     };
     // 1 - d / r of no radius is no number, nor is cos(π d / r).
     let naive = match method {
-        Method::SoftExpress(_) => dots.iter().map(|dot| [naive::disc(0.0, dot.radius); 4]).collect(),
+        SoftMethod::Express(_) => dots.iter().map(|dot| [naive::disc(0.0, dot.radius); 4]).collect(),
         _ => naive::Soft::new(1.0).image(&dots, &pixels([3, 1]), [3, 1]),
     };
     let naive = pixels_apart(&naive, &wanted);
     Ok(Finding { error: pixels_apart(&image.rgba, &wanted), bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
-pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn huge_radius(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (mut error, mut naive) = (0f64, 0f64);
     for radius in [1e3, 1e10, 1e20, f32::MAX] {
         let dots = [beside(0, 0.0, 10.0, radius)];
@@ -128,7 +128,7 @@ pub(super) fn huge_radius(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: 4.0 * ULP, naive: Computed(naive) })
 }
 
-pub(super) fn far_away(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn far_away(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [Dot { position: DVec3::new(0.3, 0.1, -1000.0), ..beside(0, 0.0, 0.0, 1.0) }];
     let (camera, size) = (wide(0.25, 1.0), [12, 9]);
     let naive = naive::Soft::new(1.0).image(&dots, &camera, size);
@@ -136,22 +136,22 @@ pub(super) fn far_away(stage: &mut Stage, method: Method) -> CaseResult {
     against_float64(stage, &dots, (camera, size), method, bound(1, 1.0, 1.0), &naive)
 }
 
-pub(super) fn quantised(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn quantised(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let sphere =
         |x: u32| Dot { color: Vec3::new(x as f32 / 31.3, 0.123, 0.777), ..beside(x, f64::from(x) / 140.0, 10.0, 0.25) };
     let dots: Vec<Dot> = (0..32).map(sphere).collect();
     let (size, method) = ([32, 1], lambda(method, 16.0));
-    let packed = truth(&dots, &pixels(size), size, with(method, |soft| soft.layout = SoftLayout::Paper));
+    let packed = truth(&dots, &pixels(size), size, method.changed(|soft| soft.layout = SoftLayout::Paper));
     let naive: Vec<[f32; 4]> = packed.iter().map(|pixel| pixel.map(|c| c as f32)).collect();
     against_float64(stage, &dots, (pixels(size), size), method, bound(1, 16.0, 0.25), &naive)
 }
 
-pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn shells_add_up(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 2.0)];
     let wanted = [opacity(0.25 * 2.0 * 2.0)];
     let mut error = 0f64;
     for shells in [1, 2, 4, 16, 64] {
-        let method = with(lambda(method, 0.25), |soft| soft.shells = Shells::Fixed(shells));
+        let method = lambda(method, 0.25).changed(|soft| soft.shells = Shells::Fixed(shells));
         error = error.max(apart(&stage.pixel(&dots, method)?[3..], &wanted));
     }
     // Eq. 17 as printed counts the innermost shell alone: for two shells 3/4 of the sum.
@@ -161,13 +161,13 @@ pub(super) fn shells_add_up(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: bound(64, 0.25, 2.0) + lengths, naive: Computed(naive) })
 }
 
-pub(super) fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn extremes(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let dots = [beside(0, 0.0, 10.0, 1.0)];
-    let none = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(0.0)))?;
-    let all = stage.pixel(&dots, with(method, |soft| soft.density = Density::Softness(1.0)))?;
+    let none = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(0.0)))?;
+    let all = stage.pixel(&dots, method.changed(|soft| soft.density = Density::Softness(1.0)))?;
     let error = apart(&none, &[0.0; 4]).max(apart(&all, &[0.25, 0.5, 1.0, 1.0]));
     let naive = match method {
-        Method::SoftExpress(_) => Stated { why: "the softness of a disc is the opacity of its middle, by any formula" },
+        SoftMethod::Express(_) => Stated { why: "the softness of a disc is the opacity of its middle, by any formula" },
         // λ is infinite, times antiderivatives of what is 0 at a chord's end.
         _ => {
             let opaque = naive::Soft::new(-(-1f32).ln_1p()).pixel(&dots, &pixels([1, 1]), [1, 1], [0, 0]);
@@ -177,16 +177,16 @@ pub(super) fn extremes(stage: &mut Stage, method: Method) -> CaseResult {
     Ok(Finding { error, bound: 4.0 * ULP, naive })
 }
 
-pub(super) fn modulated(stage: &mut Stage, method: Method) -> CaseResult {
+pub(super) fn modulated(stage: &mut Stage, method: SoftMethod) -> CaseResult {
     let (radius, distance, peak) = (1.0f64, 0.25, 0.5);
     let dots = [Dot { field: 0.75, color: Vec3::ONE, ..beside(0, distance, 10.0, 1.0) }];
     let change = |soft: &mut Soft| {
         (soft.density, soft.modulation, soft.shells) = (Density::Softness(peak as f32), Some(1.0), Shells::Fixed(1));
     };
-    let found = stage.pixel(&dots, with(method, change))?[3];
+    let found = stage.pixel(&dots, method.changed(change))?[3];
     let plain = match method {
-        Method::SoftExpress(_) => peak * ((PI * distance / radius).cos() + 1.0) / 2.0,
-        Method::SoftBase(_) => opacity(-(-peak).ln_1p() * chord(radius, distance) / (radius * radius)),
+        SoftMethod::Express(_) => peak * ((PI * distance / radius).cos() + 1.0) / 2.0,
+        SoftMethod::Base(_) => opacity(-(-peak).ln_1p() * chord(radius, distance) / (radius * radius)),
         // A single shell: λ μ' and the chord.
         _ => {
             let length = 2.0 * ((radius - distance) * (radius + distance)).sqrt();

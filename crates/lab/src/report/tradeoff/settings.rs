@@ -3,12 +3,9 @@
 use super::Skipped;
 pub use super::applicable::settings;
 pub use super::surfaces::Surfaces;
-use pellucid_engine::methods::soft::SoftModel;
-use pellucid_engine::passes::project::Parts;
+use pellucid_engine::plan;
 use pellucid_engine::points::Points;
-use pellucid_engine::scene::{
-    self, Density, DiscShape, Discs, Falloff, Ladder, LongLists, Method, Raster, Shells, Soft, SoftLayout, Spbr,
-};
+use pellucid_engine::scene::{self, Density, DiscShape, Discs, Falloff, Ladder, Method, Soft, Spbr};
 
 /// An image that several methods form in different ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -189,30 +186,18 @@ impl Setting {
 /// # Errors
 /// A method of opaque points, or of one transparent layer: no other method shares its image formation.
 pub fn formation(method: &Method, points: &Points) -> Result<Formation, scene::Error> {
-    if let Some(soft) = method.soft() {
-        let from_lambda = matches!(soft.density, Density::Lambda(_));
-        let model = SoftModel::new(method, soft, Parts::count(points, soft.threshold).median_radius);
-        // Settings differ only in how they form the same image; `pixels_per_shell` is the scene's.
-        let (shells, layout) = (Shells::default(), SoftLayout::default());
-        return Ok(Formation::Soft {
-            soft: Soft { density: Density::Softness(model.peak), shells, layout, ..*soft },
-            from_lambda,
-        });
+    let from_lambda = method.soft().is_some_and(|soft| matches!(soft.density, Density::Lambda(_)));
+    match plan::exact(method, points) {
+        Some(Method::ABuffer(discs)) => Ok(Formation::Discs(discs)),
+        Some(Method::SoftBase(soft)) => Ok(Formation::Soft { soft, from_lambda }),
+        Some(Method::Spbr(spbr)) => Ok(Formation::Ensembles(spbr)),
+        _ => Err(scene::Error::Usage(format!(
+            "method {} draws points in a way of its own, so that there is nothing to compare it with; \
+             --method auto compares the methods of transparent discs, --method circles those of opaque points, \
+             --method soft-base those of soft spheres, --method spbr numbers of ensembles",
+            method.name()
+        ))),
     }
-    let discs = match method {
-        Method::Spbr(spbr) => {
-            return Ok(Formation::Ensembles(Spbr { ensembles: Spbr::default().ensembles, brighten: false, ..*spbr }));
-        }
-        method => *method.discs().ok_or_else(|| {
-            let name = method.name();
-            scene::Error::Usage(format!(
-                "method {name} draws points in a way of its own, so that there is nothing to compare it with; \
-                 --method auto compares the methods of transparent discs, --method circles those of opaque points, \
-                 --method soft-base those of soft spheres, --method spbr numbers of ensembles"
-            ))
-        })?,
-    };
-    Ok(Formation::Discs(Discs { raster: Raster::default(), long_lists: LongLists::default(), ..discs }))
 }
 
 /// Like [`formation`], but returns [`Formation::Surfaces`] for methods of opaque points, whose images differ but show
@@ -229,7 +214,7 @@ pub fn compared(method: &Method, points: &Points) -> Result<Formation, scene::Er
 mod tests {
     use super::*;
     use pellucid_engine::scene::MethodChoice;
-    use pellucid_engine::scene::{BlendedSplats, OneLayer, Peel};
+    use pellucid_engine::scene::{BlendedSplats, OneLayer, Peel, Raster, Shells, SoftLayout};
 
     fn occasion(max_list: u32) -> Occasion {
         let formation = Formation::Discs(Discs::default());

@@ -188,13 +188,11 @@ fn resolve_variant(kind: Kind, cut: Cut, stop: u32, capacity: u32) -> Variant {
 
 /// The passes with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let spheres = raster::variants(&[Footprint::Sphere, Footprint::ExactSphere], false);
     let walked = |of: fn(Variant, Interior, bool) -> Variant, segment: fn(Interior) -> u32| {
-        let choices = <(Interior, bool)>::all().into_iter();
-        let of = |(interior, cut)| {
-            spheres.iter().map(move |w| of(w.clone(), interior, cut).with("SEGMENT", segment(interior)))
-        };
-        choices.flat_map(of).collect::<Vec<_>>()
+        let spheres =
+            |interior| raster::computed_variants(&[Footprint::Sphere, Footprint::ExactSphere], segment(interior));
+        let of = |(interior, cut)| spheres(interior).into_iter().map(move |walker| of(walker, interior, cut));
+        <(Interior, bool)>::all().into_iter().flat_map(of).collect::<Vec<_>>()
     };
     let blended = |of: &dyn Fn(Kind, Cut) -> Vec<Variant>| {
         <(Kind, Cut)>::all().into_iter().flat_map(|(kind, cut)| of(kind, cut)).collect::<Vec<_>>()

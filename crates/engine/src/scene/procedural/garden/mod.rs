@@ -14,16 +14,19 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, encode};
 use super::random::Random;
-use super::{Builtin, Error, Generated, MAX_POINTS, Parameter, Values};
+use super::{Builtin, Error, Generated, Given, MAX_POINTS, Parameter};
 use crate::cloud::Cloud;
 use light::{Occupancy, ShadowMap, shade};
 use model::class;
 use scan::{Sample, scan};
 
+const PARAMETERS: [Parameter; 1] =
+    [Parameter::count("points", 500_000.0, 1000.0, MAX_POINTS, "points of the scan, nearly")];
+
 pub(super) const BUILTIN: Builtin = Builtin {
     name: "garden",
     summary: "a simulated scan of a furnished garden house among trees",
-    parameters: &[Parameter::count("points", 500_000.0, 1000.0, MAX_POINTS, "points of the scan, nearly")],
+    parameters: &PARAMETERS,
     generate,
 };
 
@@ -53,10 +56,10 @@ const OUTLIERS: usize = 1200;
 /// A part, its points without light, and their spacing.
 type Scanned = (Part, Vec<Sample>, f64);
 
-fn generate(values: &Values, seed: u64) -> Result<Generated, Error> {
-    let points = values.count("points");
+fn generate(given: &Given<'_>, seed: u64) -> Result<Generated, Error> {
+    let points = given.values(&PARAMETERS)?[0];
     let mut random = Random::new(seed);
-    let count = |part: &Part| (part.share * points as f64).round() as usize;
+    let count = |part: &Part| (part.share * points).round() as usize;
 
     let plants = plants::plants(&mut random);
     let mut frame = house::frame();

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::builder::{CloudBuilder, Rgb};
 use super::random::Random;
-use super::{Error, Generated, MAX_POINTS, Parameter, Values};
+use super::{Error, Generated, Given, MAX_POINTS, Parameter};
 use crate::io::volume::Volume;
 use field::Field;
 use surface::Surface;
@@ -19,7 +19,7 @@ pub const NAME: &str = "iso";
 /// A single line for `--list`.
 pub const SUMMARY: &str = "nested surfaces of equal value in a volume (--volume FILE, or a hydrogen orbital), at --values or at some chosen ones";
 /// The parameters of `--set`.
-pub const PARAMETERS: &[Parameter] = &[
+pub const PARAMETERS: &[Parameter; 2] = &[
     Parameter::count("points", 535_000.0, 100.0, MAX_POINTS, "points of all surfaces together"),
     Parameter::count("surfaces", 3.0, 1.0, MAX_SURFACES as f64, "surfaces, if no values are given"),
 ];
@@ -65,21 +65,21 @@ pub fn built_in() -> Volume {
 /// A parameter that is unknown or out of range, a value without a surface, too many values, a volume without different
 /// values, too little memory.
 pub fn build_iso(volume: &Volume, values: &[f64], parameters: &[(String, f64)], seed: u64) -> Result<Generated, Error> {
-    let settings = Values::new(NAME, PARAMETERS, parameters)?;
+    let [points, chosen] = Given { scene: NAME, values: parameters }.values(PARAMETERS)?;
     let field = Field::new(volume);
-    let surfaces = surfaces(&field, values, settings.count("surfaces"))?;
+    let surfaces = surfaces(&field, values, chosen as usize)?;
     let total: f64 = surfaces.iter().map(|(_, surface)| surface.area()).sum();
-    let (points, sides) = (settings.count("points"), volume.dims.map(|count| (count - 1) as f64));
+    let sides = volume.dims.map(|count| (count - 1) as f64);
     let longest = sides.iter().copied().fold(1.0, f64::max);
     let (scale, center) = (2.0 / longest, 0.5 * DVec3::from_array(sides));
     // World units between points, if they stood on a grid.
-    let spacing = scale * (total / points as f64).sqrt();
+    let spacing = scale * (total / points).sqrt();
     let mut scene_toml = header(surfaces.len(), spacing);
     let (mut clouds, mut random, mut given, mut area) = (Vec::new(), Random::new(seed), 0, 0.0);
     for (place, (value, surface)) in surfaces.iter().enumerate() {
         area += surface.area();
         // All of them together are as many as asked for.
-        let end = (points as f64 * (area / total)).round() as usize;
+        let end = (points * (area / total)).round() as usize;
         let count = end.saturating_sub(given);
         given = end;
         let color = COLORS[surfaces.len() - 1 - place];
