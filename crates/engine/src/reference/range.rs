@@ -116,7 +116,7 @@ pub struct PictureRange {
     pub rgba: Vec<ColorRange>,
     /// Depth, +inf where nothing is.
     pub depth: Vec<Range>,
-    /// What [`super::Picture::counts`] counts for the method.
+    /// The number that [`super::Picture::counts`] counts for the method.
     pub counts: Vec<Range>,
 }
 

@@ -152,7 +152,7 @@ fn rendered(device: &Device, points: &Points, method: Method) -> Rendered {
     renderer.render(&mut cloud, &frame(perspective(), [90, 70], method)).expect("renders")
 }
 
-/// What roundings may make of the splats of some points, in the view of [`rendered`].
+/// Everything that roundings may make of the splats of some points, in the view of [`rendered`].
 fn solid_ranges(points: &Points, tilted: bool, settings: &BlendedSplats) -> PictureRange {
     let shape = if tilted { Shape::Oriented } else { Shape::Disc };
     let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();

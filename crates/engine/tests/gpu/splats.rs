@@ -36,7 +36,7 @@ const SUM_ERROR: f64 = 13.0 * ROUNDING;
 /// as linear light.
 const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
 
-/// What roundings may make of an image.
+/// Everything that roundings may make of an image.
 fn ranges(points: &Points, frame: &Frame, shape: Shape, settings: &BlendedSplats) -> PictureRange {
     splats::ranges(&frame.camera, frame.size, points, &colors(points), shape, settings)
 }

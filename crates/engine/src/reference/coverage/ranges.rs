@@ -34,7 +34,7 @@ pub fn possible(camera: &Camera, size: [u32; 2], splat: &Splat, rows: std::ops::
     }
 }
 
-/// What a pixel's centre meets of an outline.
+/// Where a pixel's centre meets an outline.
 struct Met {
     z: Range,
     rho: Range,
@@ -61,7 +61,7 @@ impl Placed<'_> {
         Some(Possible { x, y, z, rho, sure })
     }
 
-    /// Whether a pixel contains the projected centre: for sure, and perhaps.
+    /// Tells if a pixel contains the projected centre: for sure, and perhaps.
     fn may_be_home(&self, pixel: DVec2) -> [bool; 2] {
         let inside = |axis: usize, sign: f64| {
             let error = sign * screen_error(self.center_px[axis], self.size[axis]);

@@ -91,7 +91,7 @@ pub fn nearest(
     LayerRange { size, depth, rgba }
 }
 
-/// What a decision says: for sure, or perhaps.
+/// The outcome of a decision: for sure, or perhaps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Decided {
     Yes,
@@ -118,7 +118,7 @@ impl LayerRange {
         neighbor(self.size, pixel, offset).map_or(NOTHING, |at| self.rgba[at])
     }
 
-    /// Whether one of the eight masks keeps a pixel, of neighbors that lie beyond a depth.
+    /// Tells if one of the eight masks keeps a pixel, of neighbors that lie beyond a depth.
     fn is_masked(&self, pixel: usize, floor: Range) -> Decided {
         let ring = RING.map(|offset| self.neighbor_depth(pixel, offset));
         Decided::of(is_ring_masked(ring.map(|z| z.low > floor.high)), is_ring_masked(ring.map(|z| z.high > floor.low)))

@@ -28,7 +28,7 @@ struct Candidate {
     sure: bool,
 }
 
-/// What all ensembles leave in a pixel.
+/// Sums of all ensembles in a pixel.
 #[derive(Clone)]
 struct Sums {
     color: [Range; 3],
