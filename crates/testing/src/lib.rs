@@ -14,6 +14,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Factors, Frame, Stop};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
+use pellucid_engine::reference::range::PictureRange;
 use pellucid_engine::reference::{self, Picture};
 use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Method, Raster, Shading};
 use rand::{RngExt, SeedableRng};
@@ -244,54 +245,26 @@ pub fn clear_of(all: &Points, camera: &Camera, size: [u32; 2], shading: &Shading
     })
 }
 
-/// The same points a few roundings of float32 nearer to the camera or farther from it, at random, on the same pixels.
-pub fn jittered(points: &Points, camera: &Camera, seed: u64) -> Points {
-    let mut r = random(seed);
-    let moved = points.positions.iter().map(|position| {
-        let along = match camera.projection {
-            Projection::Perspective { .. } => *position - camera.eye,
-            Projection::Orthographic { .. } => camera.to_view(*position).z * camera.forward,
-        };
-        *position + r.random_range(-1e-6..1e-6) * along
-    });
-    Points { positions: moved.collect(), ..points.clone() }
-}
-
-/// True if two pixels of references are equal except for rounding.
-fn is_steady(a: &Picture, b: &Picture, pixel: usize, bound: f64) -> bool {
-    let depths = a.depth[pixel] == b.depth[pixel] || (a.depth[pixel] - b.depth[pixel]).abs() <= 1e-5 * a.depth[pixel];
-    let colors = a.rgba[pixel].iter().zip(b.rgba[pixel]).all(|(a, b)| (a - b).abs() <= 0.5 * bound);
-    depths && colors && a.counts[pixel] == b.counts[pixel]
-}
-
-/// Compares an image with the reference, R, G, B and A to `bound` and depths to a few roundings, save where `others`,
-/// references of points that differ by roundings, are not of one mind. The share of such pixels; an error names the first
-/// wrong pixel and how many there are.
-pub fn compare_steady(image: &Image, wanted: &Picture, others: &[Picture], bound: f64) -> Result<f64, String> {
-    let (mut doubtful, mut wrong, mut first) = (0usize, 0usize, None);
-    for pixel in 0..wanted.rgba.len() {
-        if !others.iter().all(|other| is_steady(wanted, other, pixel, bound)) {
-            doubtful += 1;
-            continue;
-        }
-        let (found, depth) = (f64::from(image.depth[pixel]), wanted.depth[pixel]);
-        let close = |(found, wanted): (&f32, f64)| (f64::from(*found) - wanted).abs() <= bound;
-        let depths = found == depth || (found - depth).abs() <= 5e-6 * depth.abs();
-        if !depths || !image.rgba[pixel].iter().zip(wanted.rgba[pixel]).all(close) {
-            wrong += 1;
-            first = first.or(Some(pixel));
-        }
-    }
-    match first {
-        None => Ok(doubtful as f64 / wanted.rgba.len() as f64),
-        Some(pixel) => Err(format!(
-            "{wrong} pixels are wrong, the first ({}, {}): {:?} at {}, not {:?} at {}",
-            pixel % wanted.width as usize,
-            pixel / wanted.width as usize,
-            image.rgba[pixel],
-            image.depth[pixel],
-            wanted.rgba[pixel],
-            wanted.depth[pixel]
-        )),
-    }
+/// Compares an image with what roundings of float32 may make of its reference: depths within their ranges, R, G, B and A off
+/// theirs by at most `slack`, which is for the arithmetic of colors alone. An error names the first wrong pixel and how many
+/// there are.
+pub fn compare_ranges(image: &Image, wanted: &PictureRange, slack: f64) -> Result<(), String> {
+    assert_eq!(image.rgba.len(), wanted.rgba.len());
+    let is_off = |pixel: &usize| {
+        let colors = image.rgba[*pixel].iter().zip(wanted.rgba[*pixel]);
+        !wanted.depth[*pixel].covers(f64::from(image.depth[*pixel]), 0.0)
+            || colors.into_iter().any(|(found, wanted)| !wanted.covers(f64::from(*found), slack))
+    };
+    let off: Vec<usize> = (0..image.rgba.len()).filter(is_off).collect();
+    let Some(pixel) = off.first() else { return Ok(()) };
+    Err(format!(
+        "{} pixels are wrong, the first ({}, {}): {:?} at {}, not {:?} at {:?}",
+        off.len(),
+        pixel % wanted.width as usize,
+        pixel / wanted.width as usize,
+        image.rgba[*pixel],
+        image.depth[*pixel],
+        wanted.rgba[*pixel],
+        wanted.depth[*pixel]
+    ))
 }

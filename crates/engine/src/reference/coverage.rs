@@ -3,7 +3,13 @@
 //! Every pixel of a window around the splat is tested by the definition itself: the pixel's centre against the drawn
 //! outline, or the ray through the pixel's centre against the tangent plane.
 
+mod ranges;
+
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
+
+pub use ranges::{Possible, possible};
 
 use crate::camera::{Camera, Projection};
 
@@ -163,6 +169,11 @@ impl<'a> Placed<'a> {
 
     /// Pixels that can be covered, and at least one more on each side.
     fn window(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        self.window_in(0..self.size[1])
+    }
+
+    /// Those of some rows of the image.
+    fn window_in(&self, wanted: Range<u32>) -> impl Iterator<Item = [u32; 2]> + use<> {
         let (low, high) = match self.outline {
             Outline::Pixel => (self.center_px, self.center_px),
             Outline::Disc { radius_px } | Outline::Square { radius_px } => {
@@ -173,7 +184,7 @@ impl<'a> Placed<'a> {
         let first = |low: f64| (low.floor() - 1.0).max(0.0) as u32;
         let end = |high: f64, size: u32| ((high.ceil() + 1.0).max(0.0) as u32).min(size);
         let columns = first(low.x)..end(high.x, self.size[0]);
-        let rows = first(low.y)..end(high.y, self.size[1]);
+        let rows = first(low.y).max(wanted.start)..end(high.y, self.size[1]).min(wanted.end);
         rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
     }
 

@@ -4,7 +4,11 @@
 //! Depths are z in world units, +∞ for background; colors are premultiplied by alpha, background is all 0. Pixels
 //! outside of the image count as background. A filter reads one complete image and writes another.
 
+mod ranges;
+
 use glam::DVec3;
+
+pub use ranges::{Home, LayerRange, count_of, homes, nearest as nearest_ranges, ranges, rounded_distance};
 
 use super::Picture;
 use super::coverage::{Shape, Splat, footprint};
@@ -28,27 +32,34 @@ const RING: [[i64; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [1, 0], [1, 1], [0, 1],
 /// The neighbors that share an edge with the pixel.
 const EDGES: [[i64; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
 
+/// The index of a neighbor; `None` outside of the image.
+fn neighbor(size: [u32; 2], pixel: usize, [right, down]: [i64; 2]) -> Option<usize> {
+    let [width, height] = size.map(i64::from);
+    let (x, y) = (pixel as i64 % width + right, pixel as i64 / width + down);
+    (x >= 0 && y >= 0 && x < width && y < height).then_some((y * width + x) as usize)
+}
+
+/// True if one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring are set.
+fn is_ring_masked(ring: [bool; 8]) -> bool {
+    (0..8).any(|start| (start..start + 5).all(|i| ring[i % 8]))
+}
+
 impl Layer {
     fn pixels(&self) -> usize {
         self.depth.len()
     }
 
-    /// The index of a neighbor; `None` outside of the image.
-    fn neighbor(&self, pixel: usize, [right, down]: [i64; 2]) -> Option<usize> {
-        let [width, height] = self.size.map(i64::from);
-        let (x, y) = (pixel as i64 % width + right, pixel as i64 / width + down);
-        (x >= 0 && y >= 0 && x < width && y < height).then_some((y * width + x) as usize)
+    fn neighbor(&self, pixel: usize, offset: [i64; 2]) -> Option<usize> {
+        neighbor(self.size, pixel, offset)
     }
 
     fn neighbor_depth(&self, pixel: usize, offset: [i64; 2]) -> f64 {
         self.neighbor(pixel, offset).map_or(f64::INFINITY, |at| self.depth[at])
     }
 
-    /// True if one of the eight masks of Figure 3 matches: five consecutive neighbors of the ring, all of them
-    /// `beyond`.
+    /// True if a mask matches neighbors that are `beyond`.
     fn is_masked(&self, pixel: usize, beyond: impl Fn(f64) -> bool) -> bool {
-        let ring = RING.map(|offset| beyond(self.neighbor_depth(pixel, offset)));
-        (0..8).any(|start| (start..start + 5).all(|i| ring[i % 8]))
+        is_ring_masked(RING.map(|offset| beyond(self.neighbor_depth(pixel, offset))))
     }
 
     /// The pixel of the 3×3 stencil with the smallest depth; equal depths by color. Itself if all are background.

@@ -13,6 +13,7 @@ pub mod one_layer;
 pub mod opaque;
 pub mod peel;
 pub mod peel_layers;
+pub mod range;
 pub mod scan;
 pub mod shading;
 pub mod shadows;

@@ -1,6 +1,10 @@
 //! One-layer transparency: the nearest soft points are transparent; everything behind them is opaque.
 
+mod ranges;
+
 use glam::DVec3;
+
+pub use ranges::ranges;
 
 use super::Picture;
 use super::abuffer::Composite;
@@ -46,28 +50,22 @@ impl Parts {
             depth: if softness > 0.0 { layer.depth } else { rest.depth },
         }
     }
-
-    /// The pixel's distance from another set of fragments, or another order of layer and solids; like
-    /// [`splats::margin`].
-    pub fn margin(&self, blend_depth: f64) -> f64 {
-        let layer = self.soft.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
-        let solid = self.solid.iter().map(|f| f.z).fold(f64::INFINITY, f64::min);
-        let behind = |f: &Fragment| ((f.z - (layer + blend_depth * f.radius)) / f.z).abs();
-        let soft = self.soft.iter().map(behind).filter(|apart| *apart > 0.0).fold(f64::INFINITY, f64::min);
-        let order =
-            if layer.is_finite() && solid.is_finite() { ((layer - solid) / solid).abs() } else { f64::INFINITY };
-        let [front, rest] = [&self.soft, &self.others(layer, blend_depth)].map(|l| splats::margin(l, blend_depth));
-        soft.min(order).min(front).min(rest)
-    }
 }
 
-/// The fragments of each pixel, soft and solid ones apart. Points without a field are solid.
+fn shape_of(points: &Points) -> Shape {
+    if points.normals.is_some() { Shape::Oriented } else { Shape::Disc }
+}
+
+/// Points without a field are solid.
+fn is_soft(points: &Points, index: usize, threshold: f32) -> bool {
+    points.fields.get(index).is_some_and(|field| *field > threshold)
+}
+
+/// The fragments of each pixel, soft and solid ones apart.
 pub fn lists(camera: &Camera, size: [u32; 2], points: &Points, threshold: f32) -> Vec<Parts> {
-    let shape = if points.normals.is_some() { Shape::Oriented } else { Shape::Disc };
-    let is_soft = |index: usize| points.fields.get(index).is_some_and(|field| *field > threshold);
-    let settings = BlendedSplats::default().splats;
-    let soft = splats::lists(camera, size, points, shape, &settings, is_soft);
-    let solid = splats::lists(camera, size, points, shape, &settings, |index| !is_soft(index));
+    let (shape, settings) = (shape_of(points), BlendedSplats::default().splats);
+    let soft = splats::lists(camera, size, points, shape, &settings, |index| is_soft(points, index, threshold));
+    let solid = splats::lists(camera, size, points, shape, &settings, |index| !is_soft(points, index, threshold));
     soft.into_iter().zip(solid).map(|(soft, solid)| Parts { soft, solid }).collect()
 }
 

@@ -1,7 +1,11 @@
 //! `peel-layers` (Dobrev, Rosenthal, Linsen 2010, Sections 4 and 5): layers of point surfaces at least d̃ apart, each of them
 //! filtered as an image of its own, blended front to back.
 
+mod ranges;
+
 use glam::DVec3;
+
+pub use ranges::ranges;
 
 use super::Picture;
 use super::image_space::{self, Layer};

@@ -3,9 +3,13 @@
 //! A light is one camera or several (the faces of a cube around it) with square images. The lights come as an argument: how an
 //! area is sampled is no part of the equations.
 
+mod ranges;
+
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
+
+pub use ranges::share_ranges;
 
 use super::coverage::footprint;
 use super::image_space::{Layer, layer, nearest, splat};
@@ -125,7 +129,7 @@ pub fn reference_depths(camera: &Camera, resolution: u32, points: &Points, dista
 /// The distance, in world units, of each point in a camera's image from the border of the lit layer. A point is lit if
 /// it is at least 0, that is, if depth ≤ reference + `distance` / max(|n_z|, 0.1), n_z along the camera's axis; +
 /// `distance` without a normal. `None` outside of the image.
-pub fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<Option<f64>> {
+fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) -> Vec<Option<f64>> {
     let depths = reference_depths(camera, resolution, points, distance);
     let clearance = |index: usize| {
         let covered = footprint(camera, [resolution, resolution], &splat(points, index));

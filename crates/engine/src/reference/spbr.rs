@@ -7,9 +7,14 @@
 //! independent, so that m of them on average over the area of a pixel leave it free with probability e^(−m), and
 //! m = −ln(1 − α) (Eq. 1 in the limit of many pixels: [`opacity`]).
 
+mod ranges;
+
 use glam::{DVec2, DVec3};
 
+pub use ranges::{Ranges, ranges};
+
 use super::abuffer::{Composite, Fragment, composite};
+use super::range::{DEPTH_ERROR, ROUNDING, screen_error};
 use super::{Picture, dealing};
 use crate::camera::{Camera, Projection};
 use crate::cloud::Bounds;
@@ -112,20 +117,35 @@ struct Drawn {
     z: f64,
     /// In pixels; below 1 it is the probability of being drawn.
     area: f64,
+    /// How much of the area roundings of float32 may add or take.
+    area_error: f64,
 }
 
-/// `None` if it isn't drawn in any ensemble.
-fn drawn(view: &View<'_>, share: &Share, index: usize) -> Option<Drawn> {
+/// `None` if it isn't drawn in any ensemble. Near and far are moved apart by this part of a depth.
+fn drawn(view: &View<'_>, share: &Share, index: usize, apart: f64) -> Option<Drawn> {
     let View { camera, size, dealt, rule, .. } = *view;
     let position = dealt.points.positions[index];
     let (at, z) = camera.project(position, size);
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
-    if !position.is_finite() || z < camera.near || z > camera.far || (perspective && z <= 0.0) {
+    let outside = z * (1.0 + apart) < camera.near || z * (1.0 - apart) > camera.far;
+    if !position.is_finite() || outside || (perspective && z <= 0.0) {
         return None;
     }
     let nearer = if perspective { share.depth / z } else { 1.0 };
     let own = if rule.adjust { weight(dealt.points.opacities[index].into(), share.unit) } else { 1.0 };
-    Some(Drawn { at, z, area: nearer * nearer * own * slant(view, index) })
+    let (upright, slant) = (nearer * nearer * own, slant(view, index));
+    Some(Drawn { at, z, area: upright * slant, area_error: area_error(upright, slant) })
+}
+
+/// How far float32 may be off the product of an area and of |cos θ|.
+///
+/// The area itself, in roundings of the result: 7 for the square of a quotient of two rounded depths; 7 for a logarithm
+/// (1 of 1 − x, 2 of the function, 2 of Kahan's correction) over a rounded number; 2 for their product and that with
+/// |cos θ|. The cosine has 7 more: products, sums and roots of two lengths, a quotient. In its scalar product rounding
+/// of the vector, products and two sums stay where the products cancel: 4 of the product of lengths. 1 for what is of
+/// second order. The area is then cut to a multiple of 2^-32.
+fn area_error(upright: f64, cos: f64) -> f64 {
+    ROUNDING * upright * (24.0 * cos + 4.0) + 1.0 / 4_294_967_296.0
 }
 
 /// Pixels of an image: the one that holds the projected point, or those whose centers lie in a square of its area,
@@ -147,11 +167,11 @@ fn pixels(drawn: &Drawn, size: [u32; 2]) -> impl Iterator<Item = usize> + use<> 
     rows.flat_map(move |y| columns.clone().map(move |x| (y * width + x) as usize))
 }
 
-/// True if an ensemble draws a point that covers less than a pixel.
-fn is_drawn(area: f64, index: usize, ensemble: u32, seed: u64) -> bool {
+/// The area, in [0, 1), from which on an ensemble draws a point that covers less than a pixel.
+fn least_area(index: usize, ensemble: u32, seed: u64) -> f64 {
     let [low, high] = key(seed);
     let word = threefry2x32([index as u32, ensemble], [low, high ^ STREAM])[0];
-    f64::from(word) < area * 4_294_967_296.0
+    f64::from(word) / 4_294_967_296.0
 }
 
 /// The weight of a point for an opacity, if a whole point gives about `unit` ([`Share::unit`]); at most 1.
@@ -226,12 +246,7 @@ fn render_hands(
     let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0u32); count];
     let mut depth = vec![f64::INFINITY; count];
     let mut counts = vec![0u32; count];
-    let hands_of_cloud = |(surface, place): (&Surface, u32)| {
-        let share = share(camera, size[1], dealt, surface, rule);
-        let points = surface.points.end - surface.points.start;
-        hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
-    };
-    let hands: Vec<Vec<Vec<u64>>> = dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect();
+    let hands = hands_of(&view, hands);
     for ensemble in 0..rule.ensembles {
         let image = draw(&view, ensemble, &hands, &mut counts);
         for (pixel, (z, index)) in image.into_iter().enumerate() {
@@ -258,6 +273,17 @@ fn render_hands(
     (Picture { width: size[0], height: size[1], rgba, depth, counts }, stderr)
 }
 
+/// The points of each cloud and ensemble.
+fn hands_of(view: &View<'_>, hands: impl Fn(&Deal) -> Vec<Vec<u64>>) -> Vec<Vec<Vec<u64>>> {
+    let View { camera, size, dealt, rule, seed } = *view;
+    let hands_of_cloud = |(surface, place): (&Surface, u32)| {
+        let share = share(camera, size[1], dealt, surface, &rule);
+        let points = surface.points.end - surface.points.start;
+        hands(&Deal { points, slots: share.slots, ensembles: rule.ensembles, place, seed })
+    };
+    dealt.surfaces.iter().zip(0..).map(hands_of_cloud).collect()
+}
+
 /// The nearest point of an ensemble on each pixel, of equal depths the one that comes first in the ensemble, and its depth.
 fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u32]) -> Vec<(f64, Option<usize>)> {
     let mut image = vec![(f64::INFINITY, None); counts.len()];
@@ -265,8 +291,8 @@ fn draw(view: &View<'_>, ensemble: u32, hands: &[Vec<Vec<u64>>], counts: &mut [u
         let share = share(view.camera, view.size[1], view.dealt, surface, &view.rule);
         for point in &hands[ensemble as usize] {
             let index = (surface.points.start + point) as usize;
-            let Some(point) = drawn(view, &share, index) else { continue };
-            if point.area < 1.0 && !is_drawn(point.area, index, ensemble, view.seed) {
+            let Some(point) = drawn(view, &share, index, 0.0) else { continue };
+            if point.area < 1.0 && point.area <= least_area(index, ensemble, view.seed) {
                 continue;
             }
             for pixel in pixels(&point, view.size) {
@@ -291,7 +317,7 @@ pub fn limit(camera: &Camera, size: [u32; 2], dealt: &Dealt, colors: &[DVec3], r
         let (first, end) = (surface.points.start as usize, surface.points.end as usize);
         let dealt = share.slots as f64 / (f64::from(rule.ensembles) * (end - first) as f64);
         for index in first..end {
-            let Some(point) = drawn(&view, &share, index) else { continue };
+            let Some(point) = drawn(&view, &share, index, 0.0) else { continue };
             let alpha = dealt * point.area.min(1.0);
             pixels(&point, size).for_each(|p| lists[p].push(Fragment { z: point.z, index: index as u32, alpha }));
         }

@@ -1,7 +1,12 @@
 //! Opaque splats blended in three passes (`hqs`, `splats`; Botsch, Spernat, Kobbelt 2004): the combined result of
 //! visibility, attributes and normalisation. [`super::splat`] covers opaque splats where only the nearest one counts.
 
+mod ranges;
+
 use glam::DVec3;
+
+pub use ranges::ranges;
+pub(super) use ranges::{Candidate, blend as blend_ranges, count, for_each_list, nearest};
 
 use super::Picture;
 use super::abuffer::Composite;
@@ -82,14 +87,6 @@ pub fn blend(list: &[Fragment], colors: &[DVec3], blend_depth: f64) -> Composite
     } else {
         Composite { color: DVec3::ZERO, alpha: 0.0, depth }
     }
-}
-
-/// A pixel's distance from another set of fragments: the smallest distance of a depth from the limit, over the depth. A
-/// fragment at the limit itself, such as the nearest one with a `blend_depth` of 0, counts at any precision.
-pub fn margin(list: &[Fragment], blend_depth: f64) -> f64 {
-    let limit = limit(list, blend_depth);
-    let apart = |f: &Fragment| ((f.z - limit) / f.z).abs();
-    list.iter().filter(|f| f.z != limit).map(apart).fold(f64::INFINITY, f64::min)
 }
 
 /// Pixels to a picture; `counts` are the lengths of the lists.

@@ -10,7 +10,8 @@ use pellucid_engine::methods::{Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::reference;
+use pellucid_engine::reference::range::{PictureRange, ROUNDING};
 use pellucid_engine::scene::{self, ColorSpace, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -42,23 +43,13 @@ const SHADED: Shading = Shading {
     light: Light::Direction(DVec3::new(0.3, -1.0, -0.8)),
 };
 
-/// The reference, and what it is for points that roundings have moved and settings next to those given.
-fn references(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> (Picture, Vec<Picture>) {
+/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep
+/// as linear light.
+const COLOR_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
+
+fn reference_of(points: &Points, camera: &Camera, frame: &Frame, filters: &ImageSpace) -> PictureRange {
     let colors = reference::shading::shade(points, camera, &frame.shading, frame.color);
-    let render = |points: &Points, filters: ImageSpace| {
-        reference::image_space::render(camera, frame.size, points, &colors, &filters)
-    };
-    let distance = reference::image_space::layer_distance(filters.min_layer_distance, points) as f32;
-    let others = (0..6).map(|seed| {
-        let factor = [1.0 - 1e-5, 1.0 + 1e-5][seed as usize % 2];
-        let near = ImageSpace {
-            min_layer_distance: Some(distance * factor),
-            antialias_threshold: (filters.antialias_threshold * factor).min(1.0),
-            ..*filters
-        };
-        render(&jittered(points, camera, seed), near)
-    });
-    (render(points, *filters), others.collect())
+    reference::image_space::ranges(camera, frame.size, points, &colors, filters)
 }
 
 #[test]
@@ -92,10 +83,10 @@ fn images_equal_the_reference() {
                     let points = clear_points(&soup, &camera, size, &shading);
                     assert!(points.len() > count * 8 / 10, "{}", points.len());
                     let frame = Frame { shading, color, ..frame(camera, size, Method::ImageSpace(filters)) };
-                    let (wanted, others) = references(&points, &camera, &frame, &filters);
+                    let wanted = reference_of(&points, &camera, &frame, &filters);
                     let image = render_both(device, &points, &frame).image;
-                    let found = compare_steady(&image, &wanted, &others, 2e-4);
-                    assert!(found.clone().is_ok_and(|share| share < 0.03), "{count} {filters:?}: {found:?}");
+                    let found = compare_ranges(&image, &wanted, COLOR_ERROR);
+                    assert!(found.is_ok(), "{count} {filters:?}: {found:?}");
                 }
             }
         }
@@ -111,8 +102,7 @@ fn the_comparison_notices_other_settings() {
         let frame = Frame { shading: SHADED, ..frame(camera, size, Method::ImageSpace(filters)) };
         let image = render_both(device, &points, &frame).image;
         let compared = |filters: &ImageSpace| {
-            let (wanted, others) = references(&points, &camera, &frame, filters);
-            compare_steady(&image, &wanted, &others, 2e-4)
+            compare_ranges(&image, &reference_of(&points, &camera, &frame, filters), COLOR_ERROR)
         };
         compared(&filters).expect("its own reference");
         for other in [
@@ -128,6 +118,18 @@ fn the_comparison_notices_other_settings() {
             ImageSpace { cull: false, ..filters },
         ] {
             compared(&other).expect_err("other settings");
+        }
+        // A single pixel: color, alpha, depth.
+        let wanted = reference_of(&points, &camera, &frame, &filters);
+        let middle = image.rgba.len() / 2 + 48;
+        for change in [
+            |image: &mut Image, pixel: usize| image.rgba[pixel][1] += 3.0 * COLOR_ERROR as f32,
+            |image: &mut Image, pixel: usize| image.rgba[pixel][3] -= 3.0 * COLOR_ERROR as f32,
+            |image: &mut Image, pixel: usize| image.depth[pixel] *= 1.0 + 1e-6,
+        ] {
+            let mut image = image.clone();
+            change(&mut image, middle);
+            compare_ranges(&image, &wanted, COLOR_ERROR).expect_err("another pixel");
         }
     });
 }
@@ -418,10 +420,9 @@ fn assert_scan(device: &Device, path: PathBuf, size: [u32; 2], enough: usize) {
     let filters = ImageSpace { fill: 2, min_layer_distance: Some(distance), ..ImageSpace::default() };
     let points = clear_of(&all, &camera, size, &Shading::default());
     let frame = frame(camera, size, Method::ImageSpace(filters));
-    let (wanted, others) = references(&points, &camera, &frame, &filters);
+    let wanted = reference_of(&points, &camera, &frame, &filters);
     let image = render_both(device, &points, &frame).image;
-    let found = compare_steady(&image, &wanted, &others, 2e-4);
-    assert!(found.clone().is_ok_and(|share| share < 0.03), "{found:?}");
+    compare_ranges(&image, &wanted, COLOR_ERROR).expect("the reference");
     // Background in a ring of eight.
     let holes = |filters: ImageSpace| {
         let frame = Frame { method: Method::ImageSpace(ImageSpace { antialias: false, ..filters }), ..frame };

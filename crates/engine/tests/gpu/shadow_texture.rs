@@ -7,7 +7,8 @@ use pellucid_engine::methods::shadows::lights;
 use pellucid_engine::methods::{Frame, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_engine::points::Points;
-use pellucid_engine::reference::shadows::clearances;
+use pellucid_engine::reference::range::ROUNDING;
+use pellucid_engine::reference::shadows::{Frames, share_ranges};
 use pellucid_engine::scene::{Light, Method, Shading, ShadingModel, Shadows};
 use pellucid_testing::*;
 
@@ -28,7 +29,6 @@ fn lit_frame(light: Light, shadows: Shadows) -> Frame {
 fn area(light: Light) -> Shadows {
     // Degrees, or units.
     let light_radius = if matches!(light, Light::Direction(_)) { 6.0 } else { 0.2 };
-    // No multiple of any difference between the points' depths, so that the filter has no ties for rounding to decide.
     Shadows { samples: 5, light_radius, resolution: 150, min_layer_distance: Some(0.097_31) }
 }
 
@@ -47,42 +47,22 @@ fn onion(normals: bool) -> Points {
     scene(&all.chain(sphere(1.0, DVec3::ZERO, 9000)).collect::<Vec<_>>())
 }
 
-/// Compares m with the reference; the share of points left out because rounding may decide: of the end of d̃, or of the image along
-/// whose axis a point lies deepest where several hold it.
-fn compare(points: &Points, light: Light, shadows: Shadows, seed: u64, found: &[f32]) -> Result<f64, String> {
+/// Compares m with what roundings may make of the reference's.
+fn compare(points: &Points, light: Light, shadows: Shadows, seed: u64, found: &[f32]) -> Result<(), String> {
     let bounds = points.bounds().expect("there are points");
     let casting = shadows.casting(light, seed, bounds.diagonal()).expect("it casts");
-    let distance = f64::from(casting.min_layer_distance);
-    let (mut reached, mut doubtful) = (vec![casting.samples; points.len()], vec![false; points.len()]);
-    for i in 0..casting.samples {
-        // How deep a point lies along an image's axis, and whether that image has it in shadow.
-        let mut seen: Vec<Option<(f64, bool)>> = vec![None; points.len()];
-        for view in lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution) {
-            let clearances = clearances(&view.camera, casting.resolution, points, distance);
-            for (point, clearance) in clearances.into_iter().enumerate() {
-                let Some(clearance) = clearance else { continue };
-                let (z, is_dark) = (view.camera.to_view(points.positions[point]).z, clearance < 0.0);
-                doubtful[point] |= clearance.abs() < 1e-5;
-                if let Some((other, was_dark)) = seen[point] {
-                    doubtful[point] |= (z - other).abs() < 1e-5 && is_dark != was_dark;
-                }
-                if seen[point].is_none_or(|(other, _)| z > other) {
-                    seen[point] = Some((z, is_dark));
-                }
-            }
-        }
-        for (point, seen) in seen.into_iter().enumerate() {
-            let (_, is_dark) = seen.expect("each point is in an image");
-            reached[point] -= u32::from(is_dark);
-        }
+    let cameras = |i: u32| -> Frames {
+        let views = lights::views(lights::light(&casting, &bounds, i), &bounds, casting.resolution);
+        views.iter().map(|view| view.camera).collect()
+    };
+    let cameras: Vec<Frames> = (0..casting.samples).map(cameras).collect();
+    let wanted = share_ranges(&cameras, casting.resolution, points, f64::from(casting.min_layer_distance));
+    // A quotient of whole numbers.
+    let is_off = |point: &usize| !wanted[*point].covers(f64::from(found[*point]), ROUNDING);
+    match (0..found.len()).find(is_off) {
+        None => Ok(()),
+        Some(i) => Err(format!("point {i} at {}: {}, not {:?}", points.positions[i], found[i], wanted[i])),
     }
-    for (point, m) in found.iter().enumerate() {
-        let wanted = reached[point] as f32 / casting.samples as f32;
-        if !doubtful[point] && *m != wanted {
-            return Err(format!("point {point} at {}: {m}, not {wanted}", points.positions[point]));
-        }
-    }
-    Ok(doubtful.iter().filter(|doubtful| **doubtful).count() as f64 / points.len() as f64)
 }
 
 fn lit(device: &Device, points: &Points, frame: &Frame) -> Vec<f32> {
@@ -102,8 +82,8 @@ fn shares_equal_the_reference() {
                 for shadows in [area(light), Shadows { light_radius: 0.0, resolution: 77, ..area(light) }] {
                     let frame = lit_frame(light, shadows);
                     let found = lit(device, &points, &frame);
-                    let doubtful = compare(&points, light, shadows, frame.seed, &found);
-                    assert!(doubtful.as_ref().is_ok_and(|share| *share < 0.2), "{light:?}, {shadows:?}: {doubtful:?}");
+                    let compared = compare(&points, light, shadows, frame.seed, &found);
+                    assert!(compared.is_ok(), "{light:?}, {shadows:?}: {compared:?}");
                     let dark = found.iter().filter(|m| **m == 0.0).count();
                     assert!(dark > 500 && found.contains(&1.0), "{light:?}: {dark}");
                 }
@@ -119,6 +99,10 @@ fn the_comparison_notices_other_settings() {
         let shadows = area(SUN);
         let found = lit(device, &points, &lit_frame(SUN, shadows));
         assert!(compare(&points, SUN, shadows, 4, &found).is_ok());
+        // A single point, by one of five lights.
+        let mut changed = found.clone();
+        changed[2000] += if found[2000] > 0.5 { -0.2 } else { 0.2 };
+        assert!(compare(&points, SUN, shadows, 4, &changed).is_err());
         for other in [
             Shadows { min_layer_distance: Some(0.098), ..shadows },
             Shadows { resolution: 149, ..shadows },

@@ -204,7 +204,7 @@ fn other_views_have_the_order_of_the_nearest_axis() {
 #[test]
 fn discs_are_counted_where_they_cover_pixels() {
     with_device(|device| {
-        let mixed = [soup(12, 900, 0.0..0.2, 0.0..1.0, false), soup(13, 12, 0.5..2.0, 0.0..1.0, false)].concat();
+        let mixed = [soup(12, 1000, 0.0..0.2, 0.0..1.0, false), soup(13, 12, 0.5..2.0, 0.0..1.0, false)].concat();
         for camera in [perspective(), orthographic()] {
             let size = [72, 56];
             let all = with_field(&mixed, 1.0);
@@ -217,7 +217,7 @@ fn discs_are_counted_where_they_cover_pixels() {
                     P { position, color, opacity: 1.0, radius, normal: Vec3::ZERO }
                 })
                 .collect();
-            assert!(kept.len() > 500, "{}", kept.len());
+            assert!(kept.len() > 600, "{}", kept.len());
             // Of an opacity of 1 nothing behind would be seen, and yet it counts.
             let points = with_field(&kept, 1.0);
             for softness in [0.2, 1.0] {
@@ -355,7 +355,7 @@ fn input_order_windows_and_further_frames_change_no_byte() {
             assert!(bits(&again.image) == wanted, "{budget}: {} windows", again.facts.windows);
             most = most.max(again.facts.windows);
         }
-        assert!(most > 2, "{most} windows");
+        assert!(most > 3, "{most} windows");
     });
 }
 

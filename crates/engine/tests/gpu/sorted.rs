@@ -266,6 +266,12 @@ fn a_tile_with_many_splats_goes_on_from_run_to_run() {
     });
 }
 
+/// The share of pixels in which two references differ by more than `limit`.
+fn share_apart(a: &reference::Picture, b: &reference::Picture, limit: f64) -> f64 {
+    let differ = |(a, b): &(&[f64; 4], &[f64; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > limit);
+    a.rgba.iter().zip(&b.rgba).filter(differ).count() as f64 / a.rgba.len() as f64
+}
+
 #[test]
 fn crossing_discs_are_off_by_what_their_order_makes() {
     with_device(|device| {
@@ -285,7 +291,11 @@ fn crossing_discs_are_off_by_what_their_order_makes() {
                 "{falloff:?}: {to_own:e} from its reference, {off} from the exact one, {share} of pixels over 0.01"
             );
             assert!(to_own < 3e-5 && by_abuffer < 3e-5, "{to_own} {by_abuffer}");
-            assert!(off > 0.2 && share > 0.01, "{off}, {share} of the pixels");
+            // A pixel is as far off as its reference is, but for what both images are off their references. Few are: discs of
+            // a radius of 0.1 in a cube of side 2 seldom cross. Gaussian ones are fainter where they do.
+            let crossed = share_apart(&own, &exact_reference, 0.01 + 6e-5);
+            let most = if falloff == Falloff::Flat { 0.3 } else { 0.2 };
+            assert!(off > most && share >= crossed && crossed > 0.01, "{off}, {share} of the pixels, {crossed}");
             assert_eq!(sorted.fragments, exact.fragments);
             // Transmittance does not depend on the order.
             let alpha = sorted.rgba.iter().zip(&exact.rgba).map(|(a, b)| (a[3] - b[3]).abs()).fold(0.0, f32::max);

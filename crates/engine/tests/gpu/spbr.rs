@@ -12,7 +12,8 @@ use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan::plan;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::ensembles::{Dealt, Surface};
-use pellucid_engine::reference::{Picture, spbr as reference};
+use pellucid_engine::reference::range::ROUNDING;
+use pellucid_engine::reference::spbr::{self as reference, Ranges};
 use pellucid_engine::scene::{ColorSpace, Light, Method, Shading, ShadingModel, Spbr, SpbrSimplified};
 use pellucid_testing::*;
 use rand::RngExt;
@@ -201,34 +202,29 @@ fn mixture(seed: u64) -> Dealt {
     dealt(&clouds)
 }
 
-/// Pixels that roundings decide: those that differ between references of points whose places and opacities are a
-/// few roundings of float32 others.
-fn doubtful(wanted: &Made, list: &Dealt, render: impl Fn(&Dealt) -> Made, camera: &Camera) -> Vec<bool> {
-    let mut doubtful = vec![false; wanted.0.rgba.len()];
-    for seed in 0..16 {
-        let mut r = random(seed);
-        let mut unit = || r.random_range(-1.0..1.0);
-        let mut moved = list.clone();
-        let points = Arc::make_mut(&mut moved.points);
-        for position in &mut points.positions {
-            *position += 1e-6 * position.distance(camera.eye) * DVec3::new(unit(), unit(), unit());
-        }
-        // They decide how much of a point is drawn, and so do slant and distance, which are factors of the same area.
-        for opacity in &mut points.opacities {
-            *opacity *= 1.0 + 1e-6 * unit() as f32;
-        }
-        let other = render(&moved);
-        for (pixel, doubtful) in doubtful.iter_mut().enumerate() {
-            *doubtful |= (other.0.depth[pixel] - wanted.0.depth[pixel]).abs() > 1e-5
-                || other.0.rgba[pixel] != wanted.0.rgba[pixel]
-                || other.1[pixel] != wanted.1[pixel];
-        }
-    }
-    doubtful
-}
+/// Colors are whole numbers of 1 / 2^22, half of one is added in float32, which may round it by a quarter; the mean then has
+/// two roundings.
+const COLOR_ERROR: f64 = 0.75 / 4_194_304.0 + 2.0 * ROUNDING;
+/// A standard error is at most that of half the ensembles at 0 and half of them at 1, with six roundings; colors that are off
+/// change it by no more than they are off.
+const STDERR_ERROR: f64 = COLOR_ERROR + 6.0 * ROUNDING;
 
-/// An image of the reference, and the standard errors of its colors.
-type Made = (Picture, Vec<DVec3>);
+/// Compares an image with what roundings may make of the reference's; an error names the pixels.
+fn compare(image: &Image, wanted: &Ranges) -> Result<(), String> {
+    let stderr = image.stderr.as_ref().ok_or("no standard errors")?;
+    let is_off = |i: &usize| {
+        let color = image.rgba[*i].iter().zip(wanted.rgba[*i]);
+        let error = stderr[*i].iter().zip(wanted.stderr[*i]);
+        color.into_iter().any(|(found, wanted)| !wanted.covers(f64::from(*found), COLOR_ERROR))
+            || error.into_iter().any(|(found, wanted)| !wanted.covers(f64::from(*found), STDERR_ERROR))
+            || !wanted.depth[*i].covers(f64::from(image.depth[*i]), 0.0)
+    };
+    let off: Vec<usize> = (0..image.rgba.len()).filter(is_off).collect();
+    let Some(&i) = off.first() else { return Ok(()) };
+    let found = (image.rgba[i], image.depth[i], stderr[i]);
+    let wanted = (wanted.rgba[i], wanted.depth[i], wanted.stderr[i]);
+    Err(format!("pixels {off:?}, the first is {found:?}, not {wanted:?}"))
+}
 
 #[test]
 fn images_are_those_of_the_reference() {
@@ -251,38 +247,18 @@ fn images_are_those_of_the_reference() {
                 ),
             ] {
                 let frame = Frame { seed: 11, ..frame(camera, SIZE, method) };
-                let found = render_on(&mut renderer, &list, &frame);
-                let render = |list: &Dealt| reference::render(&camera, SIZE, list, &colors, &rule, 11);
-                let made = render(&list);
-                let (wanted, errors) = &made;
-                let mut wrong = Vec::new();
-                for (i, (a, b)) in found.image.rgba.iter().zip(&wanted.rgba).enumerate() {
-                    let apart = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
-                    let stderr = found.image.stderr.as_ref().expect("asked for")[i];
-                    let error = stderr
-                        .iter()
-                        .zip(errors[i].to_array())
-                        .map(|(a, b)| (f64::from(*a) - b).abs())
-                        .fold(0.0, f64::max);
-                    let (depth, far) = (f64::from(found.image.depth[i]), wanted.depth[i]);
-                    let deep = depth != far && (depth - far).abs() > 1e-5;
-                    let off = !(apart < 1e-5 && error < 1e-4) || deep;
-                    if off {
-                        println!("pixel {i}: {a:?} {b:?}, depth {depth} {far}, error {error}");
-                        wrong.push(i);
-                    }
-                }
-                let drawn: f64 = wanted.counts.iter().map(|n| f64::from(*n)).sum();
-                println!("{distance} {perspective} {}: {wrong:?}, {drawn} points on pixels", method.name());
-                // Rounding decides otherwise now and then on which pixel a point falls, or whether it is drawn. References of
-                // moved points tell most of these pixels, but sixteen of them don't tell all: the number is still a guess.
-                assert!(wrong.len() <= 4, "{wrong:?} of {method:?}, {distance}, {perspective}");
-                if !wrong.is_empty() {
-                    let doubtful = doubtful(&made, &list, render, &camera);
-                    println!("{} pixels are doubtful", doubtful.iter().filter(|doubtful| **doubtful).count());
-                    wrong.retain(|pixel| !doubtful[*pixel]);
-                    println!("not among them: {wrong:?} of {method:?}, {distance}, {perspective}");
-                }
+                let image = render_on(&mut renderer, &list, &frame).image;
+                let wanted = reference::ranges(&camera, SIZE, &list, &colors, &rule, 11);
+                let compared = compare(&image, &wanted);
+                assert!(compared.is_ok(), "{method:?}, {distance}, {perspective}: {compared:?}");
+                // The comparison can fail: an ensemble more, and in one pixel a part of an ensemble's color less.
+                let rule = reference::Rule { ensembles: rule.ensembles + 1, ..rule };
+                let other = reference::ranges(&camera, SIZE, &list, &colors, &rule, 11);
+                compare(&image, &other).expect_err("another number of ensembles");
+                let pixel = (0..image.rgba.len()).find(|pixel| image.rgba[*pixel][1] > 0.1).expect("something green");
+                let mut changed = image.clone();
+                changed.rgba[pixel][1] -= 0.1 / rule.ensembles as f32;
+                compare(&changed, &wanted).expect_err("another color");
             }
         }
     });

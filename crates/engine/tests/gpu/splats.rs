@@ -2,14 +2,13 @@
 //! the cut of the image and the runs over a tile.
 
 use glam::Vec3;
-use pellucid_engine::camera::Camera;
 use pellucid_engine::gpu::Device;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Factors, Frame, Rendered, Renderer};
 use pellucid_engine::points::Points;
-use pellucid_engine::reference::coverage::{Shape, margin_px};
-use pellucid_engine::reference::splats::{self, Fragment};
-use pellucid_engine::reference::{self, Picture};
+use pellucid_engine::reference::coverage::Shape;
+use pellucid_engine::reference::range::{PictureRange, ROUNDING};
+use pellucid_engine::reference::{self, splats};
 use pellucid_engine::scene::{BlendedSplats, ColorSpace, Method, ScreenSplats, Shading, ShadingModel, SplatShape};
 use pellucid_testing::*;
 use rand::seq::SliceRandom;
@@ -29,61 +28,49 @@ fn blended(size: f32, max_pixel_radius: f32, blend_depth: f32) -> BlendedSplats 
     BlendedSplats { splats, blend_depth, shape: SplatShape::Circle }
 }
 
-/// Keeps the points whose every coverage decision is clear in float32 too.
-fn clear(points: &[P], camera: &Camera, size: [u32; 2], shape: Shape, settings: &ScreenSplats) -> Points {
-    let all = scene(points);
-    let kept: Vec<usize> = (0..all.len())
-        .filter(|i| margin_px(camera, size, &splats::splat(camera, size, &all, *i, shape, settings)) > 0.02)
-        .collect();
-    Points {
-        positions: kept.iter().map(|i| all.positions[*i]).collect(),
-        colors: kept.iter().map(|i| all.colors[*i]).collect(),
-        opacities: kept.iter().map(|i| all.opacities[*i]).collect(),
-        radii: kept.iter().map(|i| all.radii[*i]).collect(),
-        normals: all.normals.as_ref().map(|normals| kept.iter().map(|i| normals[*i]).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+/// Weights have an exponential of 1 and its argument's 3 roundings, times a color 1; sums are compensated, and their quotient has
+/// 3. Both sums have errors of the same sort.
+const SUM_ERROR: f64 = 13.0 * ROUNDING;
+
+/// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep
+/// as linear light.
+const SHADING_ERROR: f64 = 50.0 * 12.92 * ROUNDING;
+
+/// Everything that roundings may make of an image.
+fn ranges(points: &Points, frame: &Frame, shape: Shape, settings: &BlendedSplats) -> PictureRange {
+    splats::ranges(&frame.camera, frame.size, points, &colors(points), shape, settings)
+}
+
+/// Compares an image with them; A is 0 or 1 to the bit.
+fn compare(image: &Image, wanted: &PictureRange, slack: f64) -> Result<(), String> {
+    let is_off = |pixel: &usize| !wanted.rgba[*pixel][3].covers(f64::from(image.rgba[*pixel][3]), 0.0);
+    match (0..image.rgba.len()).find(is_off) {
+        None => compare_ranges(image, wanted, slack),
+        Some(pixel) => Err(format!("pixel {pixel}: A is {}", image.rgba[pixel][3])),
     }
 }
 
-/// Relative errors of depths in float32: a few roundings of a flat disc's, to which a tilted one adds its slope.
-fn depth_error(shape: Shape) -> f64 {
-    if shape == Shape::Oriented { 4e-5 } else { 1e-6 }
-}
-
-/// Compares an image with the reference where it is clear in float32 which fragments count; the share of other pixels.
-fn compare(image: &Image, wanted: &Picture, margins: &[f64], shape: Shape, bound: f64) -> Result<f64, String> {
-    let mut doubtful = 0;
-    for (at, margin) in margins.iter().enumerate() {
-        let (found, depth) = (f64::from(image.depth[at]), wanted.depth[at]);
-        let close = found == depth || (found - depth).abs() <= depth_error(shape) * depth;
-        if !close {
-            return Err(format!("pixel {at}: depth {found} {depth}"));
+#[test]
+fn the_comparison_with_ranges_notices_what_roundings_cannot_do() {
+    with_device(|device| {
+        let points = scene(&soup(5, 3000, 0.02..0.2, 0.1..0.9, true));
+        for shape in SHAPES {
+            let settings = BlendedSplats::default();
+            let frame = frame(perspective(), [90, 70], method(shape, settings));
+            let image = render(device, &points, &frame);
+            let of = |points: &Points, settings: &BlendedSplats| {
+                compare(&image, &ranges(points, &frame, shape, settings), SUM_ERROR)
+            };
+            of(&points, &settings).expect("its own reference");
+            // A little more reach, radii a thousandth larger, the nearest of 3000 points missing.
+            of(&points, &BlendedSplats { blend_depth: 1.001, ..settings }).expect_err("another reach");
+            let radii = points.radii.iter().map(|radius| 1.001 * radius).collect();
+            of(&Points { radii, ..points.clone() }, &settings).expect_err("other radii");
+            let far = |i: &usize| points.positions[*i].distance(frame.camera.eye);
+            let nearest = (0..points.len()).min_by(|a, b| far(a).total_cmp(&far(b))).expect("one");
+            of(&picked(&points, |i| i != nearest), &settings).expect_err("a point is missing");
         }
-        if *margin < depth_error(shape) {
-            doubtful += 1;
-            continue;
-        }
-        for (found, wanted) in image.rgba[at].iter().zip(wanted.rgba[at]) {
-            let close = (f64::from(*found) - wanted).abs() <= bound;
-            if !close {
-                return Err(format!("pixel {at}: {:?} {:?}", image.rgba[at], wanted));
-            }
-        }
-        if image.rgba[at][3] != wanted.rgba[at][3] as f32 {
-            return Err(format!("pixel {at}: A is {}", image.rgba[at][3]));
-        }
-    }
-    Ok(f64::from(doubtful) / margins.len() as f64)
-}
-
-fn margins(lists: &[Vec<Fragment>], blend_depth: f32) -> Vec<f64> {
-    lists.iter().map(|list| splats::margin(list, f64::from(blend_depth))).collect()
-}
-
-/// The bound of [`compare`]: weights come from ρ, which tilts make less precise, and an exponential.
-fn color_error(shape: Shape) -> f64 {
-    if shape == Shape::Oriented { 1e-4 } else { 2e-5 }
+    });
 }
 
 #[test]
@@ -94,22 +81,17 @@ fn images_equal_the_reference() {
         let mut mixed = [soup(1, 2000, 0.0..0.15, 0.0..1.0, true), soup(2, 60, 0.3..2.0, 0.1..0.9, true)].concat();
         mixed.iter_mut().step_by(7).for_each(|p| p.normal = Vec3::ZERO);
         let all = [blended(1.0, 25.0, 1.0), blended(1.7, 6.0, 0.3), blended(1.0, 25.0, 0.0), blended(0.5, 1e9, 4.0)];
+        let points = scene(&mixed);
         for camera in [perspective(), orthographic()] {
             for (shape, settings) in SHAPES.into_iter().flat_map(|shape| all.map(|settings| (shape, settings))) {
-                let points = clear(&mixed, &camera, size, shape, &settings.splats);
-                assert!(points.len() > 700, "{}", points.len());
-                let lists = splats::lists(&camera, size, &points, shape, &settings.splats, |_| true);
-                let wanted = splats::render(&camera, size, &points, &colors(&points), shape, &settings);
-                let image = render(device, &points, &frame(camera, size, method(shape, settings)));
-                let margins = margins(&lists, settings.blend_depth);
-                let of = |wanted: &Picture| compare(&image, wanted, &margins, shape, color_error(shape));
-                let doubtful = of(&wanted);
-                println!("{shape:?} {settings:?}: {doubtful:?}");
-                assert!(doubtful.clone().is_ok_and(|share| share < 0.01), "{shape:?} {settings:?}: {doubtful:?}");
+                let frame = frame(camera, size, method(shape, settings));
+                let image = render(device, &points, &frame);
+                let of = |settings| compare(&image, &ranges(&points, &frame, shape, settings), SUM_ERROR);
+                let found = of(&settings);
+                assert!(found.is_ok(), "{shape:?} {settings:?}: {found:?}");
                 assert_eq!(image.fragments, None);
-                // The comparison can fail: another reach, and the nearest alone.
-                let other = BlendedSplats { blend_depth: settings.blend_depth + 0.2, ..settings };
-                assert!(of(&splats::render(&camera, size, &points, &colors(&points), shape, &other)).is_err());
+                // The comparison can fail: another reach.
+                of(&BlendedSplats { blend_depth: settings.blend_depth + 0.2, ..settings }).expect_err("another reach");
             }
         }
     });
@@ -121,17 +103,14 @@ fn shaded_and_encoded_colors_are_blended_and_radii_follow_the_factor() {
         let (size, camera) = ([100, 70], perspective());
         let settings = BlendedSplats::default();
         for shape in SHAPES {
-            let points = clear(&soup(3, 1500, 0.02..0.2, 0.1..0.9, true), &camera, size, shape, &settings.splats);
+            let points = scene(&soup(3, 1500, 0.02..0.2, 0.1..0.9, true));
             let mut frame = frame(camera, size, method(shape, settings));
             frame.shading = Shading { model: ShadingModel::Phong, specular: 0.4, ..Shading::default() };
             frame.color = ColorSpace::Encoded;
             let colors = reference::shading::shade(&points, &camera, &frame.shading, frame.color);
-            let lists = splats::lists(&camera, size, &points, shape, &settings.splats, |_| true);
-            let wanted = splats::render(&camera, size, &points, &colors, shape, &settings);
+            let wanted = splats::ranges(&camera, size, &points, &colors, shape, &settings);
             let image = render(device, &points, &frame);
-            // Powers and the curve of sRGB round by themselves.
-            let found = compare(&image, &wanted, &margins(&lists, settings.blend_depth), shape, 2e-4);
-            assert!(found.clone().is_ok_and(|share| share < 0.01), "{shape:?}: {found:?}");
+            compare(&image, &wanted, SUM_ERROR + SHADING_ERROR).expect("the reference");
             // Half the uploaded radii, doubled; powers of two round the same.
             let half = Points { radii: points.radii.iter().map(|r| 0.5 * r).collect(), ..points.clone() };
             frame.factors = Factors { radius: 2.0, opacity: 0.1 };
@@ -260,25 +239,7 @@ fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
             let whole = renderer.render(&mut cloud, &frame).expect("renders");
             assert_eq!((runs(&whole, "splats/visibility"), runs(&whole, "splats/attributes")), (2, 2));
             assert_eq!((whole.facts.windows, whole.facts.splatted, whole.facts.layered), (1, 1, 0));
-            let lists = splats::lists(&camera, size, &points, shape, &settings.splats, |_| true);
-            let margins = margins(&lists, settings.blend_depth);
-            let wanted = splats::render(&camera, size, &points, &colors(&points), shape, &settings);
-            // Coverage is not safe here: rims may fall on either side of a pixel's centre.
-            let off = (0..margins.len()).filter(|at| {
-                let far =
-                    whole.image.rgba[*at].iter().zip(wanted.rgba[*at]).any(|(a, b)| (f64::from(*a) - b).abs() > 1e-4);
-                far && margins[*at] > depth_error(shape)
-            });
-            let off: Vec<usize> = off.collect();
-            // How many splats cover a pixel if their radii are a few roundings smaller, or larger.
-            let lengths = |factor: f32| -> Vec<usize> {
-                let radii = points.radii.iter().map(|radius| radius * factor).collect();
-                let points = Points { radii, ..points.clone() };
-                splats::lists(&camera, size, &points, shape, &settings.splats, |_| true).iter().map(Vec::len).collect()
-            };
-            let (fewer, more) = (lengths(1.0 - 1e-5), lengths(1.0 + 1e-5));
-            assert!(off.iter().all(|at| fewer[*at] != more[*at]), "{shape:?}: {off:?}");
-            assert!(off.len() < 40, "{shape:?}: {off:?}");
+            compare(&whole.image, &ranges(&points, &frame, shape, &settings), SUM_ERROR).expect("the reference");
             frame.memory_budget = Some(100 << 10);
             let named = match renderer.render(&mut cloud, &frame) {
                 Err(Error::SortOverBudget { budget, .. }) => budget,
@@ -342,15 +303,7 @@ fn devices_that_bind_little_take_chunks() {
         let frame =
             Frame { fragments: false, ..frame(perspective(), [100, 80], Method::Splats(BlendedSplats::default())) };
         let image = renderer.render(&mut cloud, &frame).expect("renders").image;
-        let wanted = splats::render(
-            &frame.camera,
-            frame.size,
-            &points,
-            &colors(&points),
-            Shape::Oriented,
-            &BlendedSplats::default(),
-        );
-        let (_, over) = difference(&image, &wanted, 1e-3);
-        assert!(over < 0.03, "{over}");
+        let wanted = ranges(&points, &frame, Shape::Oriented, &BlendedSplats::default());
+        compare(&image, &wanted, SUM_ERROR).expect("the reference");
     });
 }

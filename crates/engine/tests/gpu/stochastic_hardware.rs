@@ -93,9 +93,16 @@ fn samples_are_those_of_the_reference() {
             let allowed = if (shape, falloff) == (DiscShape::Flat, Falloff::Flat) { 0.0 } else { 0.003 };
             assert!(off <= allowed, "{settings:?}: {off}");
             assert_eq!(image.fragments.as_deref(), Some(&wanted.0.counts[..]));
-            // Another seed's samples are others, and the comparison notices.
+            // Another seed's samples are others, and the comparison notices: a color within its bound of one reference is off
+            // the other where these are two bounds apart. Few pixels are: with alpha correction a single fragment, or several
+            // of one color, have no noise.
             let other = sampled(&points, &camera, size, &settings, 8);
-            assert!(share_off(image, &other, bound) > 0.01, "{settings:?}");
+            let are_apart = |(a, b): (&[f64; 4], &[f64; 4])| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 2.0 * bound);
+            let apart = wanted.0.rgba.iter().zip(&other.0.rgba).filter(|pair| are_apart(*pair)).count();
+            let apart = apart as f64 / wanted.0.rgba.len() as f64;
+            let found = share_off(image, &other, bound);
+            println!("{settings:?}: {found} off the other seed, {apart} apart");
+            assert!(apart > 0.01 && found >= apart - off, "{settings:?}: {found}, {apart}");
         }
     });
 }

@@ -70,6 +70,7 @@ mod opaque;
 mod oriented_discs;
 mod peel_layers;
 mod peeling;
+mod ranges;
 mod shaded;
 mod shadows;
 mod soft_approximations;
