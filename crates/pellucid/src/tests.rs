@@ -1,4 +1,6 @@
-//! The examples run, and the surface stays small.
+//! Cancelled work, the examples, and the size of the surface.
+
+mod cancelled;
 
 use std::path::Path;
 
@@ -54,8 +56,7 @@ fn all_examples_run() {
     }
 }
 
-/// The lines that make an item public: functions, types, fields and what is exported from elsewhere, but for what is public in
-/// the crate alone.
+/// Counts the lines that make an item public to other crates: functions, types, fields and re-exports.
 fn public_items(source: &str) -> usize {
     let items = source.lines().map(str::trim_start).filter(|line| line.starts_with("pub "));
     items.map(|line| if line.starts_with("pub use") { line.matches(',').count() + 1 } else { 1 }).sum()
@@ -65,7 +66,10 @@ fn public_items(source: &str) -> usize {
 fn the_surface_has_at_most_150_items() {
     let mut count = 0;
     for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap() {
-        count += public_items(&std::fs::read_to_string(entry.unwrap().path()).unwrap());
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            count += public_items(&std::fs::read_to_string(path).unwrap());
+        }
     }
     assert!((50..=150).contains(&count), "{count}");
     assert_eq!(
