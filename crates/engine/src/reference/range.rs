@@ -17,7 +17,8 @@ pub const DEPTH_ERROR: f64 = 2.0 * ROUNDING;
 /// 48 bits, less a few for some ten operations.
 const SCREEN_ERROR: f64 = 1.0 / (1u64 << 42) as f64;
 
-/// See [`SCREEN_ERROR`]; `at` in pixels from the corner of an image of `side` pixels. Pixel borders are decided that finely.
+/// The error of a place on the screen in two-float arithmetic, in pixels; `at` in pixels from the corner of an image of `side`
+/// pixels. Pixel borders are decided that finely.
 pub fn screen_error(at: f64, side: u32) -> f64 {
     SCREEN_ERROR * (1.0 + f64::from(side) + at.abs())
 }

@@ -1,7 +1,7 @@
 //! `points`: 1-pixel opaque points. A point is one pixel, so that no splats are made: each goes straight to its pixel, and
 //! only those that win there are shaded.
 //!
-//! The equations are those of the other opaque methods ([`super::splat`]), the projection is `project/splats`'s own.
+//! The equations are those of the other opaque methods ([`super::opaque`]), the projection is `project/splats`'s own.
 
 mod engine;
 

@@ -41,7 +41,7 @@ pub struct WindowJob<'a> {
     pub perspective: bool,
     /// How the nearest points are found.
     pub form: Form,
-    /// Points on the device at a time, if not all: see [`stream::window_points`]. [`Form::Single`] needs all.
+    /// Points on the device at a time, if not all: see `stream::window_points`. [`Form::Single`] needs all.
     pub streamed: Option<u64>,
     /// Most bits of a key for epochs.
     pub most_epoch_bits: u32,

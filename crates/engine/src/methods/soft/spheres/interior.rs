@@ -101,7 +101,7 @@ impl Choices for Interior {
 pub struct Kind {
     /// The inside of a sphere.
     pub interior: Interior,
-    /// True if it is so dense that float32 would show ([`SoftModel::is_stiff`]).
+    /// True if it is so dense that float32 would show (`SoftModel::is_stiff`).
     pub exact: bool,
     /// True if some points are modulated.
     pub modulated: bool,
