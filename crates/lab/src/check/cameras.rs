@@ -62,8 +62,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn looking(eye: DVec3, target: DVec3, degrees: f64, near: f64, far: f64) -> Camera {
     let projection = Projection::Perspective { fov_y: degrees.to_radians() };
-    Camera::look_at(eye, target, DVec3::Y, projection, near, far)
-        .unwrap_or_else(|| unreachable!("no view is along the vertical"))
+    super::stage::looking(eye, target, projection, near, far)
 }
 
 /// Discs around a position, spread by a few multiplications, in a box of these half sides.

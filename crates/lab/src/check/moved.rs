@@ -65,8 +65,7 @@ fn dots() -> Vec<Dot> {
 fn camera() -> Camera {
     let projection = Projection::Perspective { fov_y: 45f64.to_radians() };
     // The eye lies on the grid, too.
-    Camera::look_at(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, DVec3::Y, projection, 0.125, 128.0)
-        .unwrap_or_else(|| unreachable!("the eye lies beside the middle"))
+    super::stage::looking(DVec3::new(0.5, 0.75, 3.5), DVec3::ZERO, projection, 0.125, 128.0)
 }
 
 fn moved(stage: &mut Stage, method: Method) -> Result<Finding, Trouble> {

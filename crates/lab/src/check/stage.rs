@@ -91,12 +91,19 @@ pub fn cloud(dots: &[Dot]) -> Points {
     })
 }
 
+/// A camera from a case's own constants, +Y up.
+///
+/// # Panics
+/// Eye and target coincide, the view is vertical, or `projection`, `near` or `far` allow none.
+pub fn looking(eye: DVec3, target: DVec3, projection: Projection, near: f64, far: f64) -> Camera {
+    Camera::look_at(eye, target, DVec3::Y, projection, near, far).expect("a case's constants make a view")
+}
+
 /// A camera that looks down −Z onto pixels of one world unit: x and −y are columns and rows from the image's corner.
 pub fn pixels(size: [u32; 2]) -> Camera {
     let center = DVec3::new(f64::from(size[0]) / 2.0, -f64::from(size[1]) / 2.0, 0.0);
     let height = f64::from(size[1]);
-    Camera::look_at(center, center - DVec3::Z, DVec3::Y, Projection::Orthographic { height }, 0.5, 1e7)
-        .unwrap_or_else(|| unreachable!("a size has at least one pixel"))
+    looking(center, center - DVec3::Z, Projection::Orthographic { height }, 0.5, 1e7)
 }
 
 /// The centre of a pixel of [`pixels`] at a depth.

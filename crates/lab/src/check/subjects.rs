@@ -10,7 +10,7 @@ use glam::DVec3;
 use pellucid_engine::progress::Progress;
 
 use super::stage;
-use pellucid_engine::camera::{Camera, Projection};
+use pellucid_engine::camera::Projection;
 use pellucid_engine::methods::{Error, Frame, Rendered, Renderer};
 use pellucid_engine::plan;
 use pellucid_engine::points::Points;
@@ -145,8 +145,7 @@ fn subject(
     let (method, _why) = plan::resolve(choice, &joined(&clouds));
     let fov_y = 0.8;
     let eye = DVec3::new(0.75, 1.0, 3.5);
-    let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, Projection::Perspective { fov_y }, 0.1, 100.0)
-        .unwrap_or_else(|| unreachable!("eye and target differ, and the view is not vertical"));
+    let camera = stage::looking(eye, DVec3::ZERO, Projection::Perspective { fov_y }, 0.1, 100.0);
     let mut frame = Frame { fragments: true, ..stage::frame(camera, SIZE, method) };
     change(&mut frame);
     let comma = if special.is_empty() { "" } else { ", " };

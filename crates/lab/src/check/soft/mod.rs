@@ -146,6 +146,5 @@ fn against_float64(
 
 fn wide(degrees: f64, near: f64) -> Camera {
     let projection = Projection::Perspective { fov_y: degrees.to_radians() };
-    Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, projection, near, 1e6)
-        .unwrap_or_else(|| unreachable!("looks along an axis"))
+    super::stage::looking(DVec3::ZERO, DVec3::NEG_Z, projection, near, 1e6)
 }
