@@ -11,13 +11,19 @@ esac
 
 step() { echo "== $*"; }
 
-# Runs a tool that not everybody has; CI has all of them.
+# Debian packages none of these, so that CI does without them; whoever makes a release has them.
+ci_lacks=" typos cargo-deny ruff "
+
+# Runs a tool that not everybody has. CI fails without it, unless it is one of those above.
 optional() {
     local tool=$1 how=$2
     shift 2
     step "$*"
     if command -v "$tool" >/dev/null; then
         "$@"
+    elif [[ ${CI:-} == true && $ci_lacks != *" $tool "* ]]; then
+        echo "error: $tool is not installed ($how)" >&2
+        exit 1
     else
         echo "note: skipped, $tool is not installed ($how)"
     fi

@@ -118,6 +118,9 @@ find_missing() {
     if $for_tests && [[ ${CI:-} == true ]] && ! command -v weston >/dev/null; then
         names+=("weston, a Wayland compositor for a test of the window") packages+=(weston)
     fi
+    if $for_tests && [[ ${CI:-} == true ]] && ! command -v python3 >/dev/null; then
+        names+=("python3, for the tests of tools/peers") packages+=(python3)
+    fi
     if $for_tests && ! has_x11; then
         names+=("the X11 libraries of a window") packages+=(libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0)
     fi

@@ -9,6 +9,8 @@ cd "$(dirname "$0")/.."
 
 tools/setup.sh --tests
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
+# What is built for the first time has nothing to be incremental to.
+if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
 if [[ ${CI:-} != true ]]; then
     exec cargo test --locked --workspace "$@"
 fi

@@ -268,7 +268,7 @@ fn only_unsorted_asks_for_the_order_of_the_files() {
 #[test]
 fn neither_windows_nor_runs_over_a_tile_change_a_byte() {
     with_device(|device| {
-        let size = [160, 96];
+        let size = [80, 48];
         // Every tile has some 2500 splats, of which a run takes 2048.
         let points =
             scene(&[soup(41, 2300, 2.0..3.0, 0.001..0.02, true), soup(42, 300, 0.0..0.1, 0.1..0.9, true)].concat());

@@ -340,13 +340,13 @@ fn no_budget_and_no_other_frame_changes_a_byte() {
             min_layer_distance: Some(0.1),
             ..PeelLayers::default().filters
         };
-        let mut frame = frame(perspective(), [150, 110], Method::PeelLayers(layers(filters, 6)));
+        let mut frame = frame(perspective(), [100, 74], Method::PeelLayers(layers(filters, 6)));
         let mut renderer = Renderer::new(device).expect("a renderer");
         let mut cloud = renderer.upload(&points).expect("fits");
         let whole = renderer.render(&mut cloud, &frame).expect("renders");
         assert_eq!(whole.facts.windows, 1);
         let mut cuts = 0;
-        for budget in [1 << 20, 512 << 10, 256 << 10] {
+        for budget in [512 << 10, 384 << 10, 256 << 10] {
             frame.memory_budget = Some(budget);
             let cut = renderer.render(&mut cloud, &frame).expect("renders");
             cuts += usize::from(cut.facts.windows > 1);

@@ -205,12 +205,12 @@ fn share_of_disc(t: f64) -> f64 {
 fn half_a_disc_of_light_is_half_the_light() {
     with_device(|device| {
         let size = [64, 9];
-        // A half-plane over the left half: its border is at x = 32, and reaches far beyond the floor in y.
+        // A half-plane over the left half: its border is at x = 32, and reaches beyond the floor in y as far as the light does.
         let mut points = floor(size, Vec3::ZERO, |_, _| FLOOR);
         // The middle column of points lies right below the border.
         points.iter_mut().for_each(|p| p.position.x -= 0.5);
         points.iter_mut().filter(|p| p.position.x == 0.0).for_each(|p| p.position.x = 0.25);
-        points.extend(lid(-40.0..32.0, -16.0..25.0, LID, 0.25));
+        points.extend(lid(-10.0..32.0, -8.0..17.0, LID, 0.25));
         let (radius, height) = (10.0f64, 60.0);
         // By how many radii of the disc the line through a point and the border misses its centre.
         let reach = (FLOOR - LID) * radius.to_radians().tan();
@@ -233,7 +233,7 @@ fn half_a_disc_of_light_is_half_the_light() {
             for samples in [16u32, 100, 400] {
                 let mut means = [0f64; 64];
                 for seed in 0..3 {
-                    let shadows = Shadows { samples, light_radius, resolution: 512, min_layer_distance: Some(5.0) };
+                    let shadows = Shadows { samples, light_radius, resolution: 360, min_layer_distance: Some(5.0) };
                     let frame = Frame { seed, ..lit_frame(camera(size, 70.0), size, light, shadows) };
                     let image = render(device, &scene(&points), &frame);
                     for (x, mean) in means.iter_mut().enumerate() {

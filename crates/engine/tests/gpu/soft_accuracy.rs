@@ -312,7 +312,7 @@ fn a_soup_of_two_hundred() {
 #[test]
 fn a_camera_inside_of_spheres() {
     with_device(|device| {
-        let size = [48, 36];
+        let size = [32, 24];
         let eye = DVec3::new(0.1, -0.2, 0.3);
         let target = DVec3::new(-1.0, 0.5, -1.0);
         let one = S { position: DVec3::new(0.0, 0.0, 0.0), radius: 0.8, color: Vec3::ONE, field: 1.0 };

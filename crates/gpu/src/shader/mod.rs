@@ -34,6 +34,8 @@ mod network;
 mod reflect;
 mod variant;
 
+use std::collections::HashMap;
+
 use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
@@ -81,20 +83,32 @@ fn compile_stage<P: Pass>(stem: &str, variant: &Variant, all_bindings: bool) -> 
     }
     let module = parse(stem, &source)?;
     check_declaration(stem, &module, &P::bindings(), P::Push::push_shape().as_ref(), all_bindings)?;
-    let words = spirv::correct(&generate(stem, &source, &module, &variant.overrides)?);
+    let info = validated(stem, &source, &module)?;
+    let words = spirv::correct(&generate(stem, &module, &info, &variant.overrides)?);
     cache::store("spirv", &key, bytemuck::cast_slice(&words));
     Ok(words)
 }
 
-/// Compiles a pass's shader and compares it with the declaration, past the cache.
+/// Compiles variants of a pass's shader and compares them with the declaration, past the cache. Variants that differ in overrides
+/// alone have the same text, which is parsed once.
 ///
 /// # Errors
-/// If it is no valid WGSL, differs from the declaration, or lacks an override that the variant sets.
-pub fn check<P: Pass>(variant: &Variant) -> Result<(), Error> {
-    let source = source::<P>(P::SHADER, variant)?;
-    let module = parse(P::SHADER, &source)?;
-    check_declaration(P::SHADER, &module, &P::bindings(), P::Push::push_shape().as_ref(), true)?;
-    generate(P::SHADER, &source, &module, &variant.overrides).map(|_| ())
+/// If one is no valid WGSL, differs from the declaration, or lacks an override that it sets.
+pub fn check<P: Pass>(variants: &[Variant]) -> Result<(), Error> {
+    let mut texts: HashMap<String, Vec<&Variant>> = HashMap::new();
+    for variant in variants {
+        texts.entry(source::<P>(P::SHADER, variant)?).or_default().push(variant);
+    }
+    for (source, variants) in texts {
+        let module = parse(P::SHADER, &source)?;
+        check_declaration(P::SHADER, &module, &P::bindings(), P::Push::push_shape().as_ref(), true)?;
+        let info = validated(P::SHADER, &source, &module)?;
+        for variant in variants {
+            generate(P::SHADER, &module, &info, &variant.overrides)
+                .map_err(|cause| error(P::SHADER, format!("{variant:?}: {cause}")))?;
+        }
+    }
+    Ok(())
 }
 
 fn parse(stem: &str, source: &str) -> Result<naga::Module, Error> {
@@ -114,17 +128,16 @@ fn validated(stem: &str, source: &str, module: &naga::Module) -> Result<ModuleIn
 
 fn generate(
     stem: &str,
-    source: &str,
     module: &naga::Module,
+    info: &ModuleInfo,
     overrides: &[(&'static str, f64)],
 ) -> Result<Vec<u32>, Error> {
-    let info = validated(stem, source, module)?;
     let known: Vec<&str> = module.overrides.iter().filter_map(|(_, o)| o.name.as_deref()).collect();
     if let Some((name, _)) = overrides.iter().find(|(name, _)| !known.contains(name)) {
         return Err(error(stem, format!("no override {name}")));
     }
     let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let (module, info) = naga::back::pipeline_constants::process_overrides(module, &info, None, &constants)
+    let (module, info) = naga::back::pipeline_constants::process_overrides(module, info, None, &constants)
         .map_err(|e| error(stem, e.to_string()))?;
     let options = spv::Options {
         lang_version: (1, 3),
@@ -146,7 +159,8 @@ pub(crate) fn to_spirv(
     overrides: &[(&'static str, f64)],
     corrected: bool,
 ) -> Result<Vec<u32>, Error> {
-    let words = generate(stem, source, &parse(stem, source)?, overrides)?;
+    let module = parse(stem, source)?;
+    let words = generate(stem, &module, &validated(stem, source, &module)?, overrides)?;
     Ok(if corrected { spirv::correct(&words) } else { words })
 }
 

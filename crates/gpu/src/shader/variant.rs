@@ -172,7 +172,7 @@ pub struct Shader {
     pub stem: &'static str,
     /// Every variant that is ever run; of numbers that a frame decides some.
     pub variants: Vec<Variant>,
-    check: fn(&Variant) -> Result<(), Error>,
+    check: fn(&[Variant]) -> Result<(), Error>,
     reflection: fn(&Variant) -> Result<Reflection, Error>,
 }
 
@@ -194,12 +194,12 @@ impl Shader {
         Self::new::<P>([Variant::plain()])
     }
 
-    /// Compiles a variant and compares it with the declaration.
+    /// Compiles its variants and compares them with the declaration.
     ///
     /// # Errors
     /// As [`check`].
-    pub fn check(&self, variant: &Variant) -> Result<(), Error> {
-        (self.check)(variant)
+    pub fn check(&self) -> Result<(), Error> {
+        (self.check)(&self.variants)
     }
 
     /// Entry point and overrides of a variant.
