@@ -11,8 +11,11 @@ tools/setup.sh --tests
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
 # What is built for the first time has nothing to be incremental to.
 if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
+# All that has tests; `cargo test` alone builds every example as well, which tools/check.sh's clippy does faster.
+targets=(--workspace --lib --bins --tests --example drivers)
 if [[ ${CI:-} != true ]]; then
-    exec cargo test --locked --workspace "$@"
+    cargo test --locked "${targets[@]}" "$@"
+    exec cargo test --locked --workspace --doc "$@"
 fi
 
 # Nobody has the real clouds but some developers; tests/data stands in for them.
@@ -26,4 +29,5 @@ target/release/pellucid check
 echo "== cargo test"
 export PELLUCID_SHORT_SWEEPS=1
 # GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.
-exec cargo test --locked --workspace "$@" -- --include-ignored --skip gpu_assisted_validation
+cargo test --locked "${targets[@]}" "$@" -- --include-ignored --skip gpu_assisted_validation
+exec cargo test --locked --workspace --doc "$@" -- --include-ignored

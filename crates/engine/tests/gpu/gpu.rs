@@ -112,7 +112,7 @@ fn allocations_are_reported_by_name_until_they_are_gone() {
 /// Old validation layers race with whoever frees a command buffer (CONTRIBUTING.md), and two recorders must not share a pool.
 #[test]
 fn command_buffers_are_used_again_and_never_shared() {
-    with_device(|device| {
+    with_new_device(|device| {
         let buffer = device.buffer::<u32>("numbers", 64, Memory::Device).expect("fits");
         for round in 0..50 {
             let mut recorder = device.recorder().expect("a recorder");

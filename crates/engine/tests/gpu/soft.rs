@@ -235,15 +235,18 @@ fn any_radius_gives_numbers() {
                     sphere.radius = radius;
                 }
                 let mut cloud = renderer.upload(&cloud(&spheres)).expect("fits");
-                for density in [Density::Softness(1.0), Density::Lambda(1e-30), Density::Lambda(1e30)] {
-                    for modulation in [None, Some(0.9)] {
-                        for method in methods(Soft { density, modulation, ..Soft::default() }) {
-                            let frame = frame(camera, size, method);
-                            let image = renderer.render(&mut cloud, &frame).expect("renders").image;
-                            let sane = |p: &[f32; 4]| p.iter().all(|v| v.is_finite() && *v >= 0.0 && *v <= 1.0 + 1e-4);
-                            assert!(image.rgba.iter().all(sane), "{radius:e} {method:?}");
-                            assert!(image.depth.iter().all(|z| *z > 0.0), "{radius:e} {method:?}");
-                        }
+                for (density, modulation) in [
+                    (Density::Softness(1.0), None),
+                    (Density::Softness(1.0), Some(0.9)),
+                    (Density::Lambda(1e-30), None),
+                    (Density::Lambda(1e30), Some(0.9)),
+                ] {
+                    for method in methods(Soft { density, modulation, ..Soft::default() }) {
+                        let frame = frame(camera, size, method);
+                        let image = renderer.render(&mut cloud, &frame).expect("renders").image;
+                        let sane = |p: &[f32; 4]| p.iter().all(|v| v.is_finite() && *v >= 0.0 && *v <= 1.0 + 1e-4);
+                        assert!(image.rgba.iter().all(sane), "{radius:e} {method:?}");
+                        assert!(image.depth.iter().all(|z| *z > 0.0), "{radius:e} {method:?}");
                     }
                 }
             }
