@@ -11,22 +11,26 @@ esac
 
 step() { echo "== $*"; }
 
-# Debian packages none of these, so that CI does without them; whoever makes a release has them.
-ci_lacks=" typos cargo-deny ruff "
+# Debian packages none of the first three; the fourth would be packaged for a Python of its own. CI does without them, and whoever
+# makes a release has them.
+ci_lacks=" typos cargo-deny ruff numpy "
 
-# Runs a tool that not everybody has. CI fails without it, unless it is one of those above.
+# Says that a tool is missing, and what to do. In CI an error, unless the tool is one of those above.
+missing() {
+    local tool=$1 how=$2
+    if [[ ${CI:-} == true && $ci_lacks != *" $tool "* ]]; then
+        echo "error: $tool is not installed ($how)" >&2
+        exit 1
+    fi
+    echo "note: skipped, $tool is not installed ($how)"
+}
+
+# Runs a tool that not everybody has.
 optional() {
     local tool=$1 how=$2
     shift 2
     step "$*"
-    if command -v "$tool" >/dev/null; then
-        "$@"
-    elif [[ ${CI:-} == true && $ci_lacks != *" $tool "* ]]; then
-        echo "error: $tool is not installed ($how)" >&2
-        exit 1
-    else
-        echo "note: skipped, $tool is not installed ($how)"
-    fi
+    if command -v "$tool" >/dev/null; then "$@"; else missing "$tool" "$how"; fi
 }
 
 step cargo fmt --all --check
@@ -42,6 +46,9 @@ optional cargo-deny "cargo install --locked cargo-deny" cargo deny --locked chec
 optional ruff "pip install ruff" ruff check tools/peers
 optional ruff "pip install ruff" ruff format --check tools/peers
 optional python3 "the scripts in tools/peers are in Python" python3 -m unittest discover tools/peers
+if command -v python3 >/dev/null && ! python3 -c 'import numpy' 2>/dev/null; then
+    missing numpy "pip install numpy; tools/peers/test_exact.py needs it"
+fi
 if [[ ${1:-} != --lints ]]; then
     step tools/test.sh
     # What CI demands besides was just looked at.
