@@ -11,11 +11,13 @@ tools/setup.sh --tests
 export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
 # What is built for the first time has nothing to be incremental to.
 if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
-# All that has tests; `cargo test` alone builds every example as well, which tools/check.sh's clippy does faster.
-targets=(--workspace --lib --bins --tests --example drivers)
+# What has tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy does faster.
+targets=(--lib --bins --tests --example drivers)
 if [[ ${CI:-} != true ]]; then
-    cargo test --locked "${targets[@]}" "$@"
-    exec cargo test --locked --workspace --doc "$@"
+    # Arguments may name targets of their own.
+    if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi
+    cargo test --locked --workspace "${targets[@]}"
+    exec cargo test --locked --workspace --doc
 fi
 
 # Nobody has the real clouds but some developers; tests/data stands in for them.
@@ -29,5 +31,5 @@ target/release/pellucid check
 echo "== cargo test"
 export PELLUCID_SHORT_SWEEPS=1
 # GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.
-cargo test --locked "${targets[@]}" "$@" -- --include-ignored --skip gpu_assisted_validation
-exec cargo test --locked --workspace --doc "$@" -- --include-ignored
+cargo test --locked --workspace "${targets[@]}" -- --include-ignored --skip gpu_assisted_validation
+exec cargo test --locked --workspace --doc -- --include-ignored
