@@ -1,4 +1,8 @@
-//! sRGB encoding and decoding (IEC 61966-2-1).
+//! sRGB encoding and decoding (IEC 61966-2-1), and colors that stand for values.
+
+pub mod classes;
+pub mod colormap;
+pub mod percentiles;
 
 /// Linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
 pub fn decode_srgb(encoded: f32) -> f32 {

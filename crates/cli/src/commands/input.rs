@@ -39,6 +39,15 @@ pub struct InputArgs {
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     radius: Option<String>,
+    /// What colors show: auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform, field, or
+    /// the name of a scalar of the file; by default the scene file's, else auto, which is the file's colors, else classes, else
+    /// height (`plan` says which, and why).
+    #[arg(long, value_name = "WHAT")]
+    color_by: Option<String>,
+    /// The colors of values: viridis, cividis, magma, inferno, plasma, turbo, terrain or grey; by default the scene file's, else
+    /// viridis.
+    #[arg(long, value_name = "NAME")]
+    colormap: Option<String>,
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
     /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
     /// the file's own line of names, else by the columns' number and values.
@@ -145,6 +154,8 @@ pub struct Resolved {
     pub shadow_texture: Option<ShadowTexture>,
     /// The camera, given or automatic.
     pub camera: Camera,
+    /// How each cloud is colored, and why.
+    pub colorings: Vec<String>,
     /// `--seed`.
     pub seed: u64,
 }
@@ -225,7 +236,12 @@ impl InputArgs {
             ("method", "method.name", &self.method),
             ("opacity", "cloud.*.opacity", &self.opacity),
             ("radius", "cloud.*.radius", &self.radius),
+            ("colormap", "cloud.*.colormap", &self.colormap),
         ];
+        if let Some(name) = &self.color_by {
+            // The name of a scalar may look like a number.
+            overrides.set(format!("--color-by {name}"), "cloud.*.color_by", &format!("{name:?}"))?;
+        }
         for (option, key, value) in short {
             if let Some(value) = value {
                 overrides.set(format!("--{option} {value}"), key, value)?;
@@ -303,13 +319,17 @@ impl Loaded {
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
         let up = scene::up_axis(&clouds);
+        let named = scene.clouds.iter().zip(scene::colorings(&scene, &clouds));
+        let colorings: Vec<_> =
+            named.map(|(cloud, how)| format!("{} is colored by {how}", cloud.path.display())).collect();
+        colorings.iter().for_each(|how| console.detail(how));
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, seed })
     }
 }
 

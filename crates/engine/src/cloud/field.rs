@@ -169,7 +169,7 @@ fn doubles(values: &[f32]) -> Vec<f64> {
 }
 
 /// The values of a property by its name in the file; white space in it may be written as `_`, as PLY files have it.
-fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
+pub(crate) fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
     let find = |same: &dyn Fn(&str) -> bool| cloud.scalars.iter().find(|(name, _)| same(name));
     let found = find(&|other| other == name).or_else(|| find(&|other| without_blanks(other) == without_blanks(name)));
     if let Some((_, values)) = found {
@@ -207,7 +207,8 @@ pub fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     usual.chain(scalars).chain(["x", "y", "z"].map(Cow::from)).collect()
 }
 
-fn there(cloud: &Cloud) -> String {
+/// The properties of a cloud, as a phrase.
+pub(crate) fn there(cloud: &Cloud) -> String {
     format!("it has {}", names(cloud).join(", "))
 }
 

@@ -14,6 +14,25 @@ pub const CLASSIFICATION_NAMES: [&str; 6] =
 /// Names of an intensity, in lower case.
 pub const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 
+/// The scalar that holds the number of a return within its pulse.
+pub const RETURN_NUMBER: &str = "return_number";
+/// The scalar that holds the number of returns of a pulse.
+pub const NUMBER_OF_RETURNS: &str = "number_of_returns";
+/// The scalar that holds the source of a point.
+pub const POINT_SOURCE: &str = "point_source_id";
+/// The scalar that holds the GPS time of a point.
+pub const GPS_TIME: &str = "gps_time";
+
+/// True if two names mean the same scalar, as `GpsTime`, `scalar_GpsTime` and `gps_time` do.
+pub fn same_scalar(a: &str, b: &str) -> bool {
+    let letters = |name: &str| {
+        let name = name.to_lowercase();
+        let name = name.strip_prefix("scalar_").unwrap_or(&name);
+        name.chars().filter(|c| c.is_alphanumeric()).collect::<String>()
+    };
+    letters(a) == letters(b)
+}
+
 /// Which axis of a file points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
@@ -72,6 +91,13 @@ impl Cloud {
     /// The radii of the points themselves, not those of Eq. 20 that were stored with them.
     pub fn own_radii(&self) -> Option<&[f32]> {
         self.radii.as_deref().filter(|_| !self.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii))
+    }
+
+    /// The scalar of a name, however the file spells it.
+    pub fn scalar(&self, name: &str) -> Option<&[f32]> {
+        let found = self.scalars.iter().find(|(known, _)| known == name);
+        let found = found.or_else(|| self.scalars.iter().find(|(known, _)| same_scalar(known, name)));
+        found.map(|(_, values)| values.as_slice())
     }
 
     /// Number of finite points.

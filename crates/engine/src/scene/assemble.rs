@@ -1,8 +1,9 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
 use crate::progress::Progress;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
+use super::coloring::Coloring;
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
@@ -92,7 +93,7 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
 /// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
-/// scene's color space; clouds without color are white. A radius is the scene's, else the file's times `scale`, else,
+/// scene's color space; clouds without `color` are colored by `color_by`. A radius is the scene's, else the file's times `scale`, else,
 /// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
 /// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
 /// `scale` and `translate` round them, because a prepared file stores those values.
@@ -101,9 +102,8 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 /// No point is left, or a cloud lacks the property of its field.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
     let mut points = Points::default();
-    for (settings, cloud) in scene.clouds.iter().zip(clouds) {
-        let request = request(settings, needs_radii, scene.method.needs_field());
-        points.append(transformed(settings, cloud, &request, progress)?);
+    for (index, cloud) in clouds.into_iter().enumerate() {
+        points.append(transformed(scene, index, cloud, needs_radii, progress)?);
     }
     if points.is_empty() {
         return Err(no_points(scene));
@@ -120,8 +120,8 @@ pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress
     if !scene.method.is_dealt() {
         return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
     }
-    let each = scene.clouds.iter().zip(clouds);
-    let placed = each.map(|(settings, cloud)| transformed(settings, cloud, &request(settings, false, false), progress));
+    let each = clouds.into_iter().enumerate();
+    let placed = each.map(|(index, cloud)| transformed(scene, index, cloud, false, progress));
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
     progress.reset();
     progress.set_message("dealing points to ensembles");
@@ -134,27 +134,28 @@ pub(super) fn no_points(scene: &Scene) -> Error {
     Error::NoPoints { clouds: clouds.join(", ") }
 }
 
-/// A cloud with its settings applied.
+/// The cloud at a place in the scene, with its settings applied. F is there if the method needs it.
 fn transformed(
-    settings: &CloudSettings,
+    scene: &Scene,
+    index: usize,
     mut cloud: Cloud,
-    request: &prepare::Request,
+    needs_radii: bool,
     progress: &Progress,
 ) -> Result<Points, Error> {
+    let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
+    let coloring = Coloring::of(scene, index, &cloud);
+    let request = request(settings, needs_radii, needs_field || coloring.needs_field());
     if request.radii || request.fields {
         progress.reset();
         progress.set_message("finding neighbors");
     }
-    let found = prepare::find(&cloud, request, progress);
+    let found = prepare::find(&cloud, &request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
+    let colors = coloring.colors(found.fields.as_deref())?.into_list(cloud.colors.take(), count);
     let radii = match found.radii.or(cloud.radii) {
         Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
-    };
-    let colors = match (settings.color, cloud.colors) {
-        (None, Some(colors)) => colors,
-        _ => vec![color(settings, None); count],
     };
     let opacities = match cloud.alphas {
         Some(alphas) => alphas.iter().map(|alpha| opacity(settings, Some(*alpha))).collect(),
@@ -170,7 +171,7 @@ fn transformed(
         radii,
         normals: cloud.normals,
         file_order: Vec::new(),
-        fields: found.fields.unwrap_or_default(),
+        fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
     };
     drop_non_finite(&mut points);
     Ok(points)
@@ -179,11 +180,6 @@ fn transformed(
 /// The position of a cloud's point in the scene.
 pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
-}
-
-/// The color of a point, with or without a color of its own.
-pub(super) fn color(settings: &CloudSettings, own: Option<Vec3>) -> Vec3 {
-    settings.color.or(own).unwrap_or(Vec3::ONE)
 }
 
 /// The opacity of a point, with or without an alpha.

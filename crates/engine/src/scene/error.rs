@@ -114,6 +114,28 @@ pub enum Error {
         /// The missing property.
         source: field::Error,
     },
+    /// A cloud lacks what its colors are to show.
+    #[error("{path}: color_by = {by:?}, but the file has no {lacking}; {there}", path = path.display())]
+    Color {
+        /// The cloud.
+        path: PathBuf,
+        /// The coloring.
+        by: String,
+        /// The missing property.
+        lacking: String,
+        /// The existing properties, as a phrase.
+        there: String,
+    },
+    /// No scalar and no coloring has the name that `color_by` gives.
+    #[error("{path}: no scalar `{name}` for color_by{hint}", path = path.display())]
+    NoColor {
+        /// The cloud.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The nearest name or the list of them, as a phrase that follows.
+        hint: String,
+    },
     /// Coordinates beyond what the camera can be computed for.
     #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
     Extent {
@@ -132,6 +154,8 @@ impl Error {
             | Self::Empty { .. }
             | Self::NoPoints { .. }
             | Self::Field { .. }
+            | Self::Color { .. }
+            | Self::NoColor { .. }
             | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
             _ => 2,

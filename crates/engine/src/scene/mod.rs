@@ -6,6 +6,7 @@
 mod along;
 mod assemble;
 mod choice;
+mod coloring;
 mod document;
 mod error;
 mod framing;
@@ -30,6 +31,7 @@ mod view;
 pub use along::{Course, path_defaults};
 pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
 pub use choice::MethodChoice;
+pub use coloring::colorings;
 pub use document::{Change, Document, Setting};
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};

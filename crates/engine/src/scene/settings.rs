@@ -2,6 +2,7 @@
 
 mod camera;
 mod cloud;
+mod coloring;
 mod discs;
 mod ensembles;
 mod image;
@@ -14,6 +15,7 @@ pub use crate::light::Light;
 pub use camera::CameraSettings;
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
+pub use coloring::{ColorBy, ColorSettings, ColormapName};
 pub use discs::{
     DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Peel, Raster, Stochastic,
 };

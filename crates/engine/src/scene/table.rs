@@ -211,6 +211,14 @@ impl<'a> Table<'a> {
         Ok(Some(DVec3::new(number(x)?, number(y)?, number(z)?)))
     }
 
+    /// Two numbers.
+    pub fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let [a, b] = self.items(key, node, "numbers")?;
+        let number = |node| self.number_at(key, node, Range::ANY);
+        Ok(Some([number(a)?, number(b)?]))
+    }
+
     /// A vector with a direction: not zero, and short enough to be normalised.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let vector = self.vector(key)?;

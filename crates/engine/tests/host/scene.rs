@@ -426,7 +426,7 @@ fn settings_apply_to_points() {
     };
     let bare = Cloud { positions: vec![DVec3::new(7.0, 7.0, 7.0)], ..Cloud::default() };
     let text = "[[cloud]]\npath = \"a\"\nopacity = 0.5\ntranslate = [500000, 4500000, 100]\nscale = 2\n\
-                [[cloud]]\npath = \"b\"\nradius = 3.0\n";
+                [[cloud]]\npath = \"b\"\nradius = 3.0\ncolor_by = \"uniform\"\n";
     let points = assembled(text, vec![own.clone(), bare.clone()], true);
     let moved = DVec3::new(500_002.0, 4_500_000.0, 100.0);
     // Alpha 0.5·0.5; the file's radius 0.25 times scale 2.
@@ -437,7 +437,7 @@ fn settings_apply_to_points() {
     let points = assembled("[[cloud]]\npath = \"a\"\nradius = 3.0\nscale = 2\ncolor = [1, 0, 0]", vec![own], true);
     // A radius of the scene is not scaled, its color wins.
     assert_eq!(at(&points, DVec3::new(2.0, 0.0, 0.0)), (Vec3::X, 0.5, 3.0, Some(Vec3::Z)));
-    let points = assembled("[[cloud]]\npath = \"b\"", vec![bare], false);
+    let points = assembled("[[cloud]]\npath = \"b\"\ncolor_by = \"uniform\"", vec![bare], false);
     assert_eq!(at(&points, DVec3::splat(7.0)), (Vec3::ONE, 1.0, 0.0, None));
 }
 

@@ -7,7 +7,7 @@ use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
-use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
+use pellucid_engine::scene::{self, ColorBy, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -66,7 +66,16 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
     ];
     let index = r.random_range(0..scene.clouds.len());
     let cloud = &mut scene.clouds[index];
-    match r.random_range(0..26) {
+    let colorings = [
+        ColorBy::Auto,
+        ColorBy::Height,
+        ColorBy::Classification,
+        ColorBy::Uniform,
+        ColorBy::Field,
+        ColorBy::Cloud,
+        ColorBy::Scalar("height".into()),
+    ];
+    match r.random_range(0..30) {
         0..4 => cloud.opacity = one_of(r, &[0.0, 0.25, 0.5, 1.0]),
         4..8 => cloud.color = one_of(r, &[None, Some(Vec3::ONE), Some(Vec3::new(0.2, 0.9, 0.0))]),
         8..11 => cloud.radius = one_of(r, &[None, Some(0.1), Some(0.0)]),
@@ -76,6 +85,8 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         20 => cloud.translate = one_of(r, &[DVec3::ZERO, DVec3::X, DVec3::splat(1e308)]),
         // Positions beyond float64 are dropped.
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
+        22..25 => cloud.coloring.color_by = one_of(r, &colorings),
+        25 => cloud.coloring.range = one_of(r, &[None, Some([0.25, 0.5])]),
         _ => scene.method = one_of(r, &methods).into(),
     }
 }

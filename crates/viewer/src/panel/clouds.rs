@@ -100,12 +100,7 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let keys = [("color", true), ("radius", method.needs_radii()), ("neighbors", estimated || uncertain)];
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
-        if let Some(mut entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
-            if let (controls::Presence::Optional { without, .. }, "color", false) =
-                (&mut entry.presence, key, census.colors)
-            {
-                "white".clone_into(without);
-            }
+        if let Some(entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
             row(ui, model, &format!("cloud.{i}.{key}"), key, entry);
         }
     }

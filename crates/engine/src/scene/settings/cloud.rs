@@ -6,11 +6,12 @@ use glam::{DVec3, Vec3};
 
 use crate::cloud::field::Field;
 use crate::io::photo::Photo;
-use crate::io::{ColumnNames, Hints};
+use crate::io::{ColumnNames, Hints, LasColumns};
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;
 use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
+use crate::scene::settings::ColorSettings;
 use crate::scene::table::Table;
 
 settings! {
@@ -19,7 +20,9 @@ settings! {
         /// The file of the points, relative to the folder of the scene file; the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
         /// One color instead of the file's.
-        color: Option<Vec3> = None, without "the file's, else white";
+        color: Option<Vec3> = None, without "by `color_by`";
+        /// How points without `color` are colored.
+        coloring: ColorSettings = ColorSettings::default();
         /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
         opacity: f32 = 1.0, in Range::UNIT;
         /// One radius for all points, not scaled.
@@ -46,7 +49,8 @@ settings! {
 impl CloudSettings {
     /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
-        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref() }
+        let las = if self.color.is_some() { LasColumns::default() } else { self.coloring.color_by.las_columns() };
+        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref(), las }
     }
 }
 

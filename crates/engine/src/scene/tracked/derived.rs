@@ -2,6 +2,8 @@
 
 use crate::progress::Progress;
 
+use super::super::coloring::{ColorKey, Coloring, Colors};
+use super::super::error::Error;
 use crate::cloud::Cloud;
 use crate::cloud::field::{self, Field};
 use crate::prepare::{self, Request};
@@ -10,9 +12,10 @@ use crate::prepare::{self, Request};
 pub(super) type FieldKey = (Field, Option<usize>);
 
 /// Radii and field of a cloud's points, in its order and units: those of the last K and of the last field that were asked for.
-/// At most 8 bytes a point.
+/// Also the colors of points that have other ones than the file's. At most 20 bytes a point.
 #[derive(Debug, Clone, Default)]
 pub struct DerivedColumns {
+    colors: Option<(ColorKey, Colors)>,
     radii: Option<(usize, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
 }
@@ -45,6 +48,25 @@ impl DerivedColumns {
         self.radii = found.radii.map(|radii| (neighbors, radii)).or(self.radii.take());
         self.fields = found.fields.map(|fields| (field, fields)).or(self.fields.take());
         Ok(())
+    }
+
+    /// Finds the colors of another key, once [`DerivedColumns::learn`] has found the field.
+    ///
+    /// # Errors
+    /// The cloud lacks what its colors are to show.
+    pub(super) fn learn_colors(&mut self, coloring: &Coloring<'_>, key: &ColorKey) -> Result<(), Error> {
+        if self.colors.as_ref().is_some_and(|(known, _)| known == key) {
+            return Ok(());
+        }
+        // Freed first, as above.
+        self.colors = None;
+        self.colors = Some((key.clone(), coloring.colors(self.fields())?));
+        Ok(())
+    }
+
+    /// The colors that were last asked for.
+    pub(super) fn colors(&self) -> &Colors {
+        self.colors.as_ref().map_or(&Colors::Own, |(_, colors)| colors)
     }
 
     /// The radii that were last asked for.

@@ -16,7 +16,8 @@ use rayon::prelude::*;
 
 pub use derived::DerivedColumns;
 
-use super::assemble::{self, color, opacity, radius, request};
+use super::assemble::{self, opacity, radius, request};
+use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::Cloud;
@@ -62,7 +63,7 @@ impl PlacementKey {
 /// Everything that determines the other columns of a cloud's points; numbers by their bits.
 #[derive(Debug, Clone, PartialEq)]
 struct ColumnKey {
-    color: Option<[u32; 3]>,
+    color: ColorKey,
     opacity: u32,
     /// Given radius, factor, and K if radii are asked for.
     radius: (Option<u32>, u32, Option<usize>),
@@ -79,16 +80,19 @@ fn bits_of(color: Vec3) -> [u32; 3] {
 struct CloudView<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
+    colors: &'a Colors,
     /// The file's values, used where the settings have none; access is not sequential.
-    colors: Option<&'a [Vec3]>,
-    /// Like colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
 }
 
 impl CloudView<'_> {
     fn color(&self, i: usize) -> Vec3 {
-        color(self.settings, self.colors.map(|colors| colors[i]))
+        match self.colors {
+            Colors::Own => self.cloud.colors.as_ref().map_or(Vec3::ONE, |colors| colors[i]),
+            Colors::One(color) => *color,
+            Colors::Each(colors) => colors[i],
+        }
     }
 
     fn opacity(&self, i: usize) -> f32 {
@@ -129,19 +133,23 @@ fn learn(
     progress: &Progress,
 ) -> Result<Vec<ColumnKey>, Error> {
     let method = &scene.method;
-    let each = scene.clouds.iter().zip(clouds).zip(derived);
-    let column_key = |((settings, cloud), derived): ((&CloudSettings, &Cloud), &mut DerivedColumns)| {
-        let request = request(settings, method.needs_radii(), method.needs_field());
-        let found = derived.learn(cloud, &request, progress);
-        found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
-        let neighbors = request.radii.then(|| request.neighbors_of(cloud));
-        Ok(ColumnKey {
-            color: settings.color.map(bits_of),
-            opacity: settings.opacity.to_bits(),
-            radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
-            field: request.fields.then(|| field_key(cloud, &request)),
-        })
-    };
+    let each = scene.clouds.iter().zip(clouds).zip(derived).enumerate();
+    let column_key =
+        |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
+            let coloring = Coloring::of(scene, index, cloud);
+            let request = request(settings, method.needs_radii(), method.needs_field() || coloring.needs_field());
+            let found = derived.learn(cloud, &request, progress);
+            found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
+            let color = coloring.key(&request);
+            derived.learn_colors(&coloring, &color)?;
+            let neighbors = request.radii.then(|| request.neighbors_of(cloud));
+            Ok(ColumnKey {
+                color,
+                opacity: settings.opacity.to_bits(),
+                radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
+                field: method.needs_field().then(|| field_key(cloud, &request)),
+            })
+        };
     each.map(column_key).collect()
 }
 
@@ -156,7 +164,7 @@ fn views<'a>(
     each.map(|(((settings, cloud), derived), column_key)| {
         let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.radii.as_deref() };
         let radii = own.filter(|_| settings.radius.is_none());
-        let colors = cloud.colors.as_deref().filter(|_| settings.color.is_none());
+        let colors = derived.colors();
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
         CloudView { settings, cloud, colors, radii, fields }
     })
@@ -267,7 +275,7 @@ struct ColumnUpdate<'a> {
 impl<'a> ColumnUpdate<'a> {
     /// Gives all columns their values, and returns the changed ones.
     fn all(&self, points: &mut Points) -> Changes {
-        let colors = self.changed(|column_key| column_key.color);
+        let colors = self.changed(|column_key| column_key.color.clone());
         let opacities = self.changed(|column_key| column_key.opacity);
         let radii = self.changed(|column_key| column_key.radius);
         Changes {

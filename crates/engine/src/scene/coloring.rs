@@ -1,0 +1,305 @@
+//! The colors of a cloud's points by what the cloud has: `color_by` and its keys.
+
+use std::borrow::Cow;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::assemble::placed;
+use super::error::Error;
+use super::settings::{CloudSettings, ColorBy, ColorSettings, Scene};
+use crate::cloud::field;
+use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER, UpAxis};
+use crate::color::classes;
+use crate::color::colormap::{Colormap, mid_grey};
+use crate::color::decode_srgb_f64;
+use crate::color::percentiles::percentiles;
+
+/// Classes besides 0 and 1 that a cloud must have to be colored by them.
+const ENOUGH_CLASSES: usize = 3;
+
+/// The shares of values below and above which colors stay the same.
+const ENDS: [f64; 2] = [0.01, 0.99];
+
+/// How bright a height is where intensity is smallest.
+const DARKEST: f64 = 0.35;
+
+/// An axis with a sign, along which height is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Vertical {
+    axis: usize,
+    sign: f64,
+}
+
+impl Vertical {
+    /// The axis nearest to the camera's `up`, else that of the file's convention.
+    fn of(scene: &Scene, cloud: &Cloud) -> Self {
+        let file = match cloud.up {
+            UpAxis::Y => Self { axis: 1, sign: 1.0 },
+            UpAxis::Z => Self { axis: 2, sign: 1.0 },
+        };
+        let Some(up) = scene.camera.up else { return file };
+        let length = up.abs().to_array();
+        let nearest = (0..3).find(|&axis| (0..3).all(|other| other == axis || length[axis] > length[other]));
+        nearest.map_or(file, |axis| Self { axis, sign: up[axis].signum() })
+    }
+
+    fn height(self, position: DVec3) -> f64 {
+        self.sign * position[self.axis]
+    }
+}
+
+/// What the colors of a cloud show, once `auto` is decided.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Choice {
+    by: ColorBy,
+    /// True if heights are darker where intensity is small.
+    modulated: bool,
+    /// The reason, as a phrase.
+    why: String,
+}
+
+impl Choice {
+    /// The choice for a cloud without a `color`.
+    pub fn of(by: &ColorBy, cloud: &Cloud) -> Self {
+        let choice = |by, modulated, why: &str| Self { by, modulated, why: why.to_owned() };
+        if *by != ColorBy::Auto {
+            return choice(by.clone(), false, "it was asked for");
+        }
+        let lacks = match &cloud.colors {
+            Some(colors) if !is_blank(colors) => return choice(ColorBy::Rgb, false, "the file has colors"),
+            Some(_) => "the file's colors are all black or all white",
+            None => "the file has no colors",
+        };
+        let classes = classes_beside_0_and_1(cloud);
+        if classes >= ENOUGH_CLASSES {
+            let why = format!("{lacks}, but {classes} classes besides 0 and 1");
+            return Self { by: ColorBy::Classification, modulated: false, why };
+        }
+        let modulated = cloud.intensity.as_ref().is_some_and(|values| values.iter().any(|value| *value != 0.0));
+        choice(ColorBy::Height, modulated, &format!("{lacks} and fewer than {ENOUGH_CLASSES} classes besides 0 and 1"))
+    }
+}
+
+/// True for colors of which nothing can be seen: all black, or all white.
+fn is_blank(colors: &[Vec3]) -> bool {
+    colors.par_iter().all(|color| *color == Vec3::ZERO) || colors.par_iter().all(|color| *color == Vec3::ONE)
+}
+
+fn classes_beside_0_and_1(cloud: &Cloud) -> usize {
+    let mut seen = [false; 256];
+    cloud.classification.iter().flatten().for_each(|code| seen[usize::from(*code)] = true);
+    seen.iter().skip(2).filter(|seen| **seen).count()
+}
+
+/// Where the colors of a cloud's points come from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Colors {
+    /// The file.
+    Own,
+    /// All points have the same.
+    One(Vec3),
+    /// Linear RGB of each point.
+    Each(Vec<Vec3>),
+}
+
+impl Colors {
+    /// The color of each point, of a cloud whose own colors are `own`.
+    pub fn into_list(self, own: Option<Vec<Vec3>>, count: usize) -> Vec<Vec3> {
+        match self {
+            Self::Own => own.unwrap_or_else(|| vec![Vec3::ONE; count]),
+            Self::One(color) => vec![color; count],
+            Self::Each(colors) => colors,
+        }
+    }
+}
+
+/// The colors of one of a scene's clouds.
+pub(super) struct Coloring<'a> {
+    settings: &'a CloudSettings,
+    cloud: &'a Cloud,
+    /// The place of the cloud in the scene.
+    index: usize,
+    choice: Choice,
+    vertical: Vertical,
+}
+
+/// Everything that the colors of a cloud's points depend on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ColorKey {
+    color: Option<[u32; 3]>,
+    /// `None` where `color` overrides it.
+    by: Option<(ColorSettings, Vertical)>,
+    placement: (u64, [u64; 3]),
+    /// K of radii and uncertainty, and the field's definition, if colors show F.
+    field: Option<(usize, field::Field)>,
+}
+
+impl<'a> Coloring<'a> {
+    /// The coloring of the cloud at a place in the scene.
+    pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
+        let settings = &scene.clouds[index];
+        let choice = Choice::of(&settings.coloring.color_by, cloud);
+        Self { settings, cloud, index, choice, vertical: Vertical::of(scene, cloud) }
+    }
+
+    /// True if F of the points must be known.
+    pub fn needs_field(&self) -> bool {
+        self.settings.color.is_none() && self.choice.by == ColorBy::Field
+    }
+
+    /// What the colors depend on. `request` is that of the cloud's data.
+    pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
+        let CloudSettings { color, scale, translate, .. } = self.settings;
+        let field = self.needs_field().then(|| (request.neighbors_of(self.cloud), request.field_of(self.cloud)));
+        ColorKey {
+            color: color.map(|color| color.to_array().map(f32::to_bits)),
+            by: color.is_none().then(|| (self.settings.coloring.clone(), self.vertical)),
+            placement: (scale.to_bits(), translate.to_array().map(f64::to_bits)),
+            field,
+        }
+    }
+
+    /// The coloring and the reason for it, in a phrase.
+    pub fn describe(&self) -> String {
+        if self.settings.color.is_some() {
+            return "color: the scene gives one".to_owned();
+        }
+        let Choice { by, modulated, why } = &self.choice;
+        let intensity = if *modulated { ", darker where intensity is small" } else { "" };
+        let map =
+            if by.is_mapped() { format!(" in {}", self.settings.coloring.colormap.word()) } else { String::new() };
+        format!("{}{map}{intensity}: {why}", by.word())
+    }
+
+    /// The colors. `fields` is F of each point, if [`Coloring::needs_field`].
+    ///
+    /// # Errors
+    /// The cloud lacks what `color_by` shows.
+    pub fn colors(&self, fields: Option<&[f32]>) -> Result<Colors, Error> {
+        if let Some(color) = self.settings.color {
+            return Ok(Colors::One(color));
+        }
+        let lacking = |lacking: &str| Error::Color {
+            path: self.settings.path.clone(),
+            by: self.choice.by.word().to_owned(),
+            lacking: lacking.to_owned(),
+            there: field::there(self.cloud),
+        };
+        let scalar = |name: &str| self.cloud.scalar(name).map(doubles).ok_or_else(|| lacking(name));
+        let cloud = self.cloud;
+        let values = match &self.choice.by {
+            ColorBy::Auto => unreachable!("decided when the choice was made"),
+            ColorBy::Rgb => return cloud.colors.as_ref().map(|_| Colors::Own).ok_or_else(|| lacking("colors")),
+            ColorBy::Uniform => return Ok(Colors::One(Vec3::ONE)),
+            ColorBy::Cloud => return Ok(Colors::One(linear(classes::distinct(self.index)))),
+            ColorBy::Classification => {
+                let codes = cloud.classification.as_ref().ok_or_else(|| lacking("classes"))?;
+                let table: Vec<Vec3> = (0..=u8::MAX).map(|code| linear(classes::srgb(code))).collect();
+                return Ok(Colors::Each(codes.par_iter().map(|code| table[usize::from(*code)]).collect()));
+            }
+            ColorBy::Normal => {
+                let normals =
+                    cloud.normals.as_ref().ok_or_else(|| lacking("normals; `prepare --normals` stores some"))?;
+                return Ok(Colors::Each(normals.par_iter().map(|normal| of_normal(*normal)).collect()));
+            }
+            ColorBy::Height => return Ok(Colors::Each(self.heights())),
+            ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| lacking("intensity"))?,
+            ColorBy::Return => scalar(RETURN_NUMBER)?,
+            ColorBy::Source => scalar(POINT_SOURCE)?,
+            ColorBy::GpsTime => scalar(GPS_TIME)?,
+            ColorBy::Field => doubles(fields.unwrap_or_default()),
+            ColorBy::Scalar(name) => match field::column(cloud, name) {
+                Some(values) => values,
+                None => scalar(name).map_err(|_| {
+                    let names = field::names(cloud);
+                    let mut known: Vec<&str> = ColorBy::words().collect();
+                    known.extend(names.iter().map(Cow::as_ref));
+                    let hint = crate::words::nearest(name, known, "there are");
+                    Error::NoColor { path: self.settings.path.clone(), name: name.clone(), hint }
+                })?,
+            },
+        };
+        Ok(Colors::Each(self.mapped(values)))
+    }
+
+    /// Heights, darker where intensity is small.
+    fn heights(&self) -> Vec<Vec3> {
+        let height = |p: &DVec3| self.vertical.height(placed(self.settings, *p));
+        let colors = self.mapped(self.cloud.positions.par_iter().map(height).collect());
+        let (Some(intensities), true) = (&self.cloud.intensity, self.choice.modulated) else { return colors };
+        let values = doubles(intensities);
+        let scale = Scale::of(&values, None, false);
+        let light = |value: f64| scale.at(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
+        colors.into_par_iter().zip(values).map(|(color, value)| (color.as_dvec3() * light(value)).as_vec3()).collect()
+    }
+
+    /// The colors of values.
+    fn mapped(&self, values: Vec<f64>) -> Vec<Vec3> {
+        let ColorSettings { colormap, range, reverse, log, .. } = &self.settings.coloring;
+        let (map, scale) = (colormap.map(), Scale::of(&values, *range, *log));
+        values.into_par_iter().map(|value| of_value(&map, scale.at(value), *reverse)).collect()
+    }
+}
+
+fn of_value(map: &Colormap, t: Option<f64>, reverse: bool) -> Vec3 {
+    t.map_or_else(mid_grey, |t| map.linear(if reverse { 1.0 - t } else { t }).as_vec3())
+}
+
+/// A unit vector as sRGB from 0 to 1; grey without one.
+fn of_normal(normal: Vec3) -> Vec3 {
+    linear(0.5 + 0.5 * normal.as_dvec3().clamp(DVec3::NEG_ONE, DVec3::ONE))
+}
+
+fn linear(srgb: DVec3) -> Vec3 {
+    DVec3::from(srgb.to_array().map(decode_srgb_f64)).as_vec3()
+}
+
+fn doubles(values: &[f32]) -> Vec<f64> {
+    values.par_iter().map(|value| f64::from(*value)).collect()
+}
+
+/// From values to t, the place in a colormap.
+struct Scale {
+    low: f64,
+    high: f64,
+    log: bool,
+}
+
+impl Scale {
+    /// With a range of the values' own where none is given.
+    fn of(values: &[f64], range: Option<[f64; 2]>, log: bool) -> Self {
+        let own = || {
+            let counted = values.iter().copied().filter(|value| !log || *value > 0.0);
+            percentiles(counted.collect(), ENDS).unwrap_or([if log { 1.0 } else { 0.0 }; 2])
+        };
+        let [low, high] = range.unwrap_or_else(own);
+        let scaled = |value: f64| if log { value.ln() } else { value };
+        Self { low: scaled(low), high: scaled(high), log }
+    }
+
+    /// t from 0 to 1; `None` for values that are not finite.
+    fn at(&self, value: f64) -> Option<f64> {
+        let value = if self.log && value > 0.0 {
+            value.ln()
+        } else if self.log {
+            f64::NAN
+        } else {
+            value
+        };
+        if !value.is_finite() {
+            None
+        } else if self.low == self.high {
+            Some(0.0)
+        } else {
+            // Halved, as the difference of the largest float64 values overflows.
+            Some(((0.5 * value - 0.5 * self.low) / (0.5 * self.high - 0.5 * self.low)).clamp(0.0, 1.0))
+        }
+    }
+}
+
+/// How the points of each cloud are colored and why, a sentence for each.
+pub fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
+    let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();
+    clouds.iter().enumerate().map(describe).collect()
+}
