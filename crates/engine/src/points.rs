@@ -1,5 +1,7 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -28,6 +30,17 @@ pub struct Points {
     /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
     /// only the soft methods need it.
     pub fields: Vec<f32>,
+    /// Points that are not drawn but belong to the scene, for its bounds and its camera.
+    pub unseen: Arc<Unseen>,
+}
+
+/// Points of a scene that are not drawn: hidden by their class, or cut off. Both columns have the same length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Unseen {
+    /// World positions, all finite.
+    pub positions: Vec<DVec3>,
+    /// World radii.
+    pub radii: Vec<f32>,
 }
 
 impl Points {
@@ -41,9 +54,15 @@ impl Points {
         self.positions.is_empty()
     }
 
-    /// The scene's box; `None` without points.
+    /// The scene's box, around points that are not drawn, too; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::enclosing(self.positions.iter().copied())
+        Bounds::enclosing(self.positions.iter().chain(&self.unseen.positions).copied())
+    }
+
+    /// Positions and radii of all points, also of those that are not drawn.
+    pub fn spheres(&self) -> impl Iterator<Item = (&DVec3, f32)> {
+        let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
+        self.positions.iter().zip(&self.radii).chain(unseen).map(|(position, radius)| (position, *radius))
     }
 
     /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
@@ -60,6 +79,7 @@ impl Points {
             normals: self.normals.map(|normals| pick(normals, &from)),
             file_order: pick(self.file_order, &from),
             fields: pick(self.fields, &from),
+            unseen: self.unseen,
         }
     }
 
@@ -77,14 +97,20 @@ impl Points {
             normals: self.normals.as_ref().map(|normals| pick(normals, places)),
             file_order: pick(&self.file_order, places),
             fields: pick(&self.fields, places),
+            unseen: Arc::clone(&self.unseen),
         }
     }
 
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
     /// forgotten.
     pub fn append(&mut self, more: Self) {
+        if !more.unseen.positions.is_empty() {
+            let unseen = Arc::make_mut(&mut self.unseen);
+            unseen.positions.extend(&more.unseen.positions);
+            unseen.radii.extend(&more.unseen.radii);
+        }
         if self.is_empty() {
-            *self = Self { file_order: Vec::new(), ..more };
+            *self = Self { file_order: Vec::new(), unseen: Arc::clone(&self.unseen), ..more };
             return;
         }
         let (before, added) = (self.len(), more.len());

@@ -266,9 +266,7 @@ fn discs(diameter: f64) -> Points {
         colors: vec![Vec3::ONE; count],
         opacities: vec![0.2; count],
         radii: vec![0.5 * diameter as f32; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     })
 }
 

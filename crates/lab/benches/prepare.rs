@@ -36,8 +36,7 @@ fn prepare(criterion: &mut Criterion) {
         radii: vec![0.0; count],
         normals: Some(positions.iter().map(|p| p.as_vec3()).collect()),
         positions,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     group.bench_function("canonical order", |b| {
         b.iter_batched(|| points.clone(), order::canonical, BatchSize::LargeInput);

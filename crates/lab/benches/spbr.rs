@@ -186,9 +186,7 @@ fn points(count: usize) -> Points {
         positions,
         opacities: vec![0.095_162_6; count],
         radii: vec![0.0; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

@@ -263,7 +263,7 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
 }
 
 pub(super) fn no_points() -> pellucid_engine::Error {
-    scene::Error::NoPoints { clouds: "the scene".into() }.into()
+    scene::Error::NoPoints { clouds: "the scene".into(), hidden: 0 }.into()
 }
 
 fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {

@@ -15,6 +15,7 @@ use pellucid_engine::scene::{
 use pellucid_engine::{Result, output};
 
 use super::console::Console;
+use super::filters;
 
 /// The inputs to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
@@ -48,6 +49,15 @@ pub struct InputArgs {
     /// viridis.
     #[arg(long, value_name = "NAME")]
     colormap: Option<String>,
+    /// Opacity of a class, as in high-vegetation=0.05 or 5=0.05; repeatable.
+    #[arg(long, value_name = "NAME=OPACITY")]
+    class: Vec<String>,
+    /// Draw these classes only, as in 2,6 or ground,building.
+    #[arg(long, value_name = "LIST")]
+    classes: Option<String>,
+    /// Draw all classes but these, as in 7,18.
+    #[arg(long, value_name = "LIST")]
+    without: Option<String>,
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
     /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
     /// the file's own line of names, else by the columns' number and values.
@@ -247,6 +257,8 @@ impl InputArgs {
                 overrides.set(format!("--{option} {value}"), key, value)?;
             }
         }
+        let Self { class, classes, without, .. } = self;
+        filters::classes(&mut overrides, class, classes.as_deref(), without.as_deref())?;
         self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
         Ok(overrides)
     }

@@ -8,6 +8,7 @@ mod compare_profiles;
 mod console;
 mod devices;
 mod ensemble_warnings;
+mod filters;
 mod frames;
 mod info;
 mod input;

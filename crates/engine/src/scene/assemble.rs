@@ -1,15 +1,19 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
+use std::sync::Arc;
+
 use crate::progress::Progress;
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::classes::{self, Rules};
 use super::coloring::Coloring;
 use super::error::Error;
 use super::procedural::Generated;
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
-use crate::points::Points;
+use crate::points::{Points, Unseen};
 use crate::prepare::Arranged;
 use crate::prepare::ensembles;
 use crate::{io, prepare};
@@ -52,7 +56,8 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
-        notes.into_iter().map(move |note| format!("{path}: {note}"))
+        let idle = classes::note(settings, cloud);
+        notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
 }
@@ -71,6 +76,8 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
         "stored for this cloud by itself".to_owned()
     } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
         "stored for the cloud where it is in its file".to_owned()
+    } else if scene.hides_points() {
+        "stored for all points of the cloud".to_owned()
     } else if wanted.is_none() || !other.is_empty() {
         format!("stored for other settings ({})", other.join(", "))
     } else {
@@ -106,7 +113,7 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
         points.append(transformed(scene, index, cloud, needs_radii, progress)?);
     }
     if points.is_empty() {
-        return Err(no_points(scene));
+        return Err(no_points(scene, &points));
     }
     Ok(prepare::order::canonical(points))
 }
@@ -126,12 +133,12 @@ pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress
     progress.reset();
     progress.set_message("dealing points to ensembles");
     let dealt = ensembles::deal(placed, seed, progress);
-    if dealt.points.is_empty() { Err(no_points(scene)) } else { Ok(Arranged::Dealt(dealt)) }
+    if dealt.points.is_empty() { Err(no_points(scene, &dealt.points)) } else { Ok(Arranged::Dealt(dealt)) }
 }
 
-pub(super) fn no_points(scene: &Scene) -> Error {
+pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-    Error::NoPoints { clouds: clouds.join(", ") }
+    Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
 /// The cloud at a place in the scene, with its settings applied. F is there if the method needs it.
@@ -152,14 +159,15 @@ fn transformed(
     let found = prepare::find(&cloud, &request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
-    let colors = coloring.colors(found.fields.as_deref())?.into_list(cloud.colors.take(), count);
+    let colors = coloring.colors(found.fields.as_deref())?;
+    let mut colors = colors.into_list(cloud.colors.take(), count);
+    let rules = Rules::of(settings, &cloud)?;
+    rules.paint(&mut colors);
+    let opacities = (0..count).into_par_iter().map(|i| opacity(settings, &rules, &cloud, i)).collect();
+    let visible = rules.visible_points(count);
     let radii = match found.radii.or(cloud.radii) {
         Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
-    };
-    let opacities = match cloud.alphas {
-        Some(alphas) => alphas.iter().map(|alpha| opacity(settings, Some(*alpha))).collect(),
-        None => vec![opacity(settings, None); count],
     };
     for position in &mut cloud.positions {
         *position = placed(settings, *position);
@@ -170,10 +178,10 @@ fn transformed(
         opacities,
         radii,
         normals: cloud.normals,
-        file_order: Vec::new(),
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
+        ..Points::default()
     };
-    drop_non_finite(&mut points);
+    leave_out(&mut points, visible.as_deref());
     Ok(points)
 }
 
@@ -182,9 +190,10 @@ pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
 }
 
-/// The opacity of a point, with or without an alpha.
-pub(super) fn opacity(settings: &CloudSettings, alpha: Option<f32>) -> f32 {
-    alpha.map_or(settings.opacity, |alpha| alpha * settings.opacity)
+/// The opacity of a point: that of its class, else the cloud's, times its alpha if it has one.
+pub(super) fn opacity(settings: &CloudSettings, rules: &Rules<'_>, cloud: &Cloud, i: usize) -> f32 {
+    let opacity = rules.opacity(i).unwrap_or(settings.opacity);
+    cloud.alphas.as_ref().map_or(opacity, |alphas| alphas[i] * opacity)
 }
 
 /// The radius of a point, with or without a radius of its own, in the cloud's units.
@@ -202,12 +211,19 @@ fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
 }
 
-/// Drops points that a huge `scale` or `translate` moved out of float64. Which are left; `None`: all.
-pub(super) fn drop_non_finite(points: &mut Points) -> Option<Vec<bool>> {
-    let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
+/// Drops points that a huge `scale` or `translate` moved out of float64, and sets those apart that are not `visible`. Which are
+/// left; `None`: all.
+pub(super) fn leave_out(points: &mut Points, visible: Option<&[bool]>) -> Option<Vec<bool>> {
+    let shown = |i: usize| visible.is_none_or(|visible| visible[i]);
+    let finite = |position: &DVec3| position.is_finite();
+    let keep: Vec<_> = points.positions.iter().enumerate().map(|(i, p)| finite(p) && shown(i)).collect();
     if keep.iter().all(|keep| *keep) {
         return None;
     }
+    let all = points.positions.iter().zip(&points.radii).zip(&keep);
+    let unseen = all.filter(|((position, _), keep)| !**keep && finite(position));
+    let (positions, radii) = unseen.map(|((position, radius), _)| (*position, *radius)).unzip();
+    points.unseen = Arc::new(Unseen { positions, radii });
     retain(&mut points.positions, &keep);
     retain(&mut points.colors, &keep);
     retain(&mut points.opacities, &keep);

@@ -216,7 +216,7 @@ impl<'a> Coloring<'a> {
                     let mut known: Vec<&str> = ColorBy::words().collect();
                     known.extend(names.iter().map(Cow::as_ref));
                     let hint = crate::words::nearest(name, known, "there are");
-                    Error::NoColor { path: self.settings.path.clone(), name: name.clone(), hint }
+                    Error::NoScalar { path: self.settings.path.clone(), name: name.clone(), key: "color_by", hint }
                 })?,
             },
         };

@@ -100,11 +100,13 @@ pub enum Error {
     /// A built-in scene can't be made as asked.
     #[error(transparent)]
     Procedural(#[from] procedural::Error),
-    /// No finite point is left after `translate` and `scale`.
-    #[error("{clouds}: no finite point is left to draw after `translate` and `scale`")]
+    /// No finite point is left after `translate` and `scale`, or none that may be seen.
+    #[error("{clouds}: {}", no_points(*.hidden))]
     NoPoints {
         /// The clouds' paths.
         clouds: String,
+        /// Points that are hidden or cut off.
+        hidden: usize,
     },
     /// A cloud lacks what its field is made of.
     #[error("{path}: {source}", path = path.display())]
@@ -126,13 +128,15 @@ pub enum Error {
         /// The existing properties, as a phrase.
         there: String,
     },
-    /// No scalar and no coloring has the name that `color_by` gives.
-    #[error("{path}: no scalar `{name}` for color_by{hint}", path = path.display())]
-    NoColor {
+    /// No scalar has the name that a key gives.
+    #[error("{path}: no scalar `{name}` for {key}{hint}", path = path.display())]
+    NoScalar {
         /// The cloud.
         path: PathBuf,
         /// The name.
         name: String,
+        /// The key.
+        key: &'static str,
         /// The nearest name or the list of them, as a phrase that follows.
         hint: String,
     },
@@ -146,6 +150,13 @@ pub enum Error {
     },
 }
 
+fn no_points(hidden: usize) -> String {
+    match hidden {
+        0 => "no finite point is left to draw after `translate` and `scale`".to_owned(),
+        count => format!("no point is left to draw: all {count} are hidden by `class` or cut off by `clip`"),
+    }
+}
+
 impl Error {
     /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
     pub fn exit_status(&self) -> u8 {
@@ -155,7 +166,7 @@ impl Error {
             | Self::NoPoints { .. }
             | Self::Field { .. }
             | Self::Color { .. }
-            | Self::NoColor { .. }
+            | Self::NoScalar { .. }
             | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
             _ => 2,

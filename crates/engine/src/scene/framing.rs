@@ -71,9 +71,9 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
     let Some(bounds) = points.bounds() else {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+        return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
     };
-    let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
+    let radius = points.spheres().fold(0.0, |max: f64, (_, r)| max.max(f64::from(r)));
     if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
@@ -232,9 +232,9 @@ impl Spheres<'_> {
     /// Offset, depth, radius.
     fn iter(&self) -> impl Iterator<Item = (DVec2, f64, f64)> {
         let [right, up, forward] = self.axes;
-        self.points.positions.iter().zip(&self.points.radii).map(move |(position, radius)| {
+        self.points.spheres().map(move |(position, radius)| {
             let p = *position - self.center;
-            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius))
+            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(radius))
         })
     }
 

@@ -6,6 +6,7 @@
 mod along;
 mod assemble;
 mod choice;
+mod classes;
 mod coloring;
 mod document;
 mod error;

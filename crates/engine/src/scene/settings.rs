@@ -1,6 +1,7 @@
 //! The content of a scene file, with every default applied and every range checked.
 
 mod camera;
+mod classes;
 mod cloud;
 mod coloring;
 mod discs;
@@ -13,6 +14,7 @@ mod surfaces;
 
 pub use crate::light::Light;
 pub use camera::CameraSettings;
+pub use classes::{ClassSettings, Selection};
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
 pub use coloring::{ColorBy, ColorSettings, ColormapName};
@@ -48,6 +50,14 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
     pub settings: String,
+}
+
+impl Scene {
+    /// True if some points may not be drawn.
+    pub fn hides_points(&self) -> bool {
+        let hides = |entry: &ClassSettings| entry.visible == Some(false);
+        self.clouds.iter().flat_map(|cloud| &cloud.class).any(hides)
+    }
 }
 
 /// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its

@@ -219,6 +219,17 @@ impl<'a> Table<'a> {
         Ok(Some([number(a)?, number(b)?]))
     }
 
+    /// Two numbers, the second at least the first.
+    pub fn range(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
+        let pair = self.pair(key)?;
+        match (pair, self.get(key)) {
+            (Some([low, high]), Some(node)) if low > high => {
+                Err(self.error(key, node, format!("must go from low to high, found [{low:?}, {high:?}]")))
+            }
+            _ => Ok(pair),
+        }
+    }
+
     /// A vector with a direction: not zero, and short enough to be normalised.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let vector = self.vector(key)?;

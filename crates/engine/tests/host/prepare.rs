@@ -120,7 +120,9 @@ fn degenerate_shapes_of_many_points() {
 /// Points with equal positions, colors, opacities and radii among them, so that every tie-break is used.
 fn many_ties(count: usize) -> Points {
     let mut rng = Pcg64Mcg::seed_from_u64(6);
-    let mut points = Points { normals: Some(Vec::new()), ..Points::default() };
+    let mut points = Points { normals: Some(Vec::new()),
+        ..Points::default()
+    };
     for _ in 0..count {
         let mut pick = |n: u32| rng.random_range(0..n) as f32;
         points.positions.push(DVec3::new(pick(8).into(), pick(3).into(), 4.5e6));
@@ -140,8 +142,8 @@ fn reordered(points: &Points, order: &[usize]) -> Points {
         opacities: order.iter().map(|&i| points.opacities[i]).collect(),
         radii: order.iter().map(|&i| points.radii[i]).collect(),
         normals: points.normals.as_ref().map(|n| order.iter().map(|&i| n[i]).collect()),
-        file_order: Vec::new(),
         fields: order.iter().map(|&i| points.fields[i]).collect(),
+        ..Points::default()
     }
 }
 
@@ -187,9 +189,7 @@ fn neighbors_in_the_order_are_near() {
         colors: vec![Vec3::ONE; count],
         opacities: vec![1.0; count],
         radii: vec![0.0; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     });
     let step: f64 = ordered.positions.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() / (count - 1) as f64;
     // Random order has a mean step of 0.66 (mean distance in a unit cube); 20 000 points are about 0.037 apart.
@@ -205,9 +205,7 @@ fn no_points_one_point_and_equal_points() {
             colors: vec![Vec3::ONE; count],
             opacities: vec![1.0; count],
             radii: vec![0.0; count],
-            normals: None,
-            file_order: Vec::new(),
-            fields: Vec::new(),
+            ..Points::default()
         };
         let ordered = order::canonical(points.clone());
         assert_eq!(Points { file_order: Vec::new(), ..ordered }, points);

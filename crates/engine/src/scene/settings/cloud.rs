@@ -11,7 +11,7 @@ use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;
 use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
-use crate::scene::settings::ColorSettings;
+use crate::scene::settings::{ClassSettings, ColorSettings};
 use crate::scene::table::Table;
 
 settings! {
@@ -23,6 +23,8 @@ settings! {
         color: Option<Vec3> = None, without "by `color_by`";
         /// How points without `color` are colored.
         coloring: ColorSettings = ColorSettings::default();
+        /// What is different about the points of some classes, or of a range of a scalar.
+        class: Vec<ClassSettings> = Vec::new();
         /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
         opacity: f32 = 1.0, in Range::UNIT;
         /// One radius for all points, not scaled.
@@ -50,6 +52,7 @@ impl CloudSettings {
     /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
         let las = if self.color.is_some() { LasColumns::default() } else { self.coloring.color_by.las_columns() };
+        let las = self.class.iter().fold(las, |las, entry| las.and(entry.las_columns()));
         Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref(), las }
     }
 }

@@ -6,7 +6,6 @@ use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::schema::{Kind, Value, settings, words};
 use crate::scene::table::Table;
-use crate::scene::tree;
 
 settings! {
     /// How the points of a `[[cloud]]` without a `color` are colored.
@@ -165,12 +164,7 @@ impl Value for [f64; 2] {
     }
 
     fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        let (Some([low, high]), Some(node)) = (table.pair(key)?, table.get(key)) else { return Ok(None) };
-        if low > high {
-            let problem = format!("must go from low to high, found {}", node.value.describe());
-            return Err(table.error(key, node, problem));
-        }
-        Ok(Some([low, high]))
+        table.range(key)
     }
 
     fn setting(&self) -> Option<Setting> {
@@ -183,7 +177,7 @@ fn check(settings: &mut ColorSettings, table: &Table<'_>) -> Result<(), Error> {
     if let (Some([low, _]), Some(node), true) = (settings.range, table.get("range"), settings.log)
         && low <= 0.0
     {
-        let problem = format!("must begin above 0 with log = true, found {}", tree::Value::describe(&node.value));
+        let problem = format!("must begin above 0 with log = true, found {low:?}");
         return Err(table.error("range", node, problem));
     }
     if !settings.color_by.is_mapped() {

@@ -17,9 +17,10 @@ use rayon::prelude::*;
 pub use derived::DerivedColumns;
 
 use super::assemble::{self, opacity, radius, request};
+use super::classes::Rules;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
-use super::settings::{CloudSettings, Scene};
+use super::settings::{ClassSettings, CloudSettings, Scene, Selection};
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points};
 use crate::prepare::Arranged;
@@ -50,13 +51,17 @@ struct PlacementKey {
     dealt: bool,
     /// Scale and translation.
     clouds: Vec<(u64, [u64; 3])>,
+    /// Which points are not drawn.
+    hidden: Vec<Vec<(Selection, bool)>>,
 }
 
 impl PlacementKey {
     fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
         let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
-        Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
+        let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
+        let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
+        Self { dealt: scene.method.is_dealt(), clouds: clouds.collect(), hidden: hidden.collect() }
     }
 }
 
@@ -65,6 +70,7 @@ impl PlacementKey {
 struct ColumnKey {
     color: ColorKey,
     opacity: u32,
+    classes: Vec<ClassSettings>,
     /// Given radius, factor, and K if radii are asked for.
     radius: (Option<u32>, u32, Option<usize>),
     /// If it is asked for.
@@ -76,10 +82,10 @@ fn bits_of(color: Vec3) -> [u32; 3] {
 }
 
 /// A cloud with the values that a scene gives it.
-#[derive(Clone, Copy)]
 struct CloudView<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
+    rules: Rules<'a>,
     colors: &'a Colors,
     /// The file's values, used where the settings have none; access is not sequential.
     radii: Option<&'a [f32]>,
@@ -88,15 +94,16 @@ struct CloudView<'a> {
 
 impl CloudView<'_> {
     fn color(&self, i: usize) -> Vec3 {
-        match self.colors {
+        let own = || match self.colors {
             Colors::Own => self.cloud.colors.as_ref().map_or(Vec3::ONE, |colors| colors[i]),
             Colors::One(color) => *color,
             Colors::Each(colors) => colors[i],
-        }
+        };
+        self.rules.color(i).unwrap_or_else(own)
     }
 
     fn opacity(&self, i: usize) -> f32 {
-        opacity(self.settings, self.cloud.alphas.as_ref().map(|alphas| alphas[i]))
+        opacity(self.settings, &self.rules, self.cloud, i)
     }
 
     fn radius(&self, i: usize) -> f32 {
@@ -117,10 +124,10 @@ impl CloudView<'_> {
             opacities: all().map(|i| self.opacity(i)).collect(),
             radii: all().map(|i| self.radius(i)).collect(),
             normals: self.cloud.normals.clone(),
-            file_order: Vec::new(),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
+            ..Points::default()
         };
-        let keep = assemble::drop_non_finite(&mut points);
+        let keep = assemble::leave_out(&mut points, self.rules.visible_points(count).as_deref());
         (points, keep)
     }
 }
@@ -146,6 +153,7 @@ fn learn(
             Ok(ColumnKey {
                 color,
                 opacity: settings.opacity.to_bits(),
+                classes: settings.class.clone(),
                 radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
                 field: method.needs_field().then(|| field_key(cloud, &request)),
             })
@@ -159,14 +167,15 @@ fn views<'a>(
     clouds: &'a [Cloud],
     derived: &'a [DerivedColumns],
     column_keys: &[ColumnKey],
-) -> Vec<CloudView<'a>> {
+) -> Result<Vec<CloudView<'a>>, Error> {
     let each = scene.clouds.iter().zip(clouds).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
         let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.radii.as_deref() };
         let radii = own.filter(|_| settings.radius.is_none());
         let colors = derived.colors();
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
-        CloudView { settings, cloud, colors, radii, fields }
+        let rules = Rules::of(settings, cloud)?;
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields })
     })
     .collect()
 }
@@ -186,7 +195,7 @@ impl Tracked {
     ) -> Result<Self, Error> {
         let column_keys = learn(scene, clouds, derived, progress)?;
         let (mut placed, mut origins) = (Vec::new(), Origins::default());
-        for view in views(scene, clouds, derived, &column_keys) {
+        for view in views(scene, clouds, derived, &column_keys)? {
             let (points, keep) = view.points();
             origins.push(points.len(), keep.as_deref());
             placed.push(points);
@@ -207,7 +216,7 @@ impl Tracked {
             (Arranged::Canonical(points), Trace { origins: Vec::new(), ties })
         };
         if arranged.points().is_empty() {
-            return Err(assemble::no_points(scene));
+            return Err(assemble::no_points(scene, arranged.points()));
         }
         Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }
@@ -242,7 +251,7 @@ impl Tracked {
         if column_keys == self.column_keys {
             return Ok(Some(Changes::default()));
         }
-        let views = views(scene, clouds, derived, &column_keys);
+        let views = views(scene, clouds, derived, &column_keys)?;
         let Self { arranged, dealt, ties, origins, .. } = self;
         let points = match arranged {
             Arranged::Canonical(points) => points,
@@ -275,8 +284,8 @@ struct ColumnUpdate<'a> {
 impl<'a> ColumnUpdate<'a> {
     /// Gives all columns their values, and returns the changed ones.
     fn all(&self, points: &mut Points) -> Changes {
-        let colors = self.changed(|column_key| column_key.color.clone());
-        let opacities = self.changed(|column_key| column_key.opacity);
+        let colors = self.changed(|column_key| (column_key.color.clone(), column_key.classes.clone()));
+        let opacities = self.changed(|column_key| (column_key.opacity, column_key.classes.clone()));
         let radii = self.changed(|column_key| column_key.radius);
         Changes {
             colors: self.column(&mut points.colors, &colors, CloudView::color, bits_of),

@@ -23,8 +23,7 @@ fn color(camera: &Camera, position: DVec3, normal: DVec3, shading: Shading, spac
         opacities: vec![1.0],
         radii: vec![1.0],
         normals: Some(vec![normal.as_vec3()]),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     shading::shade(&points, camera, &shading, space)[0]
 }

@@ -22,8 +22,7 @@ fn cloud(positions: Vec<DVec3>, normal: Vec3) -> Points {
         opacities: vec![1.0; count],
         radii: vec![0.0; count],
         normals: (normal != Vec3::ZERO).then(|| vec![normal; count]),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
