@@ -59,10 +59,20 @@ impl Points {
         Bounds::enclosing(self.positions.iter().chain(&self.unseen.positions).copied())
     }
 
+    /// The box of the points that are drawn; `None` without any.
+    pub fn drawn_bounds(&self) -> Option<Bounds> {
+        Bounds::enclosing(self.positions.iter().copied())
+    }
+
     /// Positions and radii of all points, also of those that are not drawn.
     pub fn spheres(&self) -> impl Iterator<Item = (&DVec3, f32)> {
         let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
         self.positions.iter().zip(&self.radii).chain(unseen).map(|(position, radius)| (position, *radius))
+    }
+
+    /// The largest radius of all points, also of those that are not drawn; 0 without points.
+    pub fn largest_radius(&self) -> f64 {
+        self.spheres().fold(0.0, |most, (_, radius)| f64::from(radius).max(most))
     }
 
     /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
@@ -144,11 +154,13 @@ pub struct Changes {
     pub fields: bool,
     /// Points of equal position traded places: normals and `file_order` may be others, too.
     pub order: bool,
+    /// Radii of points that are not drawn.
+    pub unseen: bool,
 }
 
 impl Changes {
     /// All of them.
-    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true };
+    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true };
 
     /// These and others.
     #[must_use]
@@ -159,6 +171,7 @@ impl Changes {
             radii: self.radii || more.radii,
             fields: self.fields || more.fields,
             order: self.order || more.order,
+            unseen: self.unseen || more.unseen,
         }
     }
 

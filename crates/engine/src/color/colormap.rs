@@ -91,6 +91,19 @@ mod tests {
             assert_eq!([map.srgb(0.0), map.srgb(1.0)], [first, last].map(DVec3::from), "{name}");
             assert_eq!([map.srgb(-1.0), map.srgb(2.0)], [first, last].map(DVec3::from), "{name}");
         }
+        // Entry 128 of 0 to 255, as published.
+        let middles = [
+            ("viridis", [0.127568, 0.566949, 0.550556]),
+            ("magma", [0.716387, 0.214982, 0.47529]),
+            ("inferno", [0.735683, 0.215906, 0.330245]),
+            ("turbo", [0.64362, 0.98999, 0.23356]),
+        ];
+        for (name, wanted) in middles {
+            assert!(
+                (Colormap::named(name).unwrap().srgb(128.0 / 255.0) - DVec3::from(wanted)).length() < 1e-12,
+                "{name}"
+            );
+        }
         let viridis = Colormap::named("viridis").unwrap();
         // Halfway between entries 100 and 101.
         let wanted = 0.5 * (viridis.entries[100] + viridis.entries[101]);

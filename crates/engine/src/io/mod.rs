@@ -10,6 +10,7 @@ mod number;
 mod pcd;
 pub mod photo;
 pub mod ply;
+pub mod polygon;
 mod text;
 pub mod volume;
 
@@ -154,6 +155,17 @@ impl LasColumns {
             returns: self.returns || more.returns,
             source: self.source || more.source,
             gps_time: self.gps_time || more.gps_time,
+        }
+    }
+
+    /// Those of them that a cloud doesn't have.
+    #[must_use]
+    pub fn lacking(self, cloud: &Cloud) -> Self {
+        let lacks = |name| cloud.scalar(name).is_none();
+        Self {
+            returns: self.returns && lacks(RETURN_NUMBER),
+            source: self.source && lacks(POINT_SOURCE),
+            gps_time: self.gps_time && lacks(GPS_TIME),
         }
     }
 

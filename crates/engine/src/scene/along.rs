@@ -142,8 +142,8 @@ fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent 
     ];
     let nearest = most(-forward);
     let mut extent = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
-    for (position, own) in spheres.points.positions.iter().zip(&spheres.points.radii) {
-        let (p, own) = (*position - spheres.center, f64::from(*own));
+    for (position, own) in spheres.points.spheres() {
+        let (p, own) = (*position - spheres.center, f64::from(own));
         let height = p.dot(axis);
         let radius = (p - axis * height).length();
         let [x, y, minus_x, minus_y] = planes.each_ref().map(|plane| plane(height, radius));

@@ -1,19 +1,19 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
-use std::sync::Arc;
-
 use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::classes::{self, Rules};
+use super::clip::Clips;
 use super::coloring::Coloring;
 use super::error::Error;
 use super::procedural::Generated;
+use super::seen::{leave_out, seen};
 use super::settings::{CloudSettings, Scene};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
-use crate::points::{Points, Unseen};
+use crate::points::Points;
 use crate::prepare::Arranged;
 use crate::prepare::ensembles;
 use crate::{io, prepare};
@@ -100,17 +100,18 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
 /// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
-/// scene's color space; clouds without `color` are colored by `color_by`. A radius is the scene's, else the file's times `scale`, else,
+/// scene's color space; clouds without `color` are colored by `color_by`. Points that a class hides or a clip cuts off are set
+/// apart ([`Points::unseen`]) once everything is computed. A radius is the scene's, else the file's times `scale`, else,
 /// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
 /// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
 /// `scale` and `translate` round them, because a prepared file stores those values.
 ///
 /// # Errors
-/// No point is left, or a cloud lacks the property of its field.
+/// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
-    let mut points = Points::default();
+    let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
     for (index, cloud) in clouds.into_iter().enumerate() {
-        points.append(transformed(scene, index, cloud, needs_radii, progress)?);
+        points.append(transformed(scene, &clips, index, cloud, needs_radii, progress)?);
     }
     if points.is_empty() {
         return Err(no_points(scene, &points));
@@ -127,8 +128,8 @@ pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress
     if !scene.method.is_dealt() {
         return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
     }
-    let each = clouds.into_iter().enumerate();
-    let placed = each.map(|(index, cloud)| transformed(scene, index, cloud, false, progress));
+    let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
+    let placed = each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress));
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
     progress.reset();
     progress.set_message("dealing points to ensembles");
@@ -144,6 +145,7 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
 /// The cloud at a place in the scene, with its settings applied. F is there if the method needs it.
 fn transformed(
     scene: &Scene,
+    clips: &Clips,
     index: usize,
     mut cloud: Cloud,
     needs_radii: bool,
@@ -172,6 +174,7 @@ fn transformed(
     for position in &mut cloud.positions {
         *position = placed(settings, *position);
     }
+    let seen = seen(visible, clips, &cloud.positions);
     let mut points = Points {
         positions: cloud.positions,
         colors,
@@ -181,7 +184,7 @@ fn transformed(
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
         ..Points::default()
     };
-    leave_out(&mut points, visible.as_deref());
+    leave_out(&mut points, seen.as_deref());
     Ok(points)
 }
 
@@ -209,33 +212,4 @@ pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
 fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
-}
-
-/// Drops points that a huge `scale` or `translate` moved out of float64, and sets those apart that are not `visible`. Which are
-/// left; `None`: all.
-pub(super) fn leave_out(points: &mut Points, visible: Option<&[bool]>) -> Option<Vec<bool>> {
-    let shown = |i: usize| visible.is_none_or(|visible| visible[i]);
-    let finite = |position: &DVec3| position.is_finite();
-    let keep: Vec<_> = points.positions.iter().enumerate().map(|(i, p)| finite(p) && shown(i)).collect();
-    if keep.iter().all(|keep| *keep) {
-        return None;
-    }
-    let all = points.positions.iter().zip(&points.radii).zip(&keep);
-    let unseen = all.filter(|((position, _), keep)| !**keep && finite(position));
-    let (positions, radii) = unseen.map(|((position, radius), _)| (*position, *radius)).unzip();
-    points.unseen = Arc::new(Unseen { positions, radii });
-    retain(&mut points.positions, &keep);
-    retain(&mut points.colors, &keep);
-    retain(&mut points.opacities, &keep);
-    retain(&mut points.radii, &keep);
-    retain(&mut points.fields, &keep);
-    if let Some(normals) = &mut points.normals {
-        retain(normals, &keep);
-    }
-    Some(keep)
-}
-
-fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    column.retain(|_| keep.next().copied().unwrap_or(false));
 }

@@ -22,14 +22,14 @@ struct Rule<'a> {
 /// Tells which points an entry is about.
 #[derive(Debug, Clone)]
 enum Test<'a> {
-    Class(u8, &'a [u8]),
+    Classes([f64; 2], &'a [u8]),
     Within([f64; 2], Vec<f64>),
 }
 
 impl Test<'_> {
     fn holds(&self, i: usize) -> bool {
         match self {
-            Self::Class(code, codes) => codes[i] == *code,
+            Self::Classes([low, high], codes) => (*low..=*high).contains(&f64::from(codes[i])),
             Self::Within([low, high], values) => (*low..=*high).contains(&values[i]),
         }
     }
@@ -44,9 +44,12 @@ impl<'a> Rules<'a> {
         let mut rules = Vec::new();
         for entry in &settings.class {
             let points = match (&entry.points, &cloud.classification) {
-                (Selection::Class(code), Some(codes)) => Test::Class(*code, codes),
+                (Selection::Class(code), Some(codes)) => Test::Classes([f64::from(*code); 2], codes),
                 (Selection::Class(_), None) => continue,
-                (Selection::Scalar { name, .. }, None) if is_classification(name) => continue,
+                (Selection::Scalar { name, range }, classes) if is_classification(name) => match classes {
+                    Some(codes) => Test::Classes(*range, codes),
+                    None => continue,
+                },
                 (Selection::Scalar { name, range }, _) => Test::Within(*range, scalar(settings, cloud, name)?),
             };
             rules.push(Rule { points, settings: entry });

@@ -163,7 +163,7 @@ impl<'a> Coloring<'a> {
     /// The coloring and the reason for it, in a phrase.
     pub fn describe(&self) -> String {
         if self.settings.color.is_some() {
-            return "color: the scene gives one".to_owned();
+            return "the scene's `color`".to_owned();
         }
         let Choice { by, modulated, why } = &self.choice;
         let intensity = if *modulated { ", darker where intensity is small" } else { "" };

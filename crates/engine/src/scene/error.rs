@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::procedural;
 use crate::cloud::field;
+use crate::io;
 
 /// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -140,6 +141,9 @@ pub enum Error {
         /// The nearest name or the list of them, as a phrase that follows.
         hint: String,
     },
+    /// The polygons of a clip can't be read.
+    #[error(transparent)]
+    Polygon(#[from] io::Error),
     /// Coordinates beyond what the camera can be computed for.
     #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
     Extent {
@@ -167,6 +171,7 @@ impl Error {
             | Self::Field { .. }
             | Self::Color { .. }
             | Self::NoScalar { .. }
+            | Self::Polygon(_)
             | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
             _ => 2,

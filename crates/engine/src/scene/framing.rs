@@ -73,7 +73,7 @@ pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
         return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
     };
-    let radius = points.spheres().fold(0.0, |max: f64, (_, r)| max.max(f64::from(r)));
+    let radius = points.largest_radius();
     if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }

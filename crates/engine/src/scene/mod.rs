@@ -7,6 +7,7 @@ mod along;
 mod assemble;
 mod choice;
 mod classes;
+mod clip;
 mod coloring;
 mod document;
 mod error;
@@ -23,6 +24,7 @@ pub mod procedural;
 #[cfg(test)]
 mod reference;
 mod schema;
+mod seen;
 mod settings;
 mod table;
 pub mod tracked;

@@ -79,12 +79,13 @@ pub(super) fn read_text(path: &Path) -> Result<String, Error> {
 pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let context = Context { folder, ..Context::default() };
     let table = Table::root(root, &context)?;
-    table.refuse_unknown(&["image", "camera", "shading", "cloud", "method", "shadows"])?;
+    table.refuse_unknown(&["image", "camera", "shading", "cloud", "clip", "method", "shadows"])?;
     let image = read(&table.table("image")?)?;
     let camera = read(&table.table("camera")?)?;
     let shading: Shading = read(&table.table("shading")?)?;
     let clouds = table.tables("cloud")?;
     let settings: Vec<_> = clouds.iter().map(cloud).collect::<Result<_, _>>()?;
+    let clips = table.tables("clip")?.iter().map(Clip::read).collect::<Result<_, _>>()?;
     let method = method::read(&table.table("method")?)?;
     if !method.needs_field() {
         clouds.iter().for_each(|cloud| warn_of_fields(cloud, &method));
@@ -96,7 +97,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
-    Ok(Scene { image, camera, shading, clouds: settings, method, shadows, warnings, settings: json })
+    Ok(Scene { image, camera, shading, clouds: settings, clips, method, shadows, warnings, settings: json })
 }
 
 /// Settings with what a table gives.

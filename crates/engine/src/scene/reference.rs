@@ -46,6 +46,10 @@ fn scene_file() -> String {
             "image" => "The picture.",
             "camera" => "All of it is optional: by default the whole scene is in view.",
             "cloud.*" => "One or more. Positions become scale · p + translate, in float64.",
+            "clip.*" => {
+                "Any number of them. A point is drawn if each keeps its centre; borders are kept. Points that are cut off still \
+                 count for bounds, percentiles, radii and normals."
+            }
             "shading" => "Points without normals are not shaded.",
             _ => "Opaque points and surfaces take shadows of a light with a direction or a position.",
         };
@@ -98,7 +102,7 @@ fn keys_table(rows: &[(Key, String)], methods: bool) -> String {
 
 /// The description of a key, and of each of its words.
 fn about(key: &Key) -> String {
-    let words = if let Kind::Words(words) = key.kind { words } else { &[] };
+    let words = if let Kind::Words(words) | Kind::WordsOr(words, _) = key.kind { words } else { &[] };
     let words = words.iter().map(|word| format!("<br>`{}`: {}", word.name, word.about));
     std::iter::once(key.about.to_owned()).chain(words).collect()
 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod classes;
+mod clip;
 mod cloud;
 mod coloring;
 mod discs;
@@ -15,6 +16,7 @@ mod surfaces;
 pub use crate::light::Light;
 pub use camera::CameraSettings;
 pub use classes::{ClassSettings, Selection};
+pub use clip::{Clip, ClipShape};
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
 pub use coloring::{ColorBy, ColorSettings, ColormapName};
@@ -42,6 +44,8 @@ pub struct Scene {
     pub shading: Shading,
     /// `[[cloud]]`, at least one.
     pub clouds: Vec<CloudSettings>,
+    /// `[[clip]]`: points are drawn where all of them keep the centre.
+    pub clips: Vec<Clip>,
     /// `[method]`.
     pub method: MethodChoice,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
@@ -56,7 +60,7 @@ impl Scene {
     /// True if some points may not be drawn.
     pub fn hides_points(&self) -> bool {
         let hides = |entry: &ClassSettings| entry.visible == Some(false);
-        self.clouds.iter().flat_map(|cloud| &cloud.class).any(hides)
+        !self.clips.is_empty() || self.clouds.iter().flat_map(|cloud| &cloud.class).any(hides)
     }
 }
 

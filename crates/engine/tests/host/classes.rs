@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::{Bounds, Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::progress::Progress;
-use pellucid_engine::scene::{self, Overrides, Scene, assemble};
+use pellucid_engine::scene::{self, Method, Overrides, Scene, Spbr, assemble};
 
 /// Points at x = 0, 1, 2, … with these classes.
 fn cloud(codes: &[u8]) -> Cloud {
@@ -135,4 +135,18 @@ fn what_an_entry_lacks_or_has_too_much_of_is_an_error() {
     );
     let error = assemble(&missing, vec![cloud(&[2, 2])], true, &Progress::hidden()).unwrap_err();
     assert_eq!(error.to_string(), "a: no scalar `dosis` for cloud.class; did you mean `dose`?");
+}
+
+#[test]
+fn a_cloud_may_be_hidden_whole() {
+    let text = "[[cloud]]\npath = 'a'\nradius = 1\n[[cloud.class]]\nid = 2\nvisible = false\n\
+                [[cloud]]\npath = 'b'\nradius = 2\ntranslate = [10, 0, 0]";
+    for method in [Method::Points, Method::Spbr(Spbr::default())] {
+        let scene = Scene { method: method.into(), ..scene_of(text, &Overrides::default()) };
+        let arranged = scene::arrange(&scene, vec![cloud(&[2, 2]), cloud(&[2])], 1, &Progress::hidden()).unwrap();
+        let points = arranged.points();
+        assert_eq!(points.positions, [DVec3::new(10.0, 0.0, 0.0)]);
+        assert_eq!(points.bounds(), Some(Bounds { min: DVec3::ZERO, max: DVec3::new(10.0, 0.0, 0.0) }));
+        assert_eq!(arranged.surfaces().len(), usize::from(method.is_dealt()), "clouds without points are omitted");
+    }
 }

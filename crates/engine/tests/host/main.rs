@@ -2,6 +2,7 @@
 
 mod camera_paths;
 mod classes;
+mod clips;
 mod coloring;
 mod ensembles;
 mod io;

@@ -120,9 +120,7 @@ fn degenerate_shapes_of_many_points() {
 /// Points with equal positions, colors, opacities and radii among them, so that every tie-break is used.
 fn many_ties(count: usize) -> Points {
     let mut rng = Pcg64Mcg::seed_from_u64(6);
-    let mut points = Points { normals: Some(Vec::new()),
-        ..Points::default()
-    };
+    let mut points = Points { normals: Some(Vec::new()), ..Points::default() };
     for _ in 0..count {
         let mut pick = |n: u32| rng.random_range(0..n) as f32;
         points.positions.push(DVec3::new(pick(8).into(), pick(3).into(), 4.5e6));

@@ -4,14 +4,13 @@ use crate::color::colormap::Colormap;
 use crate::io::LasColumns;
 use crate::scene::Setting;
 use crate::scene::error::Error;
-use crate::scene::schema::{Kind, Value, settings, words};
+use crate::scene::schema::{Kind, Value, Word, settings, words};
 use crate::scene::table::Table;
 
 settings! {
     /// How the points of a `[[cloud]]` without a `color` are colored.
     pub struct ColorSettings {
-        /// What colors show: auto takes the file's colors unless all are black or all white, else classes if there are at least
-        /// three besides 0 and 1, else height, darker where intensity is small.
+        /// The meaning of the colors.
         color_by: ColorBy = ColorBy::Auto;
         /// The colors of values, from the lowest to the highest.
         colormap: ColormapName = ColormapName::Viridis;
@@ -87,33 +86,60 @@ pub enum ColorBy {
     Scalar(String),
 }
 
+const fn word(name: &'static str, about: &'static str) -> Word {
+    Word { name, about }
+}
+
 impl ColorBy {
     /// The words; everything else is the name of a scalar.
-    const WORDS: [(&'static str, Self); 12] = [
-        ("auto", Self::Auto),
-        ("rgb", Self::Rgb),
-        ("height", Self::Height),
-        ("intensity", Self::Intensity),
-        ("classification", Self::Classification),
-        ("return", Self::Return),
-        ("source", Self::Source),
-        ("gps-time", Self::GpsTime),
-        ("normal", Self::Normal),
-        ("cloud", Self::Cloud),
-        ("uniform", Self::Uniform),
-        ("field", Self::Field),
+    const WORDS: &'static [Word] = &[
+        word(
+            "auto",
+            "The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else height.",
+        ),
+        word("rgb", "The file's colors."),
+        word("height", "The coordinate along the vertical; with auto darker where intensity is small."),
+        word("intensity", "The file's intensity."),
+        word("classification", "Classes, each with a color of its own."),
+        word("return", "The number of a return within its pulse."),
+        word("source", "The source of a point, mostly a flight line."),
+        word("gps-time", "Seconds since the first point."),
+        word("normal", "The normal's direction: x, y, z as red, green, blue."),
+        word("cloud", "One color for each cloud."),
+        word("uniform", "White for all."),
+        word("field", "The field F of `field`."),
     ];
 
-    /// The words that a scene file writes for what is no scalar's name.
+    /// Their meanings, in the same order.
+    const MEANINGS: [Self; 12] = [
+        Self::Auto,
+        Self::Rgb,
+        Self::Height,
+        Self::Intensity,
+        Self::Classification,
+        Self::Return,
+        Self::Source,
+        Self::GpsTime,
+        Self::Normal,
+        Self::Cloud,
+        Self::Uniform,
+        Self::Field,
+    ];
+
+    fn known() -> impl Iterator<Item = (&'static str, Self)> {
+        Self::words().zip(Self::MEANINGS)
+    }
+
+    /// The words of a scene file that name no scalar.
     pub fn words() -> impl Iterator<Item = &'static str> {
-        Self::WORDS.iter().map(|(word, _)| *word)
+        Self::WORDS.iter().map(|word| word.name)
     }
 
     /// Its word in a scene file, or the name of the scalar.
     pub fn word(&self) -> &str {
         match self {
             Self::Scalar(name) => name,
-            known => Self::WORDS.iter().find(|(_, by)| by == known).map_or("", |(word, _)| word),
+            meaning => Self::known().find(|(_, known)| known == meaning).map_or("", |(word, _)| word),
         }
     }
 
@@ -138,16 +164,13 @@ impl Value for ColorBy {
     type Allowed = ();
 
     fn kind((): ()) -> Kind {
-        Kind::Other(
-            "`\"auto\"`, `\"rgb\"`, `\"height\"`, `\"intensity\"`, `\"classification\"`, `\"return\"`, `\"source\"`, \
-             `\"gps-time\"`, `\"normal\"`, `\"cloud\"`, `\"uniform\"`, `\"field\"`, or the name of a scalar of the file",
-        )
+        Kind::WordsOr(Self::WORDS, "the name of a scalar of the file")
     }
 
     fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
-        let Some(word) = table.string(key)? else { return Ok(None) };
-        let known = Self::WORDS.into_iter().find(|(known, _)| *known == word);
-        Ok(Some(known.map_or_else(|| Self::Scalar(word.to_owned()), |(_, by)| by)))
+        let Some(given) = table.string(key)? else { return Ok(None) };
+        let known = Self::known().find(|(word, _)| *word == given);
+        Ok(Some(known.map_or_else(|| Self::Scalar(given.to_owned()), |(_, by)| by)))
     }
 
     fn setting(&self) -> Option<Setting> {
@@ -194,6 +217,15 @@ fn check(settings: &mut ColorSettings, table: &Table<'_>) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_word_has_its_meaning() {
+        assert_eq!(ColorBy::WORDS.len(), ColorBy::MEANINGS.len());
+        for (word, meaning) in ColorBy::known() {
+            let variant = format!("{meaning:?}").to_lowercase();
+            assert_eq!((meaning.word(), variant), (word, word.replace('-', "")));
+        }
+    }
 
     #[test]
     fn every_colormap_has_its_table() {

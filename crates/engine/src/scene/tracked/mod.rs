@@ -18,11 +18,13 @@ pub use derived::DerivedColumns;
 
 use super::assemble::{self, opacity, radius, request};
 use super::classes::Rules;
+use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
-use super::settings::{ClassSettings, CloudSettings, Scene, Selection};
+use super::seen::{leave_out, seen};
+use super::settings::{ClassSettings, Clip, CloudSettings, Scene, Selection};
 use crate::cloud::Cloud;
-use crate::points::{Changes, Points};
+use crate::points::{Changes, Points, Unseen};
 use crate::prepare::Arranged;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
@@ -51,8 +53,9 @@ struct PlacementKey {
     dealt: bool,
     /// Scale and translation.
     clouds: Vec<(u64, [u64; 3])>,
-    /// Which points are not drawn.
+    /// Points of each cloud that are shown or hidden.
     hidden: Vec<Vec<(Selection, bool)>>,
+    clips: Vec<Clip>,
 }
 
 impl PlacementKey {
@@ -61,7 +64,8 @@ impl PlacementKey {
         let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
         let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
         let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
-        Self { dealt: scene.method.is_dealt(), clouds: clouds.collect(), hidden: hidden.collect() }
+        let dealt = scene.method.is_dealt();
+        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone() }
     }
 }
 
@@ -114,8 +118,8 @@ impl CloudView<'_> {
         self.fields.map_or(0.0, |fields| fields[i])
     }
 
-    /// All points, with marks on the remaining ones if some became non-finite.
-    fn points(&self) -> (Points, Option<Vec<bool>>) {
+    /// All points, with marks on the remaining ones if some are not drawn.
+    fn points(&self, clips: &Clips) -> (Points, Option<Vec<bool>>) {
         let count = self.cloud.len();
         let all = || (0..count).into_par_iter();
         let mut points = Points {
@@ -127,7 +131,8 @@ impl CloudView<'_> {
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
             ..Points::default()
         };
-        let keep = assemble::leave_out(&mut points, self.rules.visible_points(count).as_deref());
+        let seen = seen(self.rules.visible_points(count), clips, &points.positions);
+        let keep = leave_out(&mut points, seen.as_deref());
         (points, keep)
     }
 }
@@ -185,7 +190,7 @@ impl Tracked {
     /// results.
     ///
     /// # Errors
-    /// No point is left, or a cloud lacks the property of its field.
+    /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
     pub fn new(
         scene: &Scene,
         clouds: &[Cloud],
@@ -194,9 +199,9 @@ impl Tracked {
         progress: &Progress,
     ) -> Result<Self, Error> {
         let column_keys = learn(scene, clouds, derived, progress)?;
-        let (mut placed, mut origins) = (Vec::new(), Origins::default());
+        let (mut placed, mut origins, clips) = (Vec::new(), Origins::default(), Clips::load(&scene.clips)?);
         for view in views(scene, clouds, derived, &column_keys)? {
-            let (points, keep) = view.points();
+            let (points, keep) = view.points(&clips);
             origins.push(points.len(), keep.as_deref());
             placed.push(points);
         }
@@ -292,8 +297,23 @@ impl<'a> ColumnUpdate<'a> {
             opacities: self.column(&mut points.opacities, &opacities, CloudView::opacity, f32::to_bits),
             radii: self.column(&mut points.radii, &radii, CloudView::radius, f32::to_bits),
             fields: self.fields(&mut points.fields),
+            unseen: self.unseen(&mut points.unseen, &radii),
             order: false,
         }
+    }
+
+    /// Gives points that are not drawn their radii. Returns true if any changed.
+    fn unseen(&self, unseen: &mut Arc<Unseen>, changed: &[bool]) -> bool {
+        if unseen.radii.is_empty() || !changed.contains(&true) {
+            return false;
+        }
+        let radii = self.clouds.iter().enumerate().flat_map(|(cloud, view)| {
+            let is_finite = |i: &usize| assemble::placed(view.settings, view.cloud.positions[*i]).is_finite();
+            let left_out = self.origins.left_out(cloud, view.cloud.len());
+            left_out.into_iter().filter(is_finite).map(|i| view.radius(i))
+        });
+        let before = std::mem::replace(&mut Arc::make_mut(unseen).radii, radii.collect());
+        before != unseen.radii
     }
 
     /// The method decides if the clouds have F, all or none.
