@@ -110,36 +110,6 @@ fn ends(values: impl ParallelIterator<Item = f64>) -> [f64; 2] {
     if least <= most { [least, most] } else { [0.0; 2] }
 }
 
-/// The name of a class of LAS 1.4 (ASPRS, table 17); `None` for reserved and user-defined codes.
-pub fn class_name(code: u8) -> Option<&'static str> {
-    const NAMES: [&str; 23] = [
-        "never classified",
-        "unclassified",
-        "ground",
-        "low vegetation",
-        "medium vegetation",
-        "high vegetation",
-        "building",
-        "low point (noise)",
-        "model key point",
-        "water",
-        "rail",
-        "road surface",
-        "overlap",
-        "wire, guard",
-        "wire, conductor",
-        "transmission tower",
-        "wire connector",
-        "bridge deck",
-        "high noise",
-        "overhead structure",
-        "ignored ground",
-        "snow",
-        "temporal exclusion",
-    ];
-    NAMES.get(usize::from(code)).copied()
-}
-
 /// The distribution of F over the shown points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldFacts {
@@ -269,11 +239,5 @@ mod tests {
             assert_eq!(histograms.for_scene(&scene(text), &[1.0])[63], 1, "{text}");
             assert_eq!(histograms.for_scene(&scene("field = 'x'"), &[0.0])[63], 0);
         }
-    }
-
-    #[test]
-    fn classes_have_their_names() {
-        assert_eq!([2, 5, 22].map(class_name), [Some("ground"), Some("high vegetation"), Some("temporal exclusion")]);
-        assert_eq!([23, 64, 255].map(class_name), [None; 3]);
     }
 }

@@ -217,6 +217,7 @@ impl Stage {
 
     fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
         let Self { renderer, sources, progress, placed, .. } = self;
+        sources.complete(scene, progress)?;
         if let Some(before) = placed {
             if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
                 return Ok(changes);
