@@ -1,4 +1,4 @@
-//! Short options that leave points out or make them see-through: `--class`, `--classes`, `--without`.
+//! Short options that leave points out or make them see-through: `--class`, `--classes`, `--without`, `--slice`.
 
 use pellucid_engine::Result;
 use pellucid_engine::color::classes;
@@ -34,6 +34,32 @@ pub fn classes(overrides: &mut Overrides, class: &[String], only: Option<&str>, 
     Ok(())
 }
 
+/// Adds entries of `[[clip]]` for `--slice`, each as in z=2..4.
+pub fn slices(overrides: &mut Overrides, slices: &[String]) -> Result<()> {
+    for slice in slices {
+        let option = format!("--slice {slice}");
+        let Some(slab) = slab(slice) else {
+            return Err(usage(format!("{option}: expected AXIS=FROM..TO, as in z=2..4, z=2.. or z=..4")));
+        };
+        overrides.append(&option, "clip", &slab)?;
+    }
+    Ok(())
+}
+
+/// A slab as a scene file has it; `None` for a text of another form.
+fn slab(slice: &str) -> Option<String> {
+    let (axis, range) = slice.split_once('=')?;
+    let (from, to) = range.split_once("..")?;
+    let axis = axis.trim().to_lowercase();
+    let end = |key: &str, text: &str| match text.trim() {
+        "" => Some(String::new()),
+        text => text.parse().ok().filter(|x: &f64| x.is_finite()).map(|x| format!(", {key} = {x:?}")),
+    };
+    let ends = end("min", from)? + &end("max", to)?;
+    (["x", "y", "z"].contains(&&*axis) && !ends.is_empty())
+        .then(|| format!("{{ slab = {{ axis = \"{axis}\"{ends} }} }}"))
+}
+
 /// The classes of a list, by their numbers or names.
 fn codes(option: &str, list: &str) -> Result<Vec<u8>> {
     list.split(',').map(|word| code(option, word)).collect()
@@ -58,6 +84,23 @@ fn others(codes: &[u8]) -> Vec<[u8; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slices_are_slabs_with_open_ends() {
+        for (slice, wanted) in [
+            ("z=2..4", Some("{ slab = { axis = \"z\", min = 2.0, max = 4.0 } }")),
+            ("X=-.5..", Some("{ slab = { axis = \"x\", min = -0.5 } }")),
+            ("y = ..1e3", Some("{ slab = { axis = \"y\", max = 1000.0 } }")),
+            ("z=..", None),
+            ("w=1..2", None),
+            ("z=1", None),
+            ("z=a..2", None),
+            ("z=1..inf", None),
+            ("1..2", None),
+        ] {
+            assert_eq!(slab(slice).as_deref(), wanted, "{slice}");
+        }
+    }
 
     #[test]
     fn what_a_list_lacks_comes_in_runs() {

@@ -40,9 +40,9 @@ pub struct InputArgs {
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     radius: Option<String>,
-    /// What colors show: auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform, field, or
-    /// the name of a scalar of the file; by default the scene file's, else auto, which is the file's colors, else classes, else
-    /// height (`plan` says which, and why).
+    /// The meaning of the colors: auto, rgb, height, intensity, classification, return, source, gps-time, normal, cloud, uniform,
+    /// field, or the name of a scalar of the file; by default the scene file's, else auto, which is the file's colors, else
+    /// classes, else height (`plan` says which, and why).
     #[arg(long, value_name = "WHAT")]
     color_by: Option<String>,
     /// The colors of values: viridis, cividis, magma, inferno, plasma, turbo, terrain or grey; by default the scene file's, else
@@ -58,6 +58,9 @@ pub struct InputArgs {
     /// Draw all classes but these, as in 7,18.
     #[arg(long, value_name = "LIST")]
     without: Option<String>,
+    /// Draw what lies between two planes across an axis, as in z=2..4, z=2.. or z=..4; repeatable.
+    #[arg(long, value_name = "AXIS=FROM..TO")]
+    slice: Vec<String>,
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b: also a (alpha), i (intensity),
     /// nx, ny, nz, radius, class, any other word for a scalar, and - for a column to skip. By default the scene file's, else
     /// the file's own line of names, else by the columns' number and values.
@@ -164,7 +167,7 @@ pub struct Resolved {
     pub shadow_texture: Option<ShadowTexture>,
     /// The camera, given or automatic.
     pub camera: Camera,
-    /// How each cloud is colored, and why.
+    /// How clouds are colored and why, a phrase for each way.
     pub colorings: Vec<String>,
     /// `--seed`.
     pub seed: u64,
@@ -257,8 +260,9 @@ impl InputArgs {
                 overrides.set(format!("--{option} {value}"), key, value)?;
             }
         }
-        let Self { class, classes, without, .. } = self;
+        let Self { class, classes, without, slice, .. } = self;
         filters::classes(&mut overrides, class, classes.as_deref(), without.as_deref())?;
+        filters::slices(&mut overrides, slice)?;
         self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
         Ok(overrides)
     }
@@ -267,6 +271,22 @@ impl InputArgs {
     pub fn view(&self) -> View {
         View { name: self.view.map(ViewName::from), azimuth: self.azimuth, elevation: self.elevation }
     }
+}
+
+/// How clouds are colored and why, a phrase for each way.
+fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
+    let mut ways: Vec<(String, Vec<&Path>)> = Vec::new();
+    for (settings, way) in scene.clouds.iter().zip(scene::colorings(scene, clouds)) {
+        match ways.iter_mut().find(|(known, _)| *known == way) {
+            Some((_, paths)) => paths.push(&settings.path),
+            None => ways.push((way, vec![&settings.path])),
+        }
+    }
+    let phrase = |(way, paths): &(String, Vec<&Path>)| match paths[..] {
+        [path] => format!("{} is colored by {way}", path.display()),
+        _ => format!("{} clouds are colored by {way}", paths.len()),
+    };
+    ways.iter().map(phrase).collect()
 }
 
 /// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
@@ -331,9 +351,7 @@ impl Loaded {
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
         let up = scene::up_axis(&clouds);
-        let named = scene.clouds.iter().zip(scene::colorings(&scene, &clouds));
-        let colorings: Vec<_> =
-            named.map(|(cloud, how)| format!("{} is colored by {how}", cloud.path.display())).collect();
+        let colorings = colorings(&scene, &clouds);
         colorings.iter().for_each(|how| console.detail(how));
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));

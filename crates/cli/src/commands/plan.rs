@@ -31,10 +31,11 @@ pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
     session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
-    let colors = resolved.colorings.iter();
-    let mut steps: Vec<_> =
-        colors.map(|how| plan::Step { name: "scene/colors", on: true, reason: how.clone() }).collect();
-    steps.extend(plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why));
+    let mut steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
+    // The first pass takes the points, and their colors.
+    if let Some(first) = steps.iter_mut().find(|step| step.on) {
+        first.reason = [std::slice::from_ref(&first.reason), &resolved.colorings].concat().join("; ");
+    }
     if args.json {
         print_json(&json!(steps))?;
     } else {

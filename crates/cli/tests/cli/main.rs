@@ -12,6 +12,7 @@ mod dealt;
 mod failures;
 #[cfg(unix)]
 mod faults;
+mod filters;
 mod formats;
 mod frames;
 #[cfg(unix)]
