@@ -33,16 +33,16 @@ pub(super) fn cases() -> Vec<Case> {
     ]
 }
 
-/// A scene of one cloud as its file would be.
-fn scene() -> Result<Scene, Trouble> {
-    let text = "[method]\nname = \"abuffer\"\n[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\n";
-    Ok(Scene::from_toml(text, Path::new("check"))?)
+/// A scene of one cloud as its file would be, with what its colors show.
+fn scene(color_by: &str) -> Result<Scene, Trouble> {
+    let cloud = format!("[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\ncolor_by = \"{color_by}\"\n");
+    Ok(Scene::from_toml(&format!("[method]\nname = \"abuffer\"\n{cloud}"), Path::new("check"))?)
 }
 
 fn all_equal(stage: &mut Stage) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
-    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
+    let points = scene::assemble(&scene("uniform")?, vec![cloud], true, &Progress::hidden())?;
     let frame = frame(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
     let found = stage.render(&points, &frame)?.image.rgba[0];
     let wanted = composed(&vec![dot; 500]);
@@ -142,7 +142,7 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
     let cloud = io::load(file.path(), &Progress::hidden())?;
-    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
+    let points = scene::assemble(&scene("rgb")?, vec![cloud], true, &Progress::hidden())?;
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 
