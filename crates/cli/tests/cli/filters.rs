@@ -28,7 +28,7 @@ fn picture(folder: &TempDir, options: &[&str]) -> [f32; 3] {
     done(folder, &args);
     let image = read_image(&inside(folder, "out.exr")).unwrap();
     fs::remove_file(inside(folder, "out.exr")).unwrap();
-    let brightest = |channel: usize| image.rgba.iter().map(|pixel| pixel[channel]).fold(0.0, f32::max);
+    let brightest = |channel: usize| image.pixels.iter().map(|pixel| pixel[channel]).fold(0.0, f32::max);
     [0, 1, 2].map(brightest)
 }
 
