@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::error::Error;
 use super::procedural::Generated;
-use super::settings::{CloudSettings, Scene};
+use super::settings::{CloudSettings, Outliers, Scene};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
@@ -70,6 +70,8 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
         "stored for this cloud by itself".to_owned()
     } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
         "stored for the cloud where it is in its file".to_owned()
+    } else if settings.strays.outliers == Outliers::Drop {
+        "stored for all points of the cloud".to_owned()
     } else if wanted.is_none() || !other.is_empty() {
         format!("stored for other settings ({})", other.join(", "))
     } else {
@@ -82,8 +84,11 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
+        radius_cap: settings.strays.radius_cap,
         field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
         radii: radii && settings.radius.is_none(),
+        soft_outliers: settings.strays.rule(Outliers::Soft).filter(|_| fields),
+        dropped_outliers: settings.strays.rule(Outliers::Drop),
         fields,
         normals: false,
     }
@@ -91,7 +96,7 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
-/// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
+/// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to be. Colors stay linear, whatever the
 /// scene's color space; clouds without color are white. A radius is the scene's, else the file's times `scale`, else,
 /// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
 /// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
@@ -141,7 +146,7 @@ fn transformed(
     request: &prepare::Request,
     progress: &Progress,
 ) -> Result<Points, Error> {
-    if request.radii || request.fields {
+    if request.needs_neighbors() {
         progress.reset();
         progress.set_message("finding neighbors");
     }
@@ -172,7 +177,7 @@ fn transformed(
         file_order: Vec::new(),
         fields: found.fields.unwrap_or_default(),
     };
-    drop_non_finite(&mut points);
+    leave_out(&mut points, found.dropped.as_deref());
     Ok(points)
 }
 
@@ -206,9 +211,12 @@ fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
 }
 
-/// Drops points that a huge `scale` or `translate` moved out of float64. Which are left; `None`: all.
-pub(super) fn drop_non_finite(points: &mut Points) -> Option<Vec<bool>> {
-    let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
+/// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64. Which are left; `None`:
+/// all.
+pub(super) fn leave_out(points: &mut Points, dropped: Option<&[bool]>) -> Option<Vec<bool>> {
+    let marked = |i: usize| dropped.is_some_and(|dropped| dropped[i]);
+    let keep: Vec<_> =
+        points.positions.iter().enumerate().map(|(i, position)| position.is_finite() && !marked(i)).collect();
     if keep.iter().all(|keep| *keep) {
         return None;
     }

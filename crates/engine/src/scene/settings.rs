@@ -8,6 +8,7 @@ mod image;
 mod shading;
 mod soft;
 mod splats;
+mod strays;
 mod surfaces;
 
 pub use crate::light::Light;
@@ -22,6 +23,7 @@ pub use image::{ColorSpace, ImageSettings};
 pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
+pub use strays::{Outliers, Strays};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;

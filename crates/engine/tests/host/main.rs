@@ -11,4 +11,5 @@ mod procedural;
 mod reference;
 mod rooms;
 mod scene;
+mod strays;
 mod tracked;

@@ -18,14 +18,15 @@ pub use derived::DerivedColumns;
 
 use super::assemble::{self, color, opacity, radius, request};
 use super::error::Error;
-use super::settings::{CloudSettings, Scene};
+use super::settings::{CloudSettings, Outliers, Scene};
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points};
 use crate::prepare::Arranged;
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
+use crate::prepare::outliers::Rule;
 use crate::prepare::ties::Ties;
-use derived::{FieldKey, field_key};
+use derived::{FieldKey, RadiusKey, field_key, radius_key};
 use origins::Origins;
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -47,14 +48,17 @@ pub struct Tracked {
 #[derive(Debug, Clone, PartialEq)]
 struct PlacementKey {
     dealt: bool,
-    /// Scale and translation.
-    clouds: Vec<(u64, [u64; 3])>,
+    /// Scale, translation, and the outliers that are dropped.
+    clouds: Vec<(u64, [u64; 3], Option<Rule>)>,
 }
 
 impl PlacementKey {
     fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
-        let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
+        let placed = |cloud: &CloudSettings| {
+            (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop))
+        };
+        let clouds = scene.clouds.iter().map(placed);
         Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
     }
 }
@@ -64,8 +68,8 @@ impl PlacementKey {
 struct ColumnKey {
     color: Option<[u32; 3]>,
     opacity: u32,
-    /// Given radius, factor, and K if radii are asked for.
-    radius: (Option<u32>, u32, Option<usize>),
+    /// Given radius, factor, and how radii are estimated if they are asked for.
+    radius: (Option<u32>, u32, Option<RadiusKey>),
     /// If it is asked for.
     field: Option<FieldKey>,
 }
@@ -84,6 +88,8 @@ struct CloudView<'a> {
     /// Like colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
+    /// Marks the points that are not there.
+    dropped: Option<&'a [bool]>,
 }
 
 impl CloudView<'_> {
@@ -116,7 +122,7 @@ impl CloudView<'_> {
             file_order: Vec::new(),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
         };
-        let keep = assemble::drop_non_finite(&mut points);
+        let keep = assemble::leave_out(&mut points, self.dropped);
         (points, keep)
     }
 }
@@ -134,11 +140,11 @@ fn learn(
         let request = request(settings, method.needs_radii(), method.needs_field());
         let found = derived.learn(cloud, &request, progress);
         found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
-        let neighbors = request.radii.then(|| request.neighbors_of(cloud));
+        let estimated = request.radii.then(|| radius_key(cloud, &request));
         Ok(ColumnKey {
             color: settings.color.map(bits_of),
             opacity: settings.opacity.to_bits(),
-            radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
+            radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), estimated),
             field: request.fields.then(|| field_key(cloud, &request)),
         })
     };
@@ -158,7 +164,8 @@ fn views<'a>(
         let radii = own.filter(|_| settings.radius.is_none());
         let colors = cloud.colors.as_deref().filter(|_| settings.color.is_none());
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
-        CloudView { settings, cloud, colors, radii, fields }
+        let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
+        CloudView { settings, cloud, colors, radii, fields, dropped }
     })
     .collect()
 }
