@@ -84,5 +84,6 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     }
     let [width, height] = frame.size;
     plan.add("image/read-back", true, format!("{width} × {height} pixels in {} window(s)", facts.windows));
+    plan.eye_dome();
     plan.steps
 }

@@ -6,6 +6,7 @@ pub mod approximate;
 pub mod brightness;
 mod bytes;
 pub mod cost;
+pub(crate) mod edl;
 mod engine;
 mod error;
 pub(crate) mod explain;

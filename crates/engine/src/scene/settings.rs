@@ -20,7 +20,7 @@ pub use discs::{
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{Edl, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use strays::{Outliers, Strays};
@@ -169,6 +169,15 @@ impl Method {
     pub fn takes_shadows(&self) -> bool {
         match self.family() {
             Family::Opaque | Family::Surfaces => true,
+            Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
+        }
+    }
+
+    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface.
+    pub fn takes_edl(&self) -> bool {
+        match self.family() {
+            Family::Opaque => true,
+            Family::Surfaces => matches!(self, Self::ImageSpace(_)),
             Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
         }
     }

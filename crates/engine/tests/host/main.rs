@@ -1,6 +1,7 @@
 //! Tests without a device: files, scenes, points, camera paths, images and the float64 references.
 
 mod camera_paths;
+mod edl;
 mod ensembles;
 mod io;
 mod metrics;

@@ -56,7 +56,7 @@ fn caps_by_hand() {
 
 #[test]
 fn no_radius_of_the_built_in_scenes_changes() {
-    for name in procedural::SCENES.iter().map(|scene| scene.name) {
+    for name in procedural::BUILTINS.iter().map(|scene| scene.name) {
         let generated = procedural::build(name, &[], 0).unwrap();
         for (cloud_name, cloud) in &generated.clouds {
             let changed = radii(&cloud.positions, 0.0)

@@ -9,6 +9,7 @@ use crate::progress::Progress;
 use super::abuffer::{self, ListEngine, Lists};
 use super::bytes::aggregate;
 use super::cost::Load;
+use super::edl::EyeDomeLighting;
 use super::engine::{Counts, Engine, Fragments, Switches, Work, project};
 use super::{
     Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
@@ -40,6 +41,7 @@ pub struct Renderer {
     device: Device,
     buffers: Buffers,
     target: Target,
+    eye_dome: EyeDomeLighting,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
@@ -62,6 +64,7 @@ impl Renderer {
             device: device.clone(),
             buffers: Buffers::new(device)?,
             target: Target::new(),
+            eye_dome: EyeDomeLighting::new(),
             spare: None,
             progress: Progress::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -137,6 +140,9 @@ impl Renderer {
         };
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
+        if frame.shading.edl.edl {
+            self.eye_dome.apply(&self.device, &frame.shading.edl, budget.bytes, &mut image, &mut timeline)?;
+        }
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let lengths = image.fragments.as_deref().unwrap_or_default();
