@@ -239,3 +239,21 @@ fn a_failed_write_names_the_file() {
     let message = ply::write(&path, &full_cloud(DVec3::ZERO)).unwrap_err().to_string();
     assert!(message.starts_with(&format!("{}: not written: ", path.display())), "{message}");
 }
+
+#[test]
+fn survey_coordinates_stand_on_z() {
+    let up = |offset: [f64; 3]| {
+        let row = |x: f64| format!("{} {} {}\n", offset[0] + x, offset[1], offset[2]);
+        vertices("property double x\nproperty double y\nproperty double z\n", &(row(0.0) + &row(50.0))).up
+    };
+    assert_eq!(up([0.0, 0.0, 0.0]), UpAxis::Y);
+    assert_eq!(up([500_000.0, 4_500_000.0, 100.0]), UpAxis::Z);
+    assert_eq!(up([-20_000.0, 30_000.0, 0.0]), UpAxis::Z);
+    // Far along one axis only, or along all of them: no survey's eastings, northings and heights.
+    assert_eq!(up([500_000.0, 100.0, 4_500_000.0]), UpAxis::Y);
+    assert_eq!(up([500_000.0, 500_000.0, 500_000.0]), UpAxis::Y);
+    // So large that it is not far from the origin for its size: a model in small units.
+    let row = |x: f64| format!("{x} {x} 0\n");
+    let large = vertices("property double x\nproperty double y\nproperty double z\n", &(row(0.0) + &row(90_000.0)));
+    assert_eq!(large.up, UpAxis::Y);
+}
