@@ -26,7 +26,7 @@ const CLEARANCE: f64 = 0.1;
 /// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
 /// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
 /// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
-/// ([`surroundings::inside`]) unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
+/// unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
 /// far·10⁻⁵), z over the corners of the scene's bounds.
 ///
 /// # Errors
@@ -71,9 +71,12 @@ pub(super) fn camera_of(
 }
 
 /// The camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a scene of these
-/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if `up` points
+/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if points decide its height, if `up` points
 /// along the view, or if coordinates are too large.
 pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    if settings.ortho && settings.height.is_none() {
+        return None;
+    }
     let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
     let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
     let camera = placed(settings, &pose, bounds, radius)?;
