@@ -5,14 +5,16 @@
 //! pixel's factor depends on nothing but nine depths, so that neither windows nor bands show. The device finds factors, 4
 //! bytes from 4 bytes a pixel, and the host multiplies colors by them.
 //!
-//! Reference: [`crate::reference::edl`].
+//! The depth of a pixel is its Z where a method is opaque. Where it blends exactly it is the one at which half of the light or
+//! less is left, which lists of fragments give when they are gone through once more.
+//!
+//! Reference: [`crate::reference::edl`], and [`crate::reference::abuffer::median`].
 
 use rayon::prelude::*;
 
 use super::{Error, Timeline};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
-use crate::image::Image;
 use crate::scene::Edl;
 use crate::{gpu_struct, pass};
 
@@ -59,6 +61,15 @@ fn factor(strength: f32) -> f32 {
     (factor as f32).min(f32::MAX)
 }
 
+/// What is shaded: an image's size, and the depth of each of its pixels.
+#[derive(Clone, Copy)]
+pub(crate) struct Surface<'a> {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Positive, +inf where nothing is shaded.
+    pub depths: &'a [f32],
+}
+
 /// Buffers that are kept from frame to frame.
 pub(crate) struct EyeDomeLighting {
     depths_host: Kept<f32>,
@@ -78,18 +89,19 @@ impl EyeDomeLighting {
         }
     }
 
-    /// Makes the colors of an image darker by its depths, with at most `budget` bytes for a band unless a row with its neighbors
-    /// takes more.
+    /// Makes the colors of an image darker by the depths of its surface, with at most `budget` bytes for a band unless a row with
+    /// its neighbors takes more.
     pub fn apply(
         &mut self,
         device: &Device,
         edl: &Edl,
         budget: u64,
-        image: &mut Image,
+        surface: Surface<'_>,
+        colors: &mut [[f32; 4]],
         timeline: &mut Timeline,
     ) -> Result<(), Error> {
         let [straight, diagonal] = offsets(edl.edl_radius);
-        let (width, height) = (u64::from(image.width), u64::from(image.height));
+        let [width, height] = surface.size.map(u64::from);
         let halo = u64::from(straight.max(diagonal)).min(height);
         let most = BAND_PIXELS.min(budget / PIXEL_BYTES) / width;
         let rows = most.saturating_sub(2 * halo).max(1);
@@ -105,9 +117,9 @@ impl EyeDomeLighting {
                 diagonal,
                 strength: factor(edl.edl_strength),
             };
-            let depths = &image.depth[(above * width) as usize..(below * width) as usize];
+            let depths = &surface.depths[(above * width) as usize..(below * width) as usize];
             self.find(device, depths, push, timeline)?;
-            let colors = &mut image.rgba[(start * width) as usize..(end * width) as usize];
+            let colors = &mut colors[(start * width) as usize..(end * width) as usize];
             darken(colors, &self.factors_host.get().mapped_slice()[..colors.len()]);
         }
         Ok(())

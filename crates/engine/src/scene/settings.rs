@@ -173,12 +173,14 @@ impl Method {
         }
     }
 
-    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface.
+    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface, or the one at which half of the
+    /// light is left can be found.
     pub fn takes_edl(&self) -> bool {
         match self.family() {
             Family::Opaque => true,
             Family::Surfaces => matches!(self, Self::ImageSpace(_)),
-            Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
+            Family::Discs => matches!(self, Self::ABuffer(_) | Self::LinkedList(_)),
+            Family::Soft | Family::OneLayer | Family::Ensembles => false,
         }
     }
 

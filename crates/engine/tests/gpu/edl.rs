@@ -28,9 +28,16 @@ fn slack(strength: f64, x: f64) -> f64 {
     8.0 * per_logarithm * ROUNDING + 11.0 * ROUNDING * x
 }
 
-fn assert_lit(plain: &Rendered, found: &Rendered, (strength, radius): (f32, f32), what: &str) {
+/// The depths that a frame of these points is shaded by.
+fn surface(device: &Device, points: &Points, frame: &Frame) -> Vec<f32> {
+    let mut renderer = Renderer::new(device).unwrap();
+    let mut cloud = renderer.upload(points).unwrap();
+    renderer.medians(&mut cloud, frame).unwrap().unwrap_or_else(|| render(device, points, frame).depth)
+}
+
+fn assert_lit(plain: &Rendered, found: &Rendered, depths: &[f32], (strength, radius): (f32, f32), what: &str) {
     let image = &plain.image;
-    let depths: Vec<f64> = image.depth.iter().map(|z| f64::from(*z)).collect();
+    let depths: Vec<f64> = depths.iter().map(|z| f64::from(*z)).collect();
     let factors =
         reference::edl::factors(&depths, [image.width, image.height], strength.into(), radius.into());
     assert_eq!(bits(&found.image).len(), bits(image).len());
@@ -50,8 +57,12 @@ fn assert_lit(plain: &Rendered, found: &Rendered, (strength, radius): (f32, f32)
 }
 
 /// Points before each other, some of them larger than a tile.
+fn mixed() -> Vec<P> {
+    [soup(1, 500, 0.02..0.1, 0.2..1.0, true), soup(2, 5, 0.3..1.0, 0.2..1.0, true)].concat()
+}
+
 fn mixture() -> Points {
-    scene(&[soup(1, 500, 0.02..0.1, 0.2..1.0, true), soup(2, 5, 0.3..1.0, 0.2..1.0, true)].concat())
+    scene(&mixed())
 }
 
 #[test]
@@ -63,9 +74,10 @@ fn images_equal_the_reference() {
                 for color in [ColorSpace::Linear, ColorSpace::Encoded] {
                     let frame = Frame { color, ..frame(camera, size, method) };
                     let plain = rendered(device, &points, &frame);
+                    let depths = surface(device, &points, &frame);
                     for setting in [(1.0, 1.4), (0.01, 1.4), (0.05, 4.0), (0.0, 1.4), (1e30, 2.0), (1.0, 0.3)] {
                         let found = rendered(device, &points, &lit(&frame, setting.0, setting.1));
-                        assert_lit(&plain, &found, setting, &format!("{} {setting:?}", method.name()));
+                        assert_lit(&plain, &found, &depths, setting, &format!("{} {setting:?}", method.name()));
                     }
                 }
             }
@@ -112,6 +124,73 @@ fn a_step_by_hand() {
     });
 }
 
+/// Some layers on each pixel, and on pixels of the middle more than 256, so that there are runs of long lists.
+fn layers() -> Vec<P> {
+    let thin = |points: Vec<P>, most: f32| points.into_iter().map(|p| P { opacity: p.opacity * most, ..p }).collect::<Vec<_>>();
+    let few = thin(soup(3, 600, 0.05..0.3, 0.0..1.0, true), 0.6);
+    let many = thin(soup(4, 900, 0.5..0.8, 0.0..1.0, true), 0.01);
+    [few, many].concat()
+}
+
+#[test]
+fn medians_are_the_depths_at_which_half_of_the_light_is_left() {
+    with_device(|device| {
+        let size = [40, 30];
+        for discs in all_discs().filter(|discs| discs.raster == RASTERS[0]) {
+            for (camera, points) in [(perspective(), mixed()), (orthographic(), layers())] {
+                let points = scene(&safe(&points, &camera, size, discs.shape));
+                let lists = reference::abuffer::lists(&camera, size, &points, &discs);
+                // A is a sum of products, each with three roundings of at most 2^-24.
+                let longest = lists.iter().map(Vec::len).max().unwrap_or(0) as f64;
+                let tolerance = 3.0 * longest * ROUNDING;
+                for method in [Method::ABuffer(discs), Method::LinkedList(discs)] {
+                    let found = surface(device, &points, &frame(camera, size, method));
+                    let mut between = 0;
+                    for (pixel, list) in lists.iter().enumerate() {
+                        // Fragments as near to each other as depths are rounded may have traded places.
+                        let [near, far] =
+                            [0.5 + tolerance, 0.5 - tolerance].map(|share| reference::abuffer::median(list, share));
+                        let z = f64::from(found[pixel]);
+                        assert!(
+                            near * (1.0 - 1e-5) <= z && z <= far * (1.0 + 1e-5),
+                            "{} {discs:?}, pixel {pixel} of {}: {z}, not from {near} to {far}",
+                            method.name(),
+                            list.len()
+                        );
+                        between += usize::from(near < far);
+                    }
+                    // Where both are the same the depth is known but for its own rounding.
+                    assert!(between * 2 < lists.len(), "{between}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_median_by_hand() {
+    with_device(|device| {
+        let at = |depth: f64, opacity: f32, x: f64| P {
+            position: at_pixel(x, 0.5, depth),
+            color: Vec3::ONE,
+            opacity,
+            radius: 0.0,
+            normal: Vec3::ZERO,
+        };
+        // T is 0.7, 0.49: the second. T is exactly a half: the first. T never falls to a half: none.
+        let first = [at(2.0, 0.3, 0.5), at(3.0, 0.3, 0.5), at(4.0, 0.3, 0.5)];
+        let second = [at(2.0, 0.5, 1.5), at(3.0, 0.9, 1.5)];
+        let third = [at(2.0, 0.0, 2.5), at(3.0, 0.25, 2.5), at(4.0, 0.25, 2.5)];
+        // 1000 layers of 1/1000, the nth at depth n: 0.999^693 = 0.49992, 0.999^692 = 0.50042.
+        let fourth: Vec<P> = (1..=1000).map(|n| at(f64::from(n), 0.001, 3.5)).collect();
+        let points = scene(&[&first[..], &second, &third, &fourth].concat());
+        for method in [Method::ABuffer(Default::default()), Method::LinkedList(Default::default())] {
+            let found = surface(device, &points, &frame(pixel_camera([4, 1]), [4, 1], method));
+            assert_eq!(found, [3.0, 2.0, f32::INFINITY, 693.0]);
+        }
+    });
+}
+
 fn with_budget(device: &Device, points: &Points, frame: &Frame, budget: u64) -> Rendered {
     rendered(device, points, &Frame { memory_budget: Some(budget), ..*frame })
 }
@@ -120,7 +199,13 @@ fn with_budget(device: &Device, points: &Points, frame: &Frame, budget: u64) -> 
 fn cuts_change_no_byte() {
     with_device(|device| {
         let (points, size) = (mixture(), [64, 90]);
-        for method in [Method::Points, Method::Circles(Default::default()), Method::ImageSpace(ImageSpace::default())] {
+        let methods = [
+            Method::Points,
+            Method::Circles(Default::default()),
+            Method::ImageSpace(ImageSpace::default()),
+            Method::ABuffer(Default::default()),
+        ];
+        for method in methods {
             // A radius beyond several bands, and one of none.
             for radius in [0.3, 1.4, 20.0] {
                 let frame = lit(&Frame { fragments: false, ..frame(perspective(), size, method) }, 0.02, radius);

@@ -1,5 +1,6 @@
 //! Eye-dome lighting: its reference by hand, and the scenes that may ask for it.
 
+use pellucid_engine::reference::abuffer::{Fragment, median};
 use pellucid_engine::reference::edl::factors;
 use pellucid_engine::scene::{METHODS, Method, Scene};
 
@@ -20,6 +21,17 @@ fn factors_by_hand() {
     // Two pixels away along the axes, and round(2 · √½) = 1 along diagonals.
     let far: Vec<f64> = (0..25).map(|i| if i == 12 { 4.0 } else if [2, 10, 14, 22].contains(&i) { 1.0 } else { 4.0 }).collect();
     assert!((factors(&far, [5, 5], 0.01, 2.0)[12] - (-3.0f64).exp()).abs() < 1e-15);
+}
+
+#[test]
+fn medians_of_lists_by_hand() {
+    let list: Vec<Fragment> = [0.3, 0.0, 0.3, 0.9].iter().zip(1..).map(|(alpha, z)| Fragment { z: f64::from(z), index: 0, alpha: *alpha }).collect();
+    // T is 0.7, 0.7, 0.49, 0.049.
+    for (share, wanted) in [(0.9, 1.0), (0.5, 3.0), (0.48, 4.0), (0.04, INF)] {
+        assert_eq!(median(&list, share), wanted, "{share}");
+    }
+    assert_eq!(median(&[], 0.5), INF);
+    assert_eq!(median(&[Fragment { z: 2.0, index: 0, alpha: 1.0 }], 0.5), 2.0);
 }
 
 fn read(method: &str) -> Result<Scene, String> {
