@@ -34,9 +34,7 @@ settings! {
     /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
     #[derive(Copy)]
     pub struct Edl {
-        /// Eye-dome lighting of opaque methods, image-space, abuffer and linked-list: pixels become darker the farther they lie
-        /// behind those around, which shows shape without normals. Depths of transparent pixels are those at which half of the
-        /// light is left, which takes a second rendering.
+        /// Eye-dome lighting: pixels darken the farther they lie behind those around, which shows shape without normals.
         edl: bool = false;
         /// How dark it gets.
         edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);

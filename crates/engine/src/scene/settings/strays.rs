@@ -7,8 +7,7 @@ settings! {
     /// Keys of `[[cloud]]` about points that stand apart from the others.
     #[derive(Copy)]
     pub struct Strays {
-        /// Radii that are estimated from neighbors are at most so many times the median of the radii around them; 0 lets them
-        /// be.
+        /// Estimated radii are at most so many times the median of the radii around them; 0 is no limit.
         radius_cap: Option<f32> = None, in Range::NOT_NEGATIVE, without "that of a prepared file, else 4", start 4.0,
             slider Slider::Linear(0.0, 16.0);
         /// What becomes of points whose mean distance to their neighbors is far above that of others.
