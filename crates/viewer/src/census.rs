@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{CloudSettings, Scene};
+use pellucid_engine::scene::{CloudSettings, Scene, Strays};
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -159,9 +159,8 @@ pub struct Histograms(Option<(Origins, Arc<[u64]>)>);
 impl Histograms {
     /// The histogram of `fields`: F of the points of `scene`, in [0, 1].
     pub fn for_scene(&mut self, scene: &Scene, fields: &[f32]) -> Arc<[u64]> {
-        let origin = |cloud: &CloudSettings| {
-            (cloud.neighbors, cloud.field.clone(), cloud.strays, cloud.scale, cloud.translate)
-        };
+        let origin =
+            |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.strays, cloud.scale, cloud.translate);
         let origins: Origins = scene.clouds.iter().map(origin).collect();
         match &self.0 {
             Some((known, histogram)) if *known == origins => histogram.clone(),

@@ -1,7 +1,7 @@
 //! Options of the camera: the vertical, the compass, orthographic pictures, the camera that is found; and what is noted of it.
 
-use std::fs;
 use std::fmt::Write as _;
+use std::fs;
 
 use tempfile::TempDir;
 
@@ -30,8 +30,11 @@ fn the_camera_that_was_found_gives_its_picture_from_a_scene_file() {
         let (status, _, stderr) = run(&folder, &[&["-v", "render", "a.xyz"], &SMALL[..], options].concat());
         assert_eq!(status, 0, "{stderr}");
         let picture = fs::read(inside(&folder, "a.png")).unwrap();
-        let lines: Vec<&str> =
-            stderr.lines().skip_while(|line| *line != "[camera]").take_while(|line| !line.contains("points, ")).collect();
+        let lines: Vec<&str> = stderr
+            .lines()
+            .skip_while(|line| *line != "[camera]")
+            .take_while(|line| !line.contains("points, "))
+            .collect();
         let camera: Vec<&str> = lines.into_iter().filter(|line| *line == "[camera]" || line.contains(" = ")).collect();
         assert_eq!(camera.len(), 7, "{stderr}");
         let scene = format!("{}\n[[cloud]]\npath = 'a.xyz'\n", camera.join("\n"));

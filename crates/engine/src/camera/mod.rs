@@ -65,9 +65,7 @@ impl Camera {
         };
         let [eye, target, up] = [self.eye, target, self.up].map(|v| v.to_array());
         let (near, far) = (self.near, self.far);
-        format!(
-            "[camera]\neye = {eye:?}\ntarget = {target:?}\nup = {up:?}\n{lens}\nnear = {near:?}\nfar = {far:?}"
-        )
+        format!("[camera]\neye = {eye:?}\ntarget = {target:?}\nup = {up:?}\n{lens}\nnear = {near:?}\nfar = {far:?}")
     }
 
     /// Camera coordinates (right, up, z) of a world position; z is positive before the camera.

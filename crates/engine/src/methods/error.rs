@@ -156,7 +156,10 @@ pub enum Error {
         largest: u32,
     },
     /// Eye-dome lighting of a picture that has no single surface.
-    #[error("shading.edl shades by the depth of a surface, and method {method} has none: {}", crate::scene::edl_methods())]
+    #[error(
+        "shading.edl shades by the depth of a surface, and method {method} has none: {}",
+        crate::scene::edl_methods()
+    )]
     NoSurfaceDepth {
         /// The method.
         method: &'static str,

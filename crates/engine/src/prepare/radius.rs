@@ -37,8 +37,11 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
     if cap == 0.0 {
         return distances;
     }
-    let by_rank: Vec<f64> =
-        (0..places.len()).flat_map(|place| places.members(place).map(|_| place)).map(|place| distances[place]).collect();
+    let by_rank: Vec<f64> = distances
+        .iter()
+        .enumerate()
+        .flat_map(|(place, distance)| std::iter::repeat_n(*distance, places.members(place).len()))
+        .collect();
     let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
         let own = distances[place];
         if others.is_empty() {

@@ -18,7 +18,9 @@ pub fn factors(depths: &[f64], [width, height]: [u32; 2], strength: f64, radius:
         }
         let sum: f64 = (0..8)
             .map(|k| f64::from(k) * TAU / 8.0)
-            .filter_map(|angle| at(x + (radius * angle.cos()).round() as i64, y + (radius * angle.sin()).round() as i64))
+            .filter_map(|angle| {
+                at(x + (radius * angle.cos()).round() as i64, y + (radius * angle.sin()).round() as i64)
+            })
             .map(|other| (z.log2() - other.log2()).max(0.0))
             .sum();
         (-300.0 * strength * sum / 8.0).exp()

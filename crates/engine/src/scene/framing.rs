@@ -138,12 +138,7 @@ pub(super) fn with_height(
 }
 
 /// World units over the height of an orthographic image that shows an extent with the margin of all automatic cameras.
-pub(super) fn height_of(
-    extent: &Extent,
-    centered: bool,
-    [width, height]: [u32; 2],
-    subject: &Subject<'_>,
-) -> f64 {
+pub(super) fn height_of(extent: &Extent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
     let size = if centered { 2.0 * extent.upper.max(-extent.lower) } else { extent.upper - extent.lower };
     let needed = size.y.max(size.x * f64::from(height) / f64::from(width)) / FILL;
     // Seen along a line of points, or of one point, any height works.

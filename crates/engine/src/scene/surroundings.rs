@@ -162,7 +162,8 @@ fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
     // Corners first, which see most.
     let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
     let walls = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]];
-    let stands = STANDS.iter().flat_map(|far| corners.iter().chain(&walls).map(move |[x, y]| [0.5 + far * x, 0.5 + far * y]));
+    let stands =
+        STANDS.iter().flat_map(|far| corners.iter().chain(&walls).map(move |[x, y]| [0.5 + far * x, 0.5 + far * y]));
     let inside = stands.filter(|[x, y]| index(*x, *y).is_some_and(|cell| plan.is_within(cell)));
     let mut eyes = inside.map(|[x, y]| [x, y, EYE]);
     eyes.find(|eye| free(*eye)).map(|eye| layout.at(eye))
@@ -295,12 +296,16 @@ mod tests {
             let p = DVec3::new(rng.random(), rng.random(), rng.random());
             (p - DVec3::splat(0.5)).normalize_or(DVec3::X)
         });
-        let forest = random(50_000, &mut |rng| DVec3::new(50.0 * rng.random::<f64>(), 50.0 * rng.random::<f64>(), 9.0 * rng.random::<f64>()));
+        let forest = random(50_000, &mut |rng| {
+            DVec3::new(50.0 * rng.random::<f64>(), 50.0 * rng.random::<f64>(), 9.0 * rng.random::<f64>())
+        });
         let ground = random(50_000, &mut |rng| DVec3::new(rng.random(), rng.random(), 0.01 * rng.random::<f64>()));
         let flat = random(50_000, &mut |rng| DVec3::new(rng.random(), rng.random(), 0.0));
         let open = on_box(DVec3::new(6.0, 5.0, 2.5), 60_000, &mut Pcg64Mcg::seed_from_u64(3));
         let open: Vec<DVec3> = open.into_iter().filter(|p| p.z < 2.4).collect();
-        for (name, positions) in [("ball", ball), ("forest", forest), ("ground", ground), ("flat", flat), ("no ceiling", open)] {
+        for (name, positions) in
+            [("ball", ball), ("forest", forest), ("ground", ground), ("flat", flat), ("no ceiling", open)]
+        {
             assert!(inside(&CameraSettings::default(), &scene_of(positions), z()).is_none(), "{name}");
         }
     }
@@ -319,7 +324,10 @@ mod tests {
         };
         let lying = spread(DVec3::new(10.0, 2.0, 10.0), &mut rng);
         let said = notes("", lying.clone());
-        assert!(said.len() == 1 && said[0].contains("taken to be z") && said[0].contains("--up y or --up -y"), "{said:?}");
+        assert!(
+            said.len() == 1 && said[0].contains("taken to be z") && said[0].contains("--up y or --up -y"),
+            "{said:?}"
+        );
         assert!(notes("[camera]\nup = [0, -1, 0]", lying.clone()).is_empty());
         assert!(notes("", spread(DVec3::new(10.0, 10.0, 2.0), &mut rng)).is_empty());
         assert!(notes("", spread(DVec3::new(10.0, 6.0, 10.0), &mut rng)).is_empty(), "not much flatter");

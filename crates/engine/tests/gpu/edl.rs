@@ -38,8 +38,7 @@ fn surface(device: &Device, points: &Points, frame: &Frame) -> Vec<f32> {
 fn assert_lit(plain: &Rendered, found: &Rendered, depths: &[f32], (strength, radius): (f32, f32), what: &str) {
     let image = &plain.image;
     let depths: Vec<f64> = depths.iter().map(|z| f64::from(*z)).collect();
-    let factors =
-        reference::edl::factors(&depths, [image.width, image.height], strength.into(), radius.into());
+    let factors = reference::edl::factors(&depths, [image.width, image.height], strength.into(), radius.into());
     assert_eq!(bits(&found.image).len(), bits(image).len());
     for (pixel, factor) in factors.into_iter().enumerate() {
         let (plain, found) = (image.rgba[pixel], found.image.rgba[pixel]);
@@ -126,7 +125,9 @@ fn a_step_by_hand() {
 
 /// Some layers on each pixel, and on pixels of the middle more than 256, so that there are runs of long lists.
 fn layers() -> Vec<P> {
-    let thin = |points: Vec<P>, most: f32| points.into_iter().map(|p| P { opacity: p.opacity * most, ..p }).collect::<Vec<_>>();
+    let thin = |points: Vec<P>, most: f32| {
+        points.into_iter().map(|p| P { opacity: p.opacity * most, ..p }).collect::<Vec<_>>()
+    };
     let few = thin(soup(3, 600, 0.05..0.3, 0.0..1.0, true), 0.6);
     let many = thin(soup(4, 900, 0.5..0.8, 0.0..1.0, true), 0.01);
     [few, many].concat()

@@ -12,7 +12,9 @@ use pellucid_engine::prepare;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
 use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::scene::{self, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel};
+use pellucid_engine::scene::{
+    self, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
+};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;

@@ -19,13 +19,27 @@ fn factors_by_hand() {
     // Of a radius of 0.3 each neighbor is the pixel itself.
     assert_eq!(factors(&hill, [3, 3], 1.0, 0.3), [1.0; 9]);
     // Two pixels away along the axes, and round(2 · √½) = 1 along diagonals.
-    let far: Vec<f64> = (0..25).map(|i| if i == 12 { 4.0 } else if [2, 10, 14, 22].contains(&i) { 1.0 } else { 4.0 }).collect();
+    let far: Vec<f64> = (0..25)
+        .map(|i| {
+            if i == 12 {
+                4.0
+            } else if [2, 10, 14, 22].contains(&i) {
+                1.0
+            } else {
+                4.0
+            }
+        })
+        .collect();
     assert!((factors(&far, [5, 5], 0.01, 2.0)[12] - (-3.0f64).exp()).abs() < 1e-15);
 }
 
 #[test]
 fn medians_of_lists_by_hand() {
-    let list: Vec<Fragment> = [0.3, 0.0, 0.3, 0.9].iter().zip(1..).map(|(alpha, z)| Fragment { z: f64::from(z), index: 0, alpha: *alpha }).collect();
+    let list: Vec<Fragment> = [0.3, 0.0, 0.3, 0.9]
+        .iter()
+        .zip(1..)
+        .map(|(alpha, z)| Fragment { z: f64::from(z), index: 0, alpha: *alpha })
+        .collect();
     // T is 0.7, 0.7, 0.49, 0.049.
     for (share, wanted) in [(0.9, 1.0), (0.5, 3.0), (0.48, 4.0), (0.04, INF)] {
         assert_eq!(median(&list, share), wanted, "{share}");
@@ -47,7 +61,10 @@ fn scenes_of_methods_without_one_surface_are_refused() {
             Ok(scene) => assert!(takes && scene.shading.edl.edl, "{name}"),
             Err(error) => {
                 assert!(!takes, "{name}: {error}");
-                assert!(error.starts_with("s.toml:2:") && error.contains(name) && error.contains("\"circles\""), "{error}");
+                assert!(
+                    error.starts_with("s.toml:2:") && error.contains(name) && error.contains("\"circles\""),
+                    "{error}"
+                );
             }
         }
     }

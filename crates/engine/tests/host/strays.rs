@@ -133,8 +133,7 @@ fn tracked(scene: &Scene, cloud: &Cloud, derived: &mut [DerivedColumns]) -> Trac
 #[test]
 fn outliers_are_kept_soft_or_dropped() {
     let cloud = Cloud { positions: with_strays(400, 2), ..Cloud::default() };
-    let assembled =
-        |text: &str| scene::assemble(&read(text), vec![cloud.clone()], true, &Progress::hidden()).unwrap();
+    let assembled = |text: &str| scene::assemble(&read(text), vec![cloud.clone()], true, &Progress::hidden()).unwrap();
     let (kept, soft, dropped) = (assembled(""), assembled("outliers = 'soft'"), assembled("outliers = 'drop'"));
     let is_stray = |p: &DVec3| p.z > 0.0;
     assert_eq!(kept.positions.iter().filter(|p| is_stray(p)).count(), 2);

@@ -98,8 +98,13 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
     let around = estimated || uncertain;
-    let keys =
-        [("color", true), ("radius", method.needs_radii()), ("neighbors", around), ("radius_cap", around), ("outliers", true)];
+    let keys = [
+        ("color", true),
+        ("radius", method.needs_radii()),
+        ("neighbors", around),
+        ("radius_cap", around),
+        ("outliers", true),
+    ];
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
         if let Some(mut entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {

@@ -35,7 +35,8 @@ pub(crate) fn list_group() -> PassGroup {
 
 /// The passes of lists once their lengths are known.
 pub(crate) fn list_passes() -> Vec<&'static str> {
-    let kernels = ["abuffer/resolve-ordered", "abuffer/median"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
+    let kernels =
+        ["abuffer/resolve-ordered", "abuffer/median"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
     STORE.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 

@@ -55,9 +55,8 @@ struct PlacementKey {
 impl PlacementKey {
     fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
-        let placed = |cloud: &CloudSettings| {
-            (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop))
-        };
+        let placed =
+            |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
         let clouds = scene.clouds.iter().map(placed);
         Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
     }

@@ -125,7 +125,8 @@ impl Blender {
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
-        let stopping = if job.median { median_variant(variant.clone()) } else { variant.clone().with("STOP", job.stop.0) };
+        let stopping =
+            if job.median { median_variant(variant.clone()) } else { variant.clone().with("STOP", job.stop.0) };
         for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
             if counted.lengths.longest <= lower_bound(index) {
                 break;
