@@ -14,7 +14,8 @@ impl Vertical {
         let length = up.abs().to_array();
         let longest = (0..3).max_by(|a, b| length[*a].total_cmp(&length[*b]))?;
         let alone = (0..3).all(|axis| axis == longest || length[axis] < length[longest]);
-        alone.then(|| Self(DVec3::AXES[longest] * up[longest].signum()))
+        // The sum leaves no zero with a sign.
+        alone.then(|| Self(DVec3::AXES[longest] * up[longest].signum() + DVec3::ZERO))
     }
 
     /// Its unit vector, upward.

@@ -199,7 +199,7 @@ fn with_budget(device: &Device, points: &Points, frame: &Frame, budget: u64) -> 
 #[test]
 fn cuts_change_no_byte() {
     with_device(|device| {
-        let (points, size) = (mixture(), [64, 90]);
+        let (points, size) = (mixture(), [256, 90]);
         let methods = [
             Method::Points,
             Method::Circles(Default::default()),
@@ -215,11 +215,11 @@ fn cuts_change_no_byte() {
                     rendered.profile.timeline.iter().filter(|(pass, _)| pass.name == PASS).count()
                 };
                 assert_eq!(runs(&whole), 1);
-                // Bands of a row and of several.
-                for budget in [1 << 20, 60_000] {
+                // Of 16 bytes for each of 256 × 90 pixels, and for half of them.
+                for budget in [1 << 22, 200_000] {
                     let cut = with_budget(device, &points, &frame, budget);
                     assert!(bits(&cut.image) == bits(&whole.image), "{} in {budget} bytes", method.name());
-                    assert!(budget > 60_000 || runs(&cut) > 1);
+                    assert_eq!(runs(&cut) > 1, budget == 200_000);
                 }
             }
         }

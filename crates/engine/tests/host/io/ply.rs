@@ -203,7 +203,9 @@ fn what_is_written_is_read_back_exactly() {
     let folder = Folder::new();
     let path = folder.0.path().join("out.ply");
     let plain = Cloud { positions: vec![DVec3::new(0.1, 0.2, 0.3)], ..Cloud::default() };
-    for cloud in [full_cloud(DVec3::ZERO), full_cloud(DVec3::new(5e5, 4.5e6, 0.01)), plain] {
+    // A survey, whose vertical the file can't say, but its coordinates do.
+    let surveyed = Cloud { up: UpAxis::Z, ..full_cloud(DVec3::new(5e5, 4.5e6, 0.01)) };
+    for cloud in [full_cloud(DVec3::ZERO), surveyed, plain] {
         ply::write(&path, &cloud).unwrap();
         assert_eq!(load(&path).unwrap(), cloud);
     }
@@ -244,7 +246,7 @@ fn a_failed_write_names_the_file() {
 fn survey_coordinates_stand_on_z() {
     let up = |offset: [f64; 3]| {
         let row = |x: f64| format!("{} {} {}\n", offset[0] + x, offset[1], offset[2]);
-        vertices("property double x\nproperty double y\nproperty double z\n", &(row(0.0) + &row(50.0))).up
+        vertices("double x, double y, double z", &(row(0.0) + &row(50.0))).up
     };
     assert_eq!(up([0.0, 0.0, 0.0]), UpAxis::Y);
     assert_eq!(up([500_000.0, 4_500_000.0, 100.0]), UpAxis::Z);
@@ -254,6 +256,6 @@ fn survey_coordinates_stand_on_z() {
     assert_eq!(up([500_000.0, 500_000.0, 500_000.0]), UpAxis::Y);
     // So large that it is not far from the origin for its size: a model in small units.
     let row = |x: f64| format!("{x} {x} 0\n");
-    let large = vertices("property double x\nproperty double y\nproperty double z\n", &(row(0.0) + &row(90_000.0)));
+    let large = vertices("double x, double y, double z", &(row(0.0) + &row(90_000.0)));
     assert_eq!(large.up, UpAxis::Y);
 }
