@@ -50,6 +50,9 @@ pub fn choose(
     frame: &Frame,
 ) -> Result<(Method, String), Error> {
     match (choice, resolve(choice, points)) {
+        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) if frame.shading.edl.edl => {
+            Ok((Method::ABuffer(discs), format!("{why}; eye-dome lighting needs lists of fragments")))
+        }
         (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
         (_, resolved) => Ok(resolved),
     }
@@ -84,5 +87,6 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     }
     let [width, height] = frame.size;
     plan.add("image/read-back", true, format!("{width} × {height} pixels in {} window(s)", facts.windows));
+    plan.eye_dome();
     plan.steps
 }

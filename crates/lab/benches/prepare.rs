@@ -25,10 +25,10 @@ fn prepare(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("{count} points"));
     group.sample_size(10).throughput(Throughput::Elements(count as u64));
     group.bench_function("radius, K = 24", |b| {
-        b.iter(|| radius::estimate(black_box(&positions), 24, &Progress::hidden()));
+        b.iter(|| radius::estimate(black_box(&positions), 24, radius::DEFAULT_CAP, &Progress::hidden()));
     });
     group.bench_function("uncertainty, K = 24", |b| {
-        b.iter(|| uncertainty::estimate(black_box(&positions), None, 24, &Progress::hidden()));
+        b.iter(|| uncertainty::estimate(black_box(&positions), None, (24, radius::DEFAULT_CAP), &Progress::hidden()));
     });
     let points = Points {
         colors: vec![Vec3::ONE; count],

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{CloudSettings, Scene};
+use pellucid_engine::scene::{CloudSettings, Scene, Strays};
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -119,8 +119,8 @@ pub struct FieldFacts {
     pub parts: Parts,
 }
 
-/// Everything F depends on, per cloud: K, the definition of F, scale and translation (which may drop points).
-type Origins = Vec<(Option<usize>, Option<Field>, f64, DVec3)>;
+/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop points).
+type Origins = Vec<(Option<usize>, Option<Field>, Strays, f64, DVec3)>;
 
 /// The last histogram, kept so that it is recomputed only when the points change.
 #[derive(Default)]
@@ -129,7 +129,8 @@ pub struct Histograms(Option<(Origins, Arc<[u64]>)>);
 impl Histograms {
     /// The histogram of `fields`: F of the points of `scene`, in [0, 1].
     pub fn for_scene(&mut self, scene: &Scene, fields: &[f32]) -> Arc<[u64]> {
-        let origin = |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.scale, cloud.translate);
+        let origin =
+            |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.strays, cloud.scale, cloud.translate);
         let origins: Origins = scene.clouds.iter().map(origin).collect();
         match &self.0 {
             Some((known, histogram)) if *known == origins => histogram.clone(),
@@ -235,7 +236,7 @@ mod tests {
         let first = histograms.for_scene(&scene(""), &[0.0]);
         // Settings that don't affect F change nothing: the other points are not examined.
         assert!(Arc::ptr_eq(&first, &histograms.for_scene(&scene("opacity = 0.5\nradius = 2.0"), &[1.0])));
-        for text in ["field = 'z'", "neighbors = 7", "scale = 2.0", ""] {
+        for text in ["field = 'z'", "neighbors = 7", "outliers = 'soft'", "scale = 2.0", ""] {
             assert_eq!(histograms.for_scene(&scene(text), &[1.0])[63], 1, "{text}");
             assert_eq!(histograms.for_scene(&scene("field = 'x'"), &[0.0])[63], 0);
         }

@@ -10,9 +10,11 @@ use pellucid_engine::Result;
 use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::io::{self, ColumnNames, Hints};
-use pellucid_engine::scene::Light;
+use pellucid_engine::prepare::outliers::{self, Rule};
+use pellucid_engine::scene::{Light, Outliers, Strays};
 use serde_json::{Value, json};
 
+use super::bar::Bar;
 use super::console::{Console, print, print_json};
 use super::limit::usage;
 
@@ -24,8 +26,12 @@ pub struct InfoArgs {
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
+    /// Count the points that stand apart: those that `outliers` of a [[cloud]] is about, by the default of its outlier_k and
+    /// outlier_factor. Finds the neighbors of every point.
+    #[arg(long)]
+    outliers: bool,
     /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
-    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
+    /// classes maps a code to its points. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
     /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
     /// Several files: an array of these, each with `file`.
     #[arg(long)]
@@ -43,19 +49,31 @@ pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
         io::load_with(file, hints, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
+    let strays = |cloud: &Cloud| args.outliers.then(|| count_outliers(cloud, &progress));
+    let clouds: Vec<_> = clouds.into_iter().map(|(file, cloud)| (file, strays(&cloud), cloud)).collect();
     progress.finish_and_clear();
-    for (file, cloud) in &clouds {
+    for (file, _, cloud) in &clouds {
         cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
     match (args.json, clouds.as_slice()) {
-        (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
-        (true, clouds) => print_json(&clouds.iter().map(|(file, cloud)| with_file(file, cloud)).collect())?,
+        (true, [(_, outliers, cloud)]) => print_json(&to_json(cloud, *outliers))?,
+        (true, clouds) => {
+            print_json(&clouds.iter().map(|(file, outliers, cloud)| with_file(file, cloud, *outliers)).collect())?;
+        }
         (false, clouds) => {
-            let texts: Vec<_> = clouds.iter().map(|(file, cloud)| to_text(file, cloud)).collect();
+            let texts: Vec<_> = clouds.iter().map(|(file, outliers, cloud)| to_text(file, cloud, *outliers)).collect();
             print(&texts.join("\n"))?;
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The number of points that stand apart, by the rule that scenes have by default.
+fn count_outliers(cloud: &Cloud, progress: &Bar) -> usize {
+    progress.reset();
+    progress.set_message("finding neighbors");
+    let rule = Strays { outliers: Outliers::Drop, ..Strays::default() }.rule(Outliers::Drop);
+    rule.map_or(0, |rule: Rule| outliers::count(&outliers::find(&cloud.positions, rule, progress)))
 }
 
 /// Names of the columns that the file gave, the usual ones first.
@@ -83,7 +101,7 @@ fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
     classes
 }
 
-fn to_json(cloud: &Cloud) -> Value {
+fn to_json(cloud: &Cloud, outliers: Option<usize>) -> Value {
     let classes: serde_json::Map<_, _> =
         classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
     let mut value = json!({
@@ -93,6 +111,9 @@ fn to_json(cloud: &Cloud) -> Value {
         "attributes": attributes(cloud),
         "classes": classes,
     });
+    if let (Value::Object(object), Some(outliers)) = (&mut value, outliers) {
+        object.insert("outliers".to_owned(), outliers.into());
+    }
     if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
         let quantiles: serde_json::Map<_, _> = quantiles(prepared)
             .into_iter()
@@ -101,6 +122,7 @@ fn to_json(cloud: &Cloud) -> Value {
         let shadows = prepared.shadows.as_ref().map(|shadows| shadows.casting);
         let mut prepared = json!({
             "neighbors": prepared.neighbors,
+            "radius_cap": prepared.radius_cap,
             "estimated_radii": prepared.estimated_radii,
             "field": prepared.field,
             "quantiles": quantiles,
@@ -146,15 +168,15 @@ fn shadows_text(casting: &Casting) -> String {
     format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
 }
 
-fn with_file(file: &Path, cloud: &Cloud) -> Value {
+fn with_file(file: &Path, cloud: &Cloud, outliers: Option<usize>) -> Value {
     let mut value = json!({ "file": file.display().to_string() });
-    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud)) {
+    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud, outliers)) {
         object.extend(more);
     }
     value
 }
 
-fn to_text(file: &Path, cloud: &Cloud) -> String {
+fn to_text(file: &Path, cloud: &Cloud, outliers: Option<usize>) -> String {
     let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
     // Writing to a string can't fail.
     if cloud.non_finite > 0 {
@@ -163,6 +185,9 @@ fn to_text(file: &Path, cloud: &Cloud) -> String {
     if let Some(bounds) = cloud.bounds() {
         let size = bounds.max - bounds.min;
         let _ = write!(text, "\n  bounds      {} to {}\n  size        {size}", bounds.min, bounds.max);
+    }
+    if let Some(outliers) = outliers {
+        let _ = write!(text, "\n  outliers    {outliers}");
     }
     let attributes = attributes(cloud);
     let _ =

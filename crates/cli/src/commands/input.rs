@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::bar::Bar;
 use clap::Args;
+use glam::DVec3;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{
-    self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, View, ViewName,
+    self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, Vertical, View, ViewName,
 };
 use pellucid_engine::{Result, output};
 
@@ -69,16 +70,24 @@ pub struct InputArgs {
     /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     background: Option<String>,
-    /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
-    /// vertical is Y for PLY, Z for all other point clouds, or the axis nearest to the scene file's camera.up.
+    /// Frame the whole scene from a named side, or from where a compass points. This and the two angles replace the camera's eye
+    /// and target.
     #[arg(long, value_enum, value_name = "NAME")]
     view: Option<Side>,
-    /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X.
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = finite)]
+    /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X; or where a compass points, as in
+    /// SW: N is +Y of surveys and −Z of models, E is +X.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = azimuth)]
     azimuth: Option<f64>,
     /// Degrees above the horizon, from −90 to 90.
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation)]
     elevation: Option<f64>,
+    /// The vertical, as in y or -z: the axis that points to the top of the image. By default the scene file's camera.up, else Y for
+    /// PLY (Z for one in survey coordinates), Z for all other point clouds.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis)]
+    up: Option<Vertical>,
+    /// An orthographic camera; without camera.height it shows the whole scene.
+    #[arg(long)]
+    ortho: bool,
     /// Seed of everything random: of the built-in scene, if it is rendered, and of stochastic methods.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -101,6 +110,22 @@ enum Side {
     Bottom,
     /// From the front's right and above, all three axes equally foreshortened.
     Iso,
+    /// From the south and above.
+    South,
+    /// From the south-east and above.
+    SouthEast,
+    /// From the east and above.
+    East,
+    /// From the north-east and above.
+    NorthEast,
+    /// From the north and above.
+    North,
+    /// From the north-west and above.
+    NorthWest,
+    /// From the west and above.
+    West,
+    /// From the south-west and above.
+    SouthWest,
 }
 
 impl From<Side> for ViewName {
@@ -113,6 +138,14 @@ impl From<Side> for ViewName {
             Side::Top => Self::Top,
             Side::Bottom => Self::Bottom,
             Side::Iso => Self::Iso,
+            Side::South => Self::South,
+            Side::SouthEast => Self::SouthEast,
+            Side::East => Self::East,
+            Side::NorthEast => Self::NorthEast,
+            Side::North => Self::North,
+            Side::NorthWest => Self::NorthWest,
+            Side::West => Self::West,
+            Side::SouthWest => Self::SouthWest,
         }
     }
 }
@@ -149,6 +182,36 @@ fn set_help() -> String {
 
 fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
+}
+
+/// Degrees, or a point of the compass by its letters or words.
+fn azimuth(text: &str) -> Result<f64, String> {
+    const COMPASS: [(&str, &str); 8] = [
+        ("s", "south"),
+        ("se", "south-east"),
+        ("e", "east"),
+        ("ne", "north-east"),
+        ("n", "north"),
+        ("nw", "north-west"),
+        ("w", "west"),
+        ("sw", "south-west"),
+    ];
+    let lower = text.to_lowercase();
+    let point = COMPASS.iter().position(|(letters, words)| lower == *letters || lower == *words);
+    let degrees = point.map(|point| 45.0 * point as f64).or_else(|| finite(text).ok());
+    degrees.ok_or_else(|| "expected a number of degrees, or N, NE, E, SE, S, SW, W or NW".into())
+}
+
+/// An axis and which way it goes.
+fn axis(text: &str) -> Result<Vertical, String> {
+    let (sign, name) = text.strip_prefix('-').map_or((1.0, text.trim_start_matches('+')), |name| (-1.0, name));
+    let direction = match name {
+        "x" | "X" => Some(DVec3::X),
+        "y" | "Y" => Some(DVec3::Y),
+        "z" | "Z" => Some(DVec3::Z),
+        _ => None,
+    };
+    direction.and_then(|axis| Vertical::nearest(sign * axis)).ok_or_else(|| "expected x, y, z, -x, -y or -z".into())
 }
 
 fn elevation(text: &str) -> Result<f64, String> {
@@ -263,6 +326,12 @@ impl InputArgs {
         let Self { class, classes, without, slice, .. } = self;
         filters::classes(&mut overrides, class, classes.as_deref(), without.as_deref())?;
         filters::slices(&mut overrides, slice)?;
+        if let Some(up) = self.up {
+            overrides.set(format!("--up {up}"), "camera.up", &format!("{:?}", up.up().to_array()))?;
+        }
+        if self.ortho {
+            overrides.set("--ortho", "camera.ortho", "true")?;
+        }
         self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
         Ok(overrides)
     }
@@ -334,7 +403,10 @@ impl Loaded {
     pub fn resolve(self, given: Option<Camera>, console: Console, progress: &Bar) -> Result<Resolved> {
         let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
             Some(camera) => Ok((camera, Vec::new())),
-            None => Ok(scene::camera(scene, points, up)?),
+            None => {
+                scene::camera_notes(scene, points, up).iter().for_each(|note| console.note(note));
+                Ok(scene::camera(scene, points, up)?)
+            }
         };
         self.resolve_by(find, console, progress)
     }
@@ -356,11 +428,18 @@ impl Loaded {
         let arranged = scene::arrange(&scene, clouds, seed, progress)?;
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
+        console.detail(described(&camera, arranged.points()));
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
         Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, seed })
     }
+}
+
+/// The camera that was found, as a scene file has it.
+fn described(camera: &Camera, points: &Points) -> String {
+    let distance = points.bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward));
+    camera.to_toml(distance)
 }
 
 /// Reads the inputs and applies the options. `size` is the image size for when no option gives one.

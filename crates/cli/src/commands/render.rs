@@ -102,6 +102,13 @@ impl ChoiceArgs {
             ));
             return None;
         }
+        if wish.is_any() && resolved.scene.shading.edl.edl {
+            console.warn(format_args!(
+                "--max-error and --budget have no effect with eye-dome lighting, which only some methods have: {} stays the method",
+                taken.name()
+            ));
+            return None;
+        }
         if wish.is_any() && formation(&method.representative(), resolved.points()).is_err() {
             console.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",

@@ -118,10 +118,15 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
+    let mut shading = resolved.scene.shading;
+    if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
+        console.warn("eye-dome lighting is left out: not all of the methods that are compared have it");
+        shading.edl.edl = false;
+    }
     let frame = Frame {
         camera: resolved.camera,
         size: resolved.scene.image.size,
-        shading: resolved.scene.shading,
+        shading,
         color: resolved.scene.image.color,
         method: resolved.scene.method.representative(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),

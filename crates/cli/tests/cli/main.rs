@@ -2,6 +2,7 @@
 
 mod bad;
 mod brightness;
+mod camera;
 mod check;
 mod choice;
 #[cfg(unix)]

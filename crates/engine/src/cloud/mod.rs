@@ -77,6 +77,8 @@ pub struct Cloud {
 pub struct Prepared {
     /// K of the radii and of an uncertainty field.
     pub neighbors: usize,
+    /// The cap of the radii of Eq. 20, also in an uncertainty field; 0: none.
+    pub radius_cap: f32,
     /// True if the cloud's radii are those of Eq. 20 instead of the source's own.
     pub estimated_radii: bool,
     /// The definition of the field.

@@ -12,7 +12,7 @@ use crate::cloud::field;
 /// The result of one pass over every point's neighbors, in the order of the cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Eq. 20, as [`radius::estimate`] finds them, to the bit.
+    /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
@@ -21,7 +21,7 @@ pub struct Surface {
 }
 
 /// F = r·Σ(2−|nᵢ·nⱼ|)² / K over the K nearest other points of each finite position, scaled so that the smallest of the
-/// cloud is 0 and the largest 1; 0 for all if they differ only by rounding.
+/// cloud is 0 and the largest 1; 0 for all if they differ only by rounding. r has the `cap` of [`radius::estimate`].
 ///
 /// `normals` are unit vectors, or zero for points without one. A missing normal is estimated as the smallest principal
 /// axis of the point and its K neighbors. If that is not a single direction (all at one position, on a line, equal
@@ -30,7 +30,12 @@ pub struct Surface {
 /// sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
-pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, progress: &Progress) -> Surface {
+pub fn estimate(
+    positions: &[DVec3],
+    normals: Option<&[Vec3]>,
+    (neighbors, cap): (usize, f32),
+    progress: &Progress,
+) -> Surface {
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
     let k = neighbors.min(count.saturating_sub(1));
@@ -42,6 +47,8 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize,
         let normal = if missing { estimated_normal(&places, place, others) } else { Vec3::ZERO };
         (distance, normal)
     });
+
+    let distances = radius::capped(&places, (k, cap), &lists, seen.iter().map(|(distance, _)| *distance).collect());
 
     // Everything so far is by rank.
     let given = given();
@@ -56,13 +63,12 @@ pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize,
         .into_par_iter()
         .with_min_len(1 << 10)
         .flat_map_iter(|place| {
-            let distance = seen[place].0;
+            let distance = distances[place];
             lists.others(&places, place, |others| spread(&places, place, others, k, distance, &ranked))
         })
         .collect();
     let scaled = field::scaled(&raw);
 
-    let distances: Vec<f64> = seen.iter().map(|(distance, _)| *distance).collect();
     let mut surface =
         Surface { radii: radius::of_distances(&places, k, &distances), normals: given, fields: vec![0.0; count] };
     for (rank, &index) in places.order.iter().enumerate() {

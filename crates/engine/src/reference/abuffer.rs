@@ -100,6 +100,17 @@ pub fn composite(list: &[Fragment], colors: &[DVec3]) -> Composite {
     Composite { color, alpha: 0.0 - log_transmittance.exp_m1(), depth }
 }
 
+/// The depth at which a sorted list first lets through `share` of the light or less; +inf if it never does. Of 1/2 it is the
+/// median depth; roundings make of it one between those of shares around 1/2.
+pub fn median(list: &[Fragment], share: f64) -> f64 {
+    let mut log_transmittance = 0.0f64;
+    let reached = list.iter().find(|fragment| {
+        log_transmittance += (-fragment.alpha).ln_1p();
+        log_transmittance.exp_m1() <= share - 1.0
+    });
+    reached.map_or(f64::INFINITY, |fragment| fragment.z)
+}
+
 /// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in
 /// ([`super::shading::shade`]).
 pub fn render(camera: &Camera, size: [u32; 2], points: &Points, colors: &[DVec3], discs: &Discs) -> Picture {

@@ -35,12 +35,19 @@ pub fn nearest(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Vec<
     (0..positions.len()).map(surface_at).collect()
 }
 
-/// Radii, normals and field of points with these normals, zero where one is missing.
-pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Surface {
+/// Radii, normals and field of points with these normals, zero where one is missing. A radius is at most `cap` times the median
+/// of those of its neighbors and its own, unless that is 0.
+pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize, cap: f64) -> Surface {
     let lists = nearest(positions, normals, neighbors);
+    let uncapped: Vec<f64> = (0..positions.len())
+        .map(|i| {
+            let farthest = lists[i].iter().map(|&j| positions[i].distance(positions[j])).fold(0.0, f64::max);
+            if lists[i].is_empty() { 0.0 } else { 2.0 * farthest / (lists[i].len() as f64).sqrt() }
+        })
+        .collect();
     let radius = |i: usize| {
-        let farthest = lists[i].iter().map(|&j| positions[i].distance(positions[j])).fold(0.0, f64::max);
-        if lists[i].is_empty() { 0.0 } else { 2.0 * farthest / (lists[i].len() as f64).sqrt() }
+        let around = lists[i].iter().chain([&i]).map(|&j| uncapped[j]).collect();
+        if cap == 0.0 { uncapped[i] } else { uncapped[i].min(cap * median(around)) }
     };
     let normal = |i: usize| match normals[i] {
         DVec3::ZERO => smallest_axis(lists[i].iter().chain([&i]).map(|&j| positions[j] - positions[i]).collect()),
@@ -59,6 +66,27 @@ pub fn surface(positions: &[DVec3], normals: &[DVec3], neighbors: usize) -> Surf
     let constant = most - least <= 1e-9 * most;
     let fields = raw.iter().map(|f| if constant { 0.0 } else { (f - least) / (most - least) }).collect();
     Surface { radii, normals, fields }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let [low, high] = [(values.len() - 1) / 2, values.len() / 2];
+    0.5 * (values[low] + values[high])
+}
+
+/// Outliers by the mean distance to the `neighbors` nearest other points: how far each mean distance lies above mean + `factor` ·
+/// standard deviation of the sample, as a share of the mean. Above 0 a point is one; what is within rounding of 0 may be
+/// either.
+pub fn outlying(positions: &[DVec3], neighbors: usize, factor: f64) -> Vec<f64> {
+    let lists = nearest(positions, &vec![DVec3::ZERO; positions.len()], neighbors);
+    let distance = |(i, list): (usize, &Vec<usize>)| {
+        list.iter().map(|&j| positions[i].distance(positions[j])).sum::<f64>() / list.len() as f64
+    };
+    let distances: Vec<f64> = lists.iter().enumerate().map(distance).collect();
+    let count = distances.len() as f64;
+    let mean = distances.iter().sum::<f64>() / count;
+    let variance = distances.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    distances.iter().map(|d| (d - mean - factor * variance.sqrt()) / mean).collect()
 }
 
 /// The direction in which points vary least: the eigenvector for the smallest eigenvalue of their covariance C, which has

@@ -10,7 +10,7 @@ use super::coloring::Coloring;
 use super::error::Error;
 use super::procedural::Generated;
 use super::seen::{leave_out, seen};
-use super::settings::{CloudSettings, Scene};
+use super::settings::{CloudSettings, Outliers, Scene};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
@@ -76,7 +76,7 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
         "stored for this cloud by itself".to_owned()
     } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
         "stored for the cloud where it is in its file".to_owned()
-    } else if scene.hides_points() {
+    } else if scene.hides_points() || settings.strays.outliers == Outliers::Drop {
         "stored for all points of the cloud".to_owned()
     } else if wanted.is_none() || !other.is_empty() {
         format!("stored for other settings ({})", other.join(", "))
@@ -90,8 +90,11 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
+        radius_cap: settings.strays.radius_cap,
         field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
         radii: radii && settings.radius.is_none(),
+        soft_outliers: settings.strays.rule(Outliers::Soft).filter(|_| fields),
+        dropped_outliers: settings.strays.rule(Outliers::Drop),
         fields,
         normals: false,
     }
@@ -99,9 +102,9 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
 
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
-/// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
-/// scene's color space; clouds without `color` are colored by `color_by`. Points that a class hides or a clip cuts off are set
-/// apart ([`Points::unseen`]) once everything is computed. A radius is the scene's, else the file's times `scale`, else,
+/// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to be.
+/// Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points that a class
+/// hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is the scene's, else the file's times `scale`, else,
 /// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
 /// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
 /// `scale` and `translate` round them, because a prepared file stores those values.
@@ -154,7 +157,7 @@ fn transformed(
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let coloring = Coloring::of(scene, index, &cloud);
     let request = request(settings, needs_radii, needs_field || coloring.needs_field());
-    if request.radii || request.fields {
+    if request.needs_neighbors() {
         progress.reset();
         progress.set_message("finding neighbors");
     }
@@ -184,7 +187,7 @@ fn transformed(
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
         ..Points::default()
     };
-    leave_out(&mut points, seen.as_deref());
+    leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());
     Ok(points)
 }
 

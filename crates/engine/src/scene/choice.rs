@@ -95,4 +95,9 @@ impl MethodChoice {
     pub fn may_take_shadows(&self) -> bool {
         self.fixed().is_none_or(Method::takes_shadows)
     }
+
+    /// True if `edl` of `[shading]` may apply, as with shadows.
+    pub fn may_take_edl(&self) -> bool {
+        self.fixed().is_none_or(Method::takes_edl)
+    }
 }

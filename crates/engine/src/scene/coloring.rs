@@ -131,8 +131,8 @@ pub(super) struct ColorKey {
     /// `None` where `color` overrides it.
     by: Option<(ColorSettings, Vertical)>,
     placement: (u64, [u64; 3]),
-    /// K of radii and uncertainty, and the field's definition, if colors show F.
-    field: Option<(usize, field::Field)>,
+    /// If colors show F.
+    field: Option<crate::prepare::FieldKey>,
 }
 
 impl<'a> Coloring<'a> {
@@ -151,7 +151,7 @@ impl<'a> Coloring<'a> {
     /// What the colors depend on. `request` is that of the cloud's data.
     pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
         let CloudSettings { color, scale, translate, .. } = self.settings;
-        let field = self.needs_field().then(|| (request.neighbors_of(self.cloud), request.field_of(self.cloud)));
+        let field = self.needs_field().then(|| request.field_key(self.cloud));
         ColorKey {
             color: color.map(|color| color.to_array().map(f32::to_bits)),
             by: color.is_none().then(|| (self.settings.coloring.clone(), self.vertical)),

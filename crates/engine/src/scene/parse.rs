@@ -7,6 +7,7 @@ use super::document::Document;
 use super::error::{Error, Place};
 use super::keys::owners;
 use super::method;
+use super::methods::edl_methods;
 use super::overrides::Overrides;
 use super::schema::{Key, Settings, Value};
 use super::settings::*;
@@ -91,6 +92,7 @@ pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Er
         clouds.iter().for_each(|cloud| warn_of_fields(cloud, &method));
     }
     let shadows = shadows(&table, &shading, &method)?;
+    check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
@@ -132,6 +134,20 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
         let (name, owners) = (method.name(), owners("threshold").join(", "));
         cloud.warn(format!("{place}: method {name:?} does not use `{key}` (a key for {owners})"));
     }
+}
+
+/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is only known
+/// once the points are.
+fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
+    let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
+    let table = root.table("shading")?;
+    let place = table.get("edl").map_or(&table.place, |node| &node.place).clone();
+    let problem = format!(
+        "`shading.edl` shades by the depth of a surface, and method {:?} has none: {}",
+        method.name(),
+        edl_methods()
+    );
+    Err(Error::Conflict { place, problem })
 }
 
 /// `[shadows]`; a method that can't have shadows leaves a warning. The method that `auto` becomes is only known once

@@ -18,17 +18,23 @@ pub(super) fn seen(visible: Option<Vec<bool>>, clips: &Clips, positions: &[DVec3
     Some(positions.par_iter().enumerate().map(is_seen).collect())
 }
 
-/// Drops points that a huge `scale` or `translate` moved out of float64, and sets those apart that are not `seen`. Returns marks on
-/// the remaining ones, or `None` if all remain.
-pub(super) fn leave_out(points: &mut Points, seen: Option<&[bool]>) -> Option<Vec<bool>> {
+/// Drops points that are marked, and those that a huge `scale` or `translate` moved out of float64; sets those apart that are
+/// not `seen`. Returns marks on the remaining ones, or `None` if all remain.
+pub(super) fn leave_out(
+    points: &mut Points,
+    seen: Option<&[bool]>,
+    dropped: Option<&[bool]>,
+) -> Option<Vec<bool>> {
     let is_seen = |i: usize| seen.is_none_or(|seen| seen[i]);
-    let keep: Vec<_> = points.positions.iter().enumerate().map(|(i, p)| p.is_finite() && is_seen(i)).collect();
+    let is_there = |i: usize| dropped.is_none_or(|dropped| !dropped[i]);
+    let each = points.positions.iter().enumerate();
+    let keep: Vec<_> = each.map(|(i, p)| p.is_finite() && is_there(i) && is_seen(i)).collect();
     if keep.iter().all(|keep| *keep) {
         return None;
     }
-    let all = points.positions.iter().zip(&points.radii).zip(&keep);
-    let unseen = all.filter(|((position, _), keep)| !**keep && position.is_finite());
-    let (positions, radii) = unseen.map(|((position, radius), _)| (*position, *radius)).unzip();
+    let all = points.positions.iter().zip(&points.radii).enumerate();
+    let unseen = all.filter(|(i, (position, _))| !keep[*i] && is_there(*i) && position.is_finite());
+    let (positions, radii) = unseen.map(|(_, (position, radius))| (*position, *radius)).unzip();
     points.unseen = Arc::new(Unseen { positions, radii });
     retain(&mut points.positions, &keep);
     retain(&mut points.colors, &keep);

@@ -11,6 +11,7 @@ mod image;
 mod shading;
 mod soft;
 mod splats;
+mod strays;
 mod surfaces;
 
 pub use crate::light::Light;
@@ -25,9 +26,10 @@ pub use discs::{
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{Edl, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
+pub use strays::{Outliers, Strays};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;
@@ -184,6 +186,17 @@ impl Method {
         match self.family() {
             Family::Opaque | Family::Surfaces => true,
             Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
+        }
+    }
+
+    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface, or the one at which half of the
+    /// light is left can be found.
+    pub fn takes_edl(&self) -> bool {
+        match self.family() {
+            Family::Opaque => true,
+            Family::Surfaces => matches!(self, Self::ImageSpace(_)),
+            Family::Discs => matches!(self, Self::ABuffer(_) | Self::LinkedList(_)),
+            Family::Soft | Family::OneLayer | Family::Ensembles => false,
         }
     }
 

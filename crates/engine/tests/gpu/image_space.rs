@@ -12,7 +12,9 @@ use pellucid_engine::prepare;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
 use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::scene::{self, ColorSpace, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel};
+use pellucid_engine::scene::{
+    self, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
+};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -41,6 +43,7 @@ const SHADED: Shading = Shading {
     specular: 0.3,
     shininess: 8.0,
     light: Light::Direction(DVec3::new(0.3, -1.0, -0.8)),
+    edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
 };
 
 /// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep

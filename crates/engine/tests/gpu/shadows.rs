@@ -544,6 +544,7 @@ fn what_is_dark_keeps_its_ambient_light() {
             specular: 0.4,
             shininess: 3.0,
             light: Light::Direction(slanted(20.0, 90.0)),
+            ..Shading::default()
         };
         let cast = Frame { shading, ..lit_frame(camera(size, 70.0), size, DOWN, hard(128, 5.0)) };
         let image = render(device, &points, &cast);

@@ -769,7 +769,53 @@ fn the_up_of_the_file_says_which_axis_views_take_as_the_vertical() {
     let up = |text, axis| camera_of(text, &cube, axis, front).0.up;
     assert_eq!(up("[camera]\nup = [0, 0.1, 1]", UpAxis::Y), DVec3::Z);
     assert_eq!(up("[camera]\nup = [0, 2, 0]", UpAxis::Z), DVec3::Y);
-    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::Z, "no vertical: the clouds' own");
+    assert_eq!(up("[camera]\nup = [0, -1, 0.5]", UpAxis::Z), -DVec3::Y);
+    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::X);
+    assert_eq!(up("[camera]\nup = [1, 1, 0]", UpAxis::Z), DVec3::Z, "between two axes: the clouds' own");
+    let (_, warnings) = camera_of("[camera]\nup = [1, 0, 0]", &cube, UpAxis::Z, front);
+    assert_eq!(warnings, [""; 0], "a view heeds it");
+}
+
+#[test]
+fn an_orthographic_camera_shows_the_whole_scene() {
+    // 6 wide and 4 high from the front, 2 deep.
+    let flat = points(&[DVec3::new(-3.0, -2.0, -1.0), DVec3::new(3.0, 2.0, 1.0)], 0.0);
+    let front = View { name: Some(ViewName::Front), ..View::default() };
+    let of = |text: &str, size: [u32; 2], view| {
+        let text = format!("[image]\nsize = {size:?}\n[camera]\northo = true\n{text}");
+        let (camera, _) = camera_of(&text, &flat, UpAxis::Y, view);
+        let Projection::Orthographic { height } = camera.projection else { panic!("{camera:?}") };
+        (camera, height)
+    };
+    // The width decides in a square and in a high image, the height in a wide one.
+    for (size, wanted) in [([100, 100], 6.0), ([100, 200], 12.0), ([400, 100], 4.0)] {
+        let (camera, height) = of("", size, front);
+        assert!((height - wanted / 0.95).abs() < 1e-12, "{size:?}: {height}");
+        assert_frames(&camera, &flat, size);
+        assert_frames(&of("", size, View::default()).0, &flat, size);
+    }
+    assert_eq!(of("height = 5", [100, 100], front).1, 5.0);
+    // Around a point of the left edge: the right edge is 6 away, on both sides of the image.
+    let aside = "eye = [-3, 0, 9]\ntarget = [-3, 0, 0]\nup = [0, 1, 0]";
+    assert!((of(aside, [100, 100], View::default()).1 - 12.0 / 0.95).abs() < 1e-12);
+    let refused = Scene::from_toml(&format!("[camera]\northo = true\nfov_y = 30\n{CLOUD}"), "s.toml".as_ref());
+    assert!(refused.unwrap_err().to_string().contains("keep one"));
+}
+
+#[test]
+fn a_printed_camera_gives_its_picture_again() {
+    let cloud = points(&[DVec3::new(5e5, 4.5e6, 100.0), DVec3::new(5e5 + 7.0, 4.5e6 + 3.0, 104.0)], 0.25);
+    for text in ["", "[camera]\nfov_y = 33.3", "[camera]\northo = true"] {
+        let (camera, _) = camera_of(text, &cloud, UpAxis::Z, View::default());
+        let (again, warnings) = camera_of(&camera.to_toml(9.0), &cloud, UpAxis::Z, View::default());
+        assert_eq!(warnings, [""; 0]);
+        for position in &cloud.positions {
+            let [(pixel, z), (wanted, depth)] = [again, camera].map(|camera| camera.project(*position, [1000, 1000]));
+            // A target 9 away at 4.5e6 is rounded to 1e-10 of its distance.
+            assert!((pixel - wanted).length() < 1e-6 && (z - depth).abs() < 1e-8, "{text}: {pixel}, not {wanted}");
+        }
+        assert_eq!((again.near, again.far), (camera.near, camera.far));
+    }
 }
 
 #[test]

@@ -99,12 +99,15 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
     let by = &settings.coloring.color_by;
+    let around = estimated || uncertain;
     let keys = [
         ("color", true),
         ("color_by", settings.color.is_none()),
         ("colormap", settings.color.is_none() && by.is_mapped()),
         ("radius", method.needs_radii()),
-        ("neighbors", estimated || uncertain),
+        ("neighbors", around),
+        ("radius_cap", around),
+        ("outliers", true),
     ];
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {

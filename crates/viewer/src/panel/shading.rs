@@ -22,12 +22,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     if !census.is_empty() && census.iter().all(|cloud| !cloud.normals) {
         ui.weak("no cloud has normals: nothing is shaded");
     }
-    let keys: &[&str] = match shading.model {
+    let of_model: &[&str] = match shading.model {
         ShadingModel::None => &["model"],
         ShadingModel::Lambert => &["model", "ambient", "diffuse"],
         ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
     };
-    for key in keys {
+    let of_depth: &[&str] = match (shading.edl.edl, model.scene().method.may_take_edl()) {
+        (true, _) => &["edl", "edl_strength", "edl_radius"],
+        (false, true) => &["edl"],
+        (false, false) => &[],
+    };
+    for key in of_model.iter().chain(of_depth) {
         if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
             row(ui, model, &format!("shading.{key}"), key, entry);
         }

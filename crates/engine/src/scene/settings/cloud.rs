@@ -11,7 +11,7 @@ use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;
 use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
-use crate::scene::settings::{ClassSettings, ColorSettings};
+use crate::scene::settings::{ClassSettings, ColorSettings, Strays};
 use crate::scene::table::Table;
 
 settings! {
@@ -35,6 +35,8 @@ settings! {
         /// K: neighbors that radii and uncertainty are estimated from.
         neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,
             slider Slider::Count(1, 256);
+        /// Points that stand apart.
+        strays: Strays = Strays::default();
         /// A vector added to positions, after `scale`.
         translate: DVec3 = DVec3::ZERO, in Vectors::Any, unit "world units";
         /// Factor on positions and on the file's own radii.

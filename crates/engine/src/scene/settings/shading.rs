@@ -25,6 +25,21 @@ settings! {
         shininess: f32 = 32.0, in Range::NOT_NEGATIVE, slider Slider::Powers(1.0, 1000.0);
         /// The light: at the eye, from afar along a direction, or at a place.
         light: Light = Light::Headlight;
+        /// Eye-dome lighting.
+        edl: Edl = Edl::default();
+    }
+}
+
+settings! {
+    /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
+    #[derive(Copy)]
+    pub struct Edl {
+        /// Eye-dome lighting: pixels darken the farther they lie behind those around, which shows shape without normals.
+        edl: bool = false;
+        /// How dark it gets.
+        edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
+        /// How far away the pixels are that it compares with.
+        edl_radius: f32 = 1.4, in Range::open(0.0, 1000.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
     }
 }
 

@@ -5,48 +5,44 @@ use crate::progress::Progress;
 use super::super::coloring::{ColorKey, Coloring, Colors};
 use super::super::error::Error;
 use crate::cloud::Cloud;
-use crate::cloud::field::{self, Field};
-use crate::prepare::{self, Request};
+use crate::cloud::field;
+use crate::prepare::outliers::Rule;
+use crate::prepare::{self, FieldKey, RadiusKey, Request};
 
-/// The properties that determine a field: the definition of F, and K for the uncertainty.
-pub(super) type FieldKey = (Field, Option<usize>);
-
-/// Radii and field of a cloud's points, in its order and units: those of the last K and of the last field that were asked for.
-/// Also the colors of points that have other ones than the file's. At most 20 bytes a point.
+/// Radii and field of a cloud's points, in its order and units, and the outliers: those that were last asked for. Also the
+/// colors of points that have other ones than the file's. At most 21 bytes a point.
 #[derive(Debug, Clone, Default)]
 pub struct DerivedColumns {
     colors: Option<(ColorKey, Colors)>,
-    radii: Option<(usize, Vec<f32>)>,
+    radii: Option<(RadiusKey, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
-}
-
-/// The field that a request asks for.
-pub(super) fn field_key(cloud: &Cloud, request: &Request) -> FieldKey {
-    let field = request.field_of(cloud);
-    let neighbors = (field == Field::Uncertainty).then(|| request.neighbors_of(cloud));
-    (field, neighbors)
+    dropped: Option<(Rule, Vec<bool>)>,
 }
 
 impl DerivedColumns {
-    /// Computes the requested data that is missing, and replaces data of another K or field.
+    /// Computes the requested data that is missing, and replaces data of another K, field or rule.
     ///
     /// # Errors
     /// The cloud lacks the property of its field.
     pub(super) fn learn(&mut self, cloud: &Cloud, request: &Request, progress: &Progress) -> Result<(), field::Error> {
-        let (neighbors, field) = (request.neighbors_of(cloud), field_key(cloud, request));
-        let radii = request.radii && self.radii.as_ref().is_none_or(|(computed, _)| *computed != neighbors);
+        let (radius, field) = (request.radius_key(cloud), request.field_key(cloud));
+        let radii = request.radii && self.radii.as_ref().is_none_or(|(computed, _)| *computed != radius);
         let fields = request.fields && self.fields.as_ref().is_none_or(|(computed, _)| *computed != field);
-        if !(radii || fields) {
+        let unknown = |rule: &Rule| self.dropped.as_ref().is_none_or(|(computed, _)| computed != rule);
+        let dropped_outliers = request.dropped_outliers.filter(unknown);
+        if !(radii || fields || dropped_outliers.is_some()) {
             return Ok(());
         }
         // Freed first, so that old and new never occupy memory together.
         self.radii.take_if(|_| radii);
         self.fields.take_if(|_| fields);
+        self.dropped.take_if(|_| dropped_outliers.is_some());
         progress.reset();
         progress.set_message("finding neighbors");
-        let found = prepare::find(cloud, &Request { radii, fields, ..request.clone() }, progress)?;
-        self.radii = found.radii.map(|radii| (neighbors, radii)).or(self.radii.take());
+        let found = prepare::find(cloud, &Request { radii, fields, dropped_outliers, ..request.clone() }, progress)?;
+        self.radii = found.radii.map(|radii| (radius, radii)).or(self.radii.take());
         self.fields = found.fields.map(|fields| (field, fields)).or(self.fields.take());
+        self.dropped = dropped_outliers.zip(found.dropped).or(self.dropped.take());
         Ok(())
     }
 
@@ -72,6 +68,11 @@ impl DerivedColumns {
     /// The radii that were last asked for.
     pub(super) fn radii(&self) -> Option<&[f32]> {
         self.radii.as_ref().map(|(_, radii)| radii.as_slice())
+    }
+
+    /// Marks on the points that are dropped by this rule, if they were asked for.
+    pub(super) fn dropped(&self, rule: Rule) -> Option<&[bool]> {
+        self.dropped.as_ref().filter(|(computed, _)| *computed == rule).map(|(_, marks)| marks.as_slice())
     }
 
     /// F that was last asked for.

@@ -22,14 +22,14 @@ use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
 use super::seen::{leave_out, seen};
-use super::settings::{ClassSettings, Clip, CloudSettings, Scene, Selection};
+use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points, Unseen};
-use crate::prepare::Arranged;
+use crate::prepare::{Arranged, FieldKey, RadiusKey};
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
+use crate::prepare::outliers::Rule;
 use crate::prepare::ties::Ties;
-use derived::{FieldKey, field_key};
 use origins::Origins;
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -51,8 +51,8 @@ pub struct Tracked {
 #[derive(Debug, Clone, PartialEq)]
 struct PlacementKey {
     dealt: bool,
-    /// Scale and translation.
-    clouds: Vec<(u64, [u64; 3])>,
+    /// Scale, translation, and the outliers that are dropped.
+    clouds: Vec<(u64, [u64; 3], Option<Rule>)>,
     /// Points of each cloud that are shown or hidden.
     hidden: Vec<Vec<(Selection, bool)>>,
     clips: Vec<Clip>,
@@ -61,7 +61,9 @@ struct PlacementKey {
 impl PlacementKey {
     fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
-        let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
+        let placed =
+            |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
+        let clouds = scene.clouds.iter().map(placed);
         let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
         let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
         let dealt = scene.method.is_dealt();
@@ -75,8 +77,8 @@ struct ColumnKey {
     color: ColorKey,
     opacity: u32,
     classes: Vec<ClassSettings>,
-    /// Given radius, factor, and K if radii are asked for.
-    radius: (Option<u32>, u32, Option<usize>),
+    /// Given radius, factor, and how radii are estimated if they are asked for.
+    radius: (Option<u32>, u32, Option<RadiusKey>),
     /// If it is asked for.
     field: Option<FieldKey>,
 }
@@ -94,6 +96,8 @@ struct CloudView<'a> {
     /// The file's values, used where the settings have none; access is not sequential.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
+    /// Marks the points that are not there.
+    dropped: Option<&'a [bool]>,
 }
 
 impl CloudView<'_> {
@@ -132,7 +136,7 @@ impl CloudView<'_> {
             ..Points::default()
         };
         let seen = seen(self.rules.visible_points(count), clips, &points.positions);
-        let keep = leave_out(&mut points, seen.as_deref());
+        let keep = leave_out(&mut points, seen.as_deref(), self.dropped);
         (points, keep)
     }
 }
@@ -154,13 +158,13 @@ fn learn(
             found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
             let color = coloring.key(&request);
             derived.learn_colors(&coloring, &color)?;
-            let neighbors = request.radii.then(|| request.neighbors_of(cloud));
+            let estimated = request.radii.then(|| request.radius_key(cloud));
             Ok(ColumnKey {
                 color,
                 opacity: settings.opacity.to_bits(),
                 classes: settings.class.clone(),
-                radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
-                field: method.needs_field().then(|| field_key(cloud, &request)),
+                radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), estimated),
+                field: method.needs_field().then(|| request.field_key(cloud)),
             })
         };
     each.map(column_key).collect()
@@ -179,8 +183,9 @@ fn views<'a>(
         let radii = own.filter(|_| settings.radius.is_none());
         let colors = derived.colors();
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
+        let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
         let rules = Rules::of(settings, cloud)?;
-        Ok(CloudView { settings, cloud, rules, colors, radii, fields })
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields, dropped })
     })
     .collect()
 }

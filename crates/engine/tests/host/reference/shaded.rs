@@ -9,6 +9,7 @@ const SHADING: Shading = Shading {
     specular: 1.0,
     shininess: 2.0,
     light: Light::Headlight,
+    edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
 };
 /// Normals are stored in float32.
 const FROM_F32: f64 = 1e-6;

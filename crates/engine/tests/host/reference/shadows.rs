@@ -235,6 +235,7 @@ fn unlit_points_have_ambient_light_alone() {
         specular: 1.0,
         shininess: 2.0,
         light: Light::Headlight,
+        ..Shading::default()
     };
     let points = cloud(vec![DVec3::new(0.0, 0.0, -2.0); 3], tilted(60.0).as_vec3());
     let red = |points: &Points, shading: Shading, lit: &[f64]| -> Vec<f64> {
