@@ -35,6 +35,10 @@ pub struct InputArgs {
     /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
     opacity: Option<String>,
+    /// Finds the opacity for which half of the covered pixels let at least this share of the light behind them through, from 0
+    /// to 1, and prints it. Of clouds with opacities of their own all are multiplied by one factor.
+    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity")]
+    see_through: Option<f64>,
     /// Radius of all points in world units; by default the scene file's, else the point file's, else from the distance
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
@@ -44,8 +48,9 @@ pub struct InputArgs {
     /// the file's own line of names, else by the columns' number and values.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
-    /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
-    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
+    /// Background: a color of CSS (white, "#80c0ff"), or linear R,G,B, each from 0 to 1; by default the scene file's, else
+    /// black.
+    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
     background: Option<String>,
     /// Frame the whole scene from a named side. This and the two angles replace the camera's eye, target and up; the
     /// vertical is Y for PLY, Z for all other point clouds, or the axis nearest to the scene file's camera.up.
@@ -129,6 +134,10 @@ fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number of degrees".into())
 }
 
+fn share(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| (0.0..=1.0).contains(x)).ok_or_else(|| "expected a share from 0 to 1".into())
+}
+
 fn elevation(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|x| x.abs() <= 90.0).ok_or_else(|| "expected degrees from -90 to 90".into())
 }
@@ -145,6 +154,8 @@ pub struct Resolved {
     pub shadow_texture: Option<ShadowTexture>,
     /// The camera, given or automatic.
     pub camera: Camera,
+    /// `--see-through`.
+    pub see_through: Option<f64>,
     /// `--seed`.
     pub seed: u64,
 }
@@ -216,10 +227,7 @@ impl InputArgs {
             overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
         }
         if let Some(background) = &self.background {
-            // Reformat the number, because TOML rejects a form like .5.
-            let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
-            let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
-            overrides.set(format!("--background {background}"), "image.background", &array)?;
+            overrides.set(format!("--background {background}"), "image.background", &color_as_toml(background))?;
         }
         let short = [
             ("method", "method.name", &self.method),
@@ -253,6 +261,7 @@ pub struct Loaded {
     scene: Scene,
     /// The clouds of the scene, in its order.
     clouds: Vec<Cloud>,
+    see_through: Option<f64>,
     seed: u64,
 }
 
@@ -267,7 +276,7 @@ impl Loaded {
         let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
         scene.clouds.truncate(count);
         clouds.truncate(count);
-        Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+        Self { name: self.name.clone(), scene, clouds, ..*self }
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
@@ -298,7 +307,7 @@ impl Loaded {
         console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
-        let Self { name, scene, clouds, seed } = self;
+        let Self { name, scene, clouds, see_through, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
@@ -309,7 +318,7 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, see_through, seed })
     }
 }
 
@@ -319,10 +328,20 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
     scene.camera.view = args.view();
+    if let (Some(share), Some(method)) = (args.see_through, scene.method.fixed())
+        && !method.family().has_opacity()
+    {
+        let name = method.name();
+        let problem = format!(
+            "--see-through {share}: no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, \
+             spbr and others have one (--help lists them)"
+        );
+        return Err(scene::Error::Usage(problem).into());
+    }
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, console);
     }
-    Ok(Loaded { name, scene, clouds, seed: args.seed })
+    Ok(Loaded { name, scene, clouds, see_through: args.see_through, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.
@@ -333,4 +352,11 @@ pub fn report_cloud(path: &Path, cloud: &Cloud, console: Console) {
         console.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
     cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{path}: {warning}")));
+}
+
+/// A color of the command line as a scene file has it: an array where there are numbers between commas, else a text.
+fn color_as_toml(color: &str) -> String {
+    let numbers: Option<Vec<f64>> = color.split(',').map(|text| text.trim().parse().ok()).collect();
+    // Numbers are formatted anew, because TOML rejects a form like .5.
+    numbers.map_or_else(|| format!("{color:?}"), |numbers| format!("{numbers:?}"))
 }

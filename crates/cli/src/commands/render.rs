@@ -17,6 +17,7 @@ use super::along::PathArgs;
 use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
+use super::opacity_notes;
 use super::sequence;
 use super::session::Session;
 use super::{DeviceArgs, MeasureArgs};
@@ -288,6 +289,7 @@ fn picture(
         None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
         Some(wish) => {
             let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
+            session.find_opacity(resolved, progress)?;
             let choice = choose(args, wish, &mut session, resolved, progress, console)?;
             (session, Some(choice))
         }
@@ -295,10 +297,14 @@ fn picture(
     session.renderer.progress = (**progress).clone();
     session.describe(console);
     // In a time series, warn only once.
-    if step.is_none_or(|(step, count)| step == count) {
+    let last = step.is_none_or(|(step, count)| step == count);
+    if last {
         session.warn(resolved, console);
     }
     let mut rendered = session.render()?;
+    if last {
+        opacity_notes::judge(&mut session, resolved, &rendered.image, console)?;
+    }
     progress.finish_and_clear();
     let mut own: Vec<_> =
         choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
@@ -329,6 +335,8 @@ pub fn finish(
         applied.warning().iter().for_each(|warning| console.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
+    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,

@@ -96,7 +96,7 @@ impl std::fmt::Display for Kind {
                 f.write_str(&words.join(", "))
             }
             Self::WordOr(word, other) => write!(f, "`\"{word}\"` or {other}"),
-            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1"),
+            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1, or a CSS color in quotes"),
             Self::Vector => f.write_str("`[x, y, z]`"),
             Self::Direction => f.write_str("`[x, y, z]`, not zero"),
             Self::Size(max) => write!(f, "`[width, height]`, integers from 1 to {max}"),
