@@ -10,7 +10,7 @@ use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::scene::Error;
 use pellucid_engine::{Result, plan};
-use pellucid_lab::choice::{self, Choice, Subject, Wish};
+use pellucid_lab::choice::{self, Choice, Figures, Row, Subject, Wish};
 use pellucid_lab::report::tradeoff::settings::formation;
 
 use super::along::PathArgs;
@@ -144,9 +144,23 @@ fn choose(
     if let Some(warning) = &choice.warning {
         console.warn(warning);
     }
+    console.note(candidates(&choice.best));
     session.frame.method = choice.method;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
+}
+
+/// The best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
+fn candidates(rows: &[Row]) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
+    let line = |row: &Row| {
+        let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
+        let mark = if row.busy { " (a busy machine?)" } else { "" };
+        let Figures { rmse, gpu_ms } = row.figures;
+        format!("\n  {:<width$}  {rmse:>8.1e}  {gpu_ms:>9.2}  {spread}{mark}", row.name)
+    };
+    let lines: String = rows.iter().map(line).collect();
+    format!("  {:<width$}  {:>8}  {:>9}  {:>7}{lines}", "setting", "RMSE", "ms", "spread")
 }
 
 /// The destination of pictures.
