@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(said(Some(0.01), Some(20.0)), "");
         assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
         assert!(said(None, Some(1.0)).contains("the fastest one"));
-        assert!(said(None, Some(5.0)).ends_with("; about 20x15 pixels, or every 4th point, would do"));
+        assert!(said(None, Some(5.0)).ends_with("; about 20x15 pixels, or 1 point of 4, would do"));
         assert!(said(Some(0.1), Some(1.0)).contains("takes at most 1 ms"));
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn smaller(size: [u32; 2], gpu_ms: f64, most: f64) -> Option<String> 
     }
     let [width, height] = size.map(|side| (f64::from(side) * share.sqrt()).floor().max(1.0));
     let every = (1.0 / share).ceil();
-    Some(format!("about {width}x{height} pixels, or every {every}th point, would do"))
+    Some(format!("about {width}x{height} pixels, or 1 point of {every}, would do"))
 }
 
 /// A remark about an error that no picture survives.
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn advice() {
-        assert_eq!(smaller([1000, 500], 400.0, 100.0).unwrap(), "about 500x250 pixels, or every 4th point, would do");
+        assert_eq!(smaller([1000, 500], 400.0, 100.0).unwrap(), "about 500x250 pixels, or 1 point of 4, would do");
         assert_eq!((smaller([10, 10], 1.0, 2.0), smaller([10, 10], 1.0, 0.0)), (None, None));
         assert_eq!(no_picture(0.14).unwrap(), "an RMSE of 0.14 is no picture of the scene");
         assert_eq!(no_picture(0.01), None);
