@@ -236,7 +236,15 @@ mod tests {
     #[test]
     fn medians_that_saturate_or_stay_are_survived() {
         // T of 0 and of 1 to the last bit away from a narrow range.
-        let steep = |f: f64| if f < 0.001 { 1.0 } else if f > 0.0012 { 0.0 } else { (0.0012 - f) / 0.0002 };
+        let steep = |f: f64| {
+            if f < 0.001 {
+                1.0
+            } else if f > 0.0012 {
+                0.0
+            } else {
+                (0.0012 - f) / 0.0002
+            }
+        };
         assert!((steep(trials(0.5, 1.0, steep).0) - 0.5).abs() <= TOLERANCE);
         // Opacities that don't count: the search ends.
         for constant in [0.0, 0.2, 0.8, 1.0] {

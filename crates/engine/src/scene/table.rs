@@ -227,7 +227,8 @@ impl<'a> Table<'a> {
         let Some(node) = self.get(key) else { return Ok(None) };
         if let Value::String(text) = &node.value {
             let wanted = "must be [r, g, b] in linear light, or a color such as \"white\" or \"#80c0ff\"";
-            let color = color::named(text).ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
+            let color =
+                crate::color::named(text).ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
             return color.map(Some);
         }
         let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;

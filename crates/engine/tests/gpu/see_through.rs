@@ -1,8 +1,8 @@
 //! The opacity that `--see-through` finds, where it can be told beforehand.
 
 use glam::Vec3;
-use pellucid_engine::methods::see_through::{TOLERANCE, find, median_transmittance};
 use pellucid_engine::methods::Renderer;
+use pellucid_engine::methods::see_through::{TOLERANCE, find, median_transmittance};
 use pellucid_engine::scene::{Discs, Method, Peel, Stochastic};
 use pellucid_testing::{P, at_pixel, frame, pixel_camera, scene, with_device};
 

@@ -177,7 +177,8 @@ mod tests {
     #[test]
     fn what_is_missed_is_said() {
         let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
-        let said = |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();
+        let said =
+            |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();
         assert_eq!(said(Some(0.01), Some(20.0)), "");
         assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
         assert!(said(None, Some(1.0)).contains("the fastest one"));

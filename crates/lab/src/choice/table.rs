@@ -66,7 +66,14 @@ mod tests {
     }
 
     fn names(wish: Wish) -> String {
-        let rows = [("a", 0.0, 90.0), ("b", 0.01, 20.0), ("c", 0.02, 10.0), ("d", 0.2, 1.0), ("e", 0.3, 2.0), ("f", 0.0, 99.0)];
+        let rows = [
+            ("a", 0.0, 90.0),
+            ("b", 0.01, 20.0),
+            ("c", 0.02, 10.0),
+            ("d", 0.2, 1.0),
+            ("e", 0.3, 2.0),
+            ("f", 0.0, 99.0),
+        ];
         let rows = rows.map(|(name, rmse, gpu_ms)| row(name, rmse, gpu_ms));
         best(rows.to_vec(), wish).into_iter().map(|row| row.name).collect()
     }

@@ -180,7 +180,11 @@ fn marked(line: &str, field: &str, mark: &mut Option<char>) -> Result<f64, Fault
         && *mark.get_or_insert(found) != found
     {
         let [has, others] = if found == ',' { ["comma", "point"] } else { ["point", "comma"] };
-        return Err(fault(line, field, &format!("has a decimal {has}, where numbers before it have a decimal {others}")));
+        return Err(fault(
+            line,
+            field,
+            &format!("has a decimal {has}, where numbers before it have a decimal {others}"),
+        ));
     }
     Ok(value)
 }

@@ -152,7 +152,10 @@ fn what_is_no_number() {
         ("x y z\n1 2 3\n# ü\n4 ü5 6\n", "line 4, column 3: `ü5` is not a number"),
         ("1 2\n", "line 1: expected at least 3 values (x y z), found 2"),
         ("1.5;2,5;3,5\n", "line 1: no column `x`, only [1.5, 2,5, 3,5]; --columns names them"),
-        ("1.5;2;3\n4;5,000;6\n", "line 2, column 3: `5,000` has a decimal comma, where numbers before it have a decimal point"),
+        (
+            "1.5;2;3\n4;5,000;6\n",
+            "line 2, column 3: `5,000` has a decimal comma, where numbers before it have a decimal point",
+        ),
         ("x y\n1 2\n", "line 1: no column `z`, only [x, y]"),
         ("X,Y,X\n\n0,0,0\n", "line 1: no column `z`, only [X, Y, X]"),
         ("a table of some sort\n1 2 3\n", "line 1: no column `x`"),
