@@ -37,6 +37,10 @@ pub struct InputArgs {
     /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
     opacity: Option<String>,
+    /// Finds the opacity for which half of the covered pixels let at least this share of the light behind them through, from 0
+    /// to 1, and prints it. Of clouds with opacities of their own all are multiplied by one factor.
+    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity")]
+    see_through: Option<f64>,
     /// Radius of all points in world units; by default the scene file's, else the point file's, else from the distance
     /// to the 24th nearest neighbor.
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
@@ -67,8 +71,9 @@ pub struct InputArgs {
     /// the file's own line of names, else by the columns' number and values.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
-    /// Background in linear RGB, each from 0 to 1; by default the scene file's, else black.
-    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
+    /// Background: a color of CSS (white, "#80c0ff"), or linear R,G,B, each from 0 to 1; by default the scene file's, else
+    /// black.
+    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
     background: Option<String>,
     /// Frame the whole scene from a named side, or from where a compass points. This and the two angles replace the camera's eye
     /// and target.
@@ -214,6 +219,10 @@ fn axis(text: &str) -> Result<Vertical, String> {
     direction.and_then(|axis| Vertical::nearest(sign * axis)).ok_or_else(|| "expected x, y, z, -x, -y or -z".into())
 }
 
+fn share(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|x| (0.0..=1.0).contains(x)).ok_or_else(|| "expected a share from 0 to 1".into())
+}
+
 fn elevation(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|x| x.abs() <= 90.0).ok_or_else(|| "expected degrees from -90 to 90".into())
 }
@@ -232,6 +241,8 @@ pub struct Resolved {
     pub camera: Camera,
     /// How clouds are colored and why, a phrase for each way.
     pub colorings: Vec<String>,
+    /// `--see-through`.
+    pub see_through: Option<f64>,
     /// `--seed`.
     pub seed: u64,
 }
@@ -303,10 +314,7 @@ impl InputArgs {
             overrides.set(format!("--columns {columns}"), "cloud.*.columns", &format!("{columns:?}"))?;
         }
         if let Some(background) = &self.background {
-            // Reformat the number, because TOML rejects a form like .5.
-            let number = |text: &str| text.trim().parse().map_or_else(|_| text.to_owned(), |x: f64| format!("{x:?}"));
-            let array = format!("[{}]", background.split(',').map(number).collect::<Vec<_>>().join(", "));
-            overrides.set(format!("--background {background}"), "image.background", &array)?;
+            overrides.set(format!("--background {background}"), "image.background", &color_as_toml(background))?;
         }
         let short = [
             ("method", "method.name", &self.method),
@@ -370,6 +378,7 @@ pub struct Loaded {
     scene: Scene,
     /// The clouds of the scene, in its order.
     clouds: Vec<Cloud>,
+    see_through: Option<f64>,
     seed: u64,
 }
 
@@ -384,7 +393,7 @@ impl Loaded {
         let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
         scene.clouds.truncate(count);
         clouds.truncate(count);
-        Self { name: self.name.clone(), scene, clouds, seed: self.seed }
+        Self { name: self.name.clone(), scene, clouds, ..*self }
     }
 
     /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
@@ -418,7 +427,7 @@ impl Loaded {
         console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
-        let Self { name, scene, clouds, seed } = self;
+        let Self { name, scene, clouds, see_through, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
@@ -432,7 +441,7 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, see_through, seed })
     }
 }
 
@@ -448,10 +457,20 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
     scene.camera.view = args.view();
+    if let (Some(share), Some(method)) = (args.see_through, scene.method.fixed())
+        && !method.family().has_opacity()
+    {
+        let name = method.name();
+        let problem = format!(
+            "--see-through {share}: no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, \
+             spbr and others have one (--help lists them)"
+        );
+        return Err(scene::Error::Usage(problem).into());
+    }
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, console);
     }
-    Ok(Loaded { name, scene, clouds, seed: args.seed })
+    Ok(Loaded { name, scene, clouds, see_through: args.see_through, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.
@@ -462,4 +481,11 @@ pub fn report_cloud(path: &Path, cloud: &Cloud, console: Console) {
         console.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
     }
     cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{path}: {warning}")));
+}
+
+/// A color of the command line as a scene file has it: an array where there are numbers between commas, else a text.
+fn color_as_toml(color: &str) -> String {
+    let numbers: Option<Vec<f64>> = color.split(',').map(|text| text.trim().parse().ok()).collect();
+    // Numbers are formatted anew, because TOML rejects a form like .5.
+    numbers.map_or_else(|| format!("{color:?}"), |numbers| format!("{numbers:?}"))
 }

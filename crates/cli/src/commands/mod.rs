@@ -16,6 +16,7 @@ mod interrupt;
 mod limit;
 mod measured;
 mod noise;
+mod opacity_notes;
 mod plan;
 mod prepare;
 mod profile;

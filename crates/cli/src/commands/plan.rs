@@ -27,6 +27,7 @@ pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let resolved = prepare(&args.input, console, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
+    session.warn(&resolved, console);
     // Count lists as `profile` does, except for methods without lists.
     session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;

@@ -10,13 +10,14 @@ use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::scene::Error;
 use pellucid_engine::{Result, plan};
-use pellucid_lab::choice::{self, Choice, Subject, Wish};
+use pellucid_lab::choice::{self, Choice, Figures, Row, Subject, Wish};
 use pellucid_lab::report::tradeoff::settings::formation;
 
 use super::along::PathArgs;
 use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
+use super::opacity_notes;
 use super::sequence;
 use super::session::Session;
 use super::{DeviceArgs, MeasureArgs};
@@ -150,9 +151,23 @@ fn choose(
     if let Some(warning) = &choice.warning {
         console.warn(warning);
     }
+    console.note(candidates(&choice.best));
     session.frame.method = choice.method;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
+}
+
+/// The best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
+fn candidates(rows: &[Row]) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
+    let line = |row: &Row| {
+        let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
+        let mark = if row.busy { " (a busy machine?)" } else { "" };
+        let Figures { rmse, gpu_ms } = row.figures;
+        format!("\n  {:<width$}  {rmse:>8.1e}  {gpu_ms:>9.2}  {spread}{mark}", row.name)
+    };
+    let lines: String = rows.iter().map(line).collect();
+    format!("  {:<width$}  {:>8}  {:>9}  {:>7}{lines}", "setting", "RMSE", "ms", "spread")
 }
 
 /// The destination of pictures.
@@ -295,6 +310,7 @@ fn picture(
         None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
         Some(wish) => {
             let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
+            session.find_opacity(resolved, progress)?;
             let choice = choose(args, wish, &mut session, resolved, progress, console)?;
             (session, Some(choice))
         }
@@ -302,10 +318,14 @@ fn picture(
     session.renderer.progress = (**progress).clone();
     session.describe(console);
     // In a time series, warn only once.
-    if step.is_none_or(|(step, count)| step == count) {
+    let last = step.is_none_or(|(step, count)| step == count);
+    if last {
         session.warn(resolved, console);
     }
     let mut rendered = session.render()?;
+    if last {
+        opacity_notes::judge(&mut session, resolved, &rendered.image, console)?;
+    }
     progress.finish_and_clear();
     let mut own: Vec<_> =
         choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
@@ -336,6 +356,8 @@ pub fn finish(
         applied.warning().iter().for_each(|warning| console.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
+    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,

@@ -20,6 +20,7 @@ mod frames;
 mod interrupted;
 mod iso;
 mod measure;
+mod opacity;
 mod prepare;
 mod render;
 mod sequence;
@@ -180,7 +181,7 @@ fn wrong_options_exit_with_2() {
     let folder = folder();
     write_cloud(&folder.path().join("a.ply"));
     fs::write(folder.path().join("s.toml"), "[[cloud]]\npath = \"a.ply\"\n").unwrap();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 15] = [
         (&["a.ply", "-o", "a.jpg"], ".png"),
         (&["a.ply", "-o", "a"], ".exr"),
         (&["a.ply", "s.toml"], "a scene file (.toml) comes alone"),
@@ -189,6 +190,7 @@ fn wrong_options_exit_with_2() {
         (&["a.ply", "--opacity", "-1"], "--opacity -1: `cloud.0.opacity`"),
         (&["a.ply", "--radius", "nan"], "--radius nan: `cloud.0.radius`"),
         (&["a.ply", "--background", "1,2,3"], "--background 1,2,3: `image.background`"),
+        (&["a.ply", "--background", "whit"], "or a color such as \"white\" or \"#80c0ff\", found \"whit\""),
         (&["a.ply", "--method", "nonsense"], "--method nonsense: unknown method"),
         (&["a.ply", "--set", "method.nme=abuffer"], "did you mean `name`?"),
         (&["a.ply", "--set", "cloud.1.opacity=1"], "needs a number below 1"),

@@ -23,6 +23,7 @@ pub mod points;
 mod projecting;
 mod reach;
 pub mod renderer;
+pub mod see_through;
 pub mod shadows;
 pub mod soft;
 pub mod sorted;

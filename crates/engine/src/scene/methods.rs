@@ -177,6 +177,14 @@ impl Family {
         }
     }
 
+    /// True if its pictures let through more light the lower the opacity of points is.
+    pub fn has_opacity(self) -> bool {
+        match self {
+            Self::Surfaces | Self::Discs | Self::Ensembles => true,
+            Self::Opaque | Self::Soft | Self::OneLayer => false,
+        }
+    }
+
     /// Its methods with their defaults.
     pub fn methods(self) -> impl Iterator<Item = Method> {
         Method::all().into_iter().filter(move |method| method.family() == self)

@@ -241,9 +241,15 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Linear RGB, each from 0 to 1.
+    /// Linear RGB, each from 0 to 1; or a color of CSS in a text, which is sRGB.
     pub fn color(&self, key: &str) -> Result<Option<Vec3>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
+        if let Value::String(text) = &node.value {
+            let wanted = "must be [r, g, b] in linear light, or a color such as \"white\" or \"#80c0ff\"";
+            let color =
+                crate::color::named(text).ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
+            return color.map(Some);
+        }
         let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;
         let number = |node| self.number32_at(key, node, Range::UNIT);
         Ok(Some(Vec3::new(number(r)?, number(g)?, number(b)?)))

@@ -16,6 +16,7 @@ mod plan;
 mod points;
 mod radix;
 mod scan;
+mod see_through;
 mod shaders;
 mod shadow_texture;
 mod shadows;

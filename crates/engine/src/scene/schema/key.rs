@@ -96,7 +96,7 @@ impl std::fmt::Display for Kind {
             Self::Words(words) => f.write_str(&listed(words)),
             Self::WordsOr(words, other) => write!(f, "{}, or {other}", listed(words)),
             Self::WordOr(word, other) => write!(f, "`\"{word}\"` or {other}"),
-            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1"),
+            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1, or a CSS color in quotes"),
             Self::Vector => f.write_str("`[x, y, z]`"),
             Self::Direction => f.write_str("`[x, y, z]`, not zero"),
             Self::Size(max) => write!(f, "`[width, height]`, integers from 1 to {max}"),
