@@ -22,7 +22,8 @@ pub struct Points {
     pub opacities: Vec<f32>,
     /// World radii, finite and at least 0. All zero if the method does not ask for radii.
     pub radii: Vec<f32>,
-    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any.
+    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any. Those that are estimated have length 2: they
+    /// shade, but tilt no disc and hide no point ([`Points::own_normal`]).
     pub normals: Option<Vec<Vec3>>,
     /// The place of each point before it came into canonical order: file after file, point after point. Empty if
     /// unchanged. Only `unsorted` needs it.
@@ -32,6 +33,15 @@ pub struct Points {
     pub fields: Vec<f32>,
     /// Points that are not drawn but belong to the scene, for its bounds and its camera.
     pub unseen: Arc<Unseen>,
+}
+
+/// A unit normal that is estimated, as [`Points::normals`] has it.
+pub(crate) fn as_estimated(normal: Vec3) -> Vec3 {
+    2.0 * normal
+}
+
+fn is_estimated(normal: Vec3) -> bool {
+    normal.length_squared() > 2.0
 }
 
 /// Points of a scene that are not drawn: hidden by their class, or cut off. Both columns have the same length.
@@ -52,6 +62,12 @@ impl Points {
     /// True without points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
+    }
+
+    /// The normal of a point, unless it is none or estimated.
+    pub fn own_normal(&self, index: usize) -> Option<Vec3> {
+        let normal = self.normals.as_ref().map(|normals| normals[index])?;
+        (normal != Vec3::ZERO && !is_estimated(normal)).then_some(normal)
     }
 
     /// The scene's box, around points that are not drawn, too; `None` without points.

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{order, radius, uncertainty};
+use pellucid_engine::prepare::{order, radius, surface};
 use pellucid_engine::progress::Progress;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -28,7 +28,7 @@ fn prepare(criterion: &mut Criterion) {
         b.iter(|| radius::estimate(black_box(&positions), 24, radius::DEFAULT_CAP, &Progress::hidden()));
     });
     group.bench_function("uncertainty, K = 24", |b| {
-        b.iter(|| uncertainty::estimate(black_box(&positions), None, (24, radius::DEFAULT_CAP), &Progress::hidden()));
+        b.iter(|| surface::estimate(black_box(&positions), None, (24, radius::DEFAULT_CAP), &Progress::hidden()));
     });
     let points = Points {
         colors: vec![Vec3::ONE; count],

@@ -134,6 +134,7 @@ impl Plan<'_> {
     pub fn shading(&self) -> &'static str {
         match self.frame.shading.model {
             ShadingModel::None => "no shading asked for",
+            ShadingModel::Auto => "Lambert shading where there are normals, given or estimated",
             ShadingModel::Lambert => "Lambert shading where there are normals",
             ShadingModel::Phong => "Phong shading where there are normals",
         }

@@ -12,13 +12,14 @@ mod normal;
 pub mod order;
 pub mod outliers;
 pub mod radius;
+pub mod surface;
 pub(crate) mod ties;
-pub mod uncertainty;
 
 use glam::Vec3;
 
 use crate::cloud::field::{self, Field};
 use crate::cloud::{Cloud, Prepared};
+use crate::points::as_estimated;
 use crate::progress::Progress;
 pub use arranged::Arranged;
 
@@ -44,6 +45,17 @@ pub struct Request {
     pub fields: bool,
     /// True if normals are wanted, estimated where the file has none.
     pub normals: bool,
+    /// Normals that shading needs.
+    pub shading: Option<ShadingNormals>,
+}
+
+/// Which normals are estimated for shading, where the file has none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShadingNormals {
+    /// All.
+    All,
+    /// Those of points about a surface, not of foliage.
+    Planar,
 }
 
 /// The computed data, in the order of the cloud; only the requested parts.
@@ -55,6 +67,8 @@ pub struct PointData {
     pub fields: Option<Vec<f32>>,
     /// Unit normals, zero for points without one.
     pub normals: Option<Vec<Vec3>>,
+    /// Normals as [`Points::normals`](crate::points::Points::normals) has them.
+    pub shading: Option<Vec<Vec3>>,
     /// Marks the points that are to be dropped.
     pub dropped: Option<Vec<bool>>,
 }
@@ -87,7 +101,7 @@ impl Request {
 
     /// True if neighbors may have to be found for it.
     pub fn needs_neighbors(&self) -> bool {
-        self.radii || self.fields || self.normals || self.dropped_outliers.is_some()
+        self.radii || self.fields || self.normals || self.shading.is_some() || self.dropped_outliers.is_some()
     }
 
     /// The cap of radii for this cloud.
@@ -100,6 +114,12 @@ impl Request {
     pub fn neighbors_of(&self, cloud: &Cloud) -> usize {
         let prepared = cloud.prepared.as_ref().map(|prepared| prepared.neighbors);
         self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
+    }
+
+    /// True if normals are wanted that the cloud lacks.
+    pub(crate) fn lacks_normals(&self, cloud: &Cloud) -> bool {
+        let wanted = self.normals || self.shading.is_some();
+        wanted && cloud.normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO))
     }
 
     /// The definition of F for this cloud.
@@ -168,9 +188,12 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
     if request.fields && fields.is_none() {
         fields = request.field_of(cloud).values(cloud)?;
     }
-    let lacks_normals = request.normals && normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO));
-    if lacks_normals || (request.fields && fields.is_none()) {
-        let surface = uncertainty::estimate(&cloud.positions, cloud.normals.as_deref(), (k, cap), progress);
+    let lacks_fields = request.fields && fields.is_none();
+    let mut shading = None;
+    if request.lacks_normals(cloud) || lacks_fields {
+        let look = if lacks_fields { surface::estimate } else { surface::shape };
+        let surface = look(&cloud.positions, cloud.normals.as_deref(), (k, cap), progress);
+        shading = request.shading.map(|which| shading_normals(cloud, which, &surface));
         radii = radii.or(Some(surface.radii).filter(|_| request.radii));
         fields = fields.or(Some(surface.fields).filter(|_| request.fields));
         normals = Some(surface.normals).filter(|_| request.normals);
@@ -183,7 +206,18 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
         fields.iter_mut().zip(marks).filter(|(_, mark)| *mark).for_each(|(field, _)| *field = 1.0);
     }
     let dropped = request.dropped_outliers.map(|rule| outliers::find(&cloud.positions, rule, progress));
-    Ok(PointData { radii, fields, normals, dropped })
+    Ok(PointData { radii, fields, normals, shading, dropped })
+}
+
+/// The cloud's own normals, with those that are wanted in place of missing ones.
+fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surface) -> Vec<Vec3> {
+    let own = |i: usize| cloud.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]);
+    let one = |i: usize| match own(i) {
+        Vec3::ZERO if which == ShadingNormals::Planar && !surface.planar[i] => Vec3::ZERO,
+        Vec3::ZERO => as_estimated(surface.normals[i]),
+        own => own,
+    };
+    (0..cloud.len()).map(one).collect()
 }
 
 /// The cloud with radii and field, and with normals if they are asked for, ready for

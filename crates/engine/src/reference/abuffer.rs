@@ -35,7 +35,7 @@ pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
     Splat {
         position: points.positions[index],
         radius: f64::from(points.radii[index]),
-        normal: points.normals.as_ref().map(|normals| normals[index].as_dvec3()),
+        normal: points.own_normal(index).map(|normal| normal.as_dvec3()),
         shape: match shape {
             DiscShape::Flat => Shape::Disc,
             DiscShape::Oriented => Shape::Oriented,

@@ -1,7 +1,7 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
 use crate::progress::Progress;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::classes::{self, Rules};
@@ -14,8 +14,8 @@ use super::settings::{CloudSettings, Outliers, Scene};
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
-use crate::prepare::Arranged;
 use crate::prepare::ensembles;
+use crate::prepare::{Arranged, ShadingNormals};
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
@@ -55,7 +55,7 @@ pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
-        let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
+        let notes = request(settings, needs_radii, scene.method.needs_field(), None).notes(cloud);
         let idle = classes::note(settings, cloud);
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
@@ -87,7 +87,12 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 }
 
 /// The data that a scene needs of a cloud's points.
-pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
+pub(super) fn request(
+    settings: &CloudSettings,
+    radii: bool,
+    fields: bool,
+    shading: Option<ShadingNormals>,
+) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
         radius_cap: settings.strays.radius_cap,
@@ -97,6 +102,7 @@ pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> pr
         dropped_outliers: settings.strays.rule(Outliers::Drop),
         fields,
         normals: false,
+        shading,
     }
 }
 
@@ -156,7 +162,7 @@ fn transformed(
 ) -> Result<Points, Error> {
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let coloring = Coloring::of(scene, index, &cloud);
-    let request = request(settings, needs_radii, needs_field || coloring.needs_field());
+    let request = request(settings, needs_radii, needs_field || coloring.needs_field(), scene.shading_normals());
     if request.needs_neighbors() {
         progress.reset();
         progress.set_message("finding neighbors");
@@ -183,12 +189,17 @@ fn transformed(
         colors,
         opacities,
         radii,
-        normals: cloud.normals,
+        normals: shown(found.shading.or(cloud.normals)),
         fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
         ..Points::default()
     };
     leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());
     Ok(points)
+}
+
+/// Normals, unless no point has one.
+pub(super) fn shown(normals: Option<Vec<Vec3>>) -> Option<Vec<Vec3>> {
+    normals.filter(|normals| normals.iter().any(|normal| *normal != Vec3::ZERO))
 }
 
 /// The position of a cloud's point in the scene.

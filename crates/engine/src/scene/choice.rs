@@ -81,6 +81,11 @@ impl MethodChoice {
         self.representative().needs_radii()
     }
 
+    /// Like [`Method::scales_by_normals`].
+    pub fn scales_by_normals(&self) -> bool {
+        self.representative().scales_by_normals()
+    }
+
     /// Like [`Method::needs_field`].
     pub fn needs_field(&self) -> bool {
         self.representative().needs_field()

@@ -26,7 +26,7 @@ pub use discs::{
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{Edl, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
 pub use strays::{Outliers, Strays};
@@ -34,6 +34,7 @@ pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;
 use super::methods::{Family, Method};
+use crate::prepare::ShadingNormals;
 
 /// A scene: everything a frame is made of but the points themselves.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +60,16 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The normals that are estimated where a cloud has none: those that shading or the method needs.
+    pub fn shading_normals(&self) -> Option<ShadingNormals> {
+        match self.shading.model {
+            _ if self.method.scales_by_normals() => Some(ShadingNormals::All),
+            ShadingModel::None => None,
+            ShadingModel::Lambert | ShadingModel::Phong => Some(ShadingNormals::All),
+            ShadingModel::Auto => Some(ShadingNormals::Planar),
+        }
+    }
+
     /// True if some points may not be drawn.
     pub fn hides_points(&self) -> bool {
         let hides = |entry: &ClassSettings| entry.visible == Some(false);
@@ -165,6 +176,11 @@ impl Method {
     /// True if the image depends on the points' scalar field.
     pub fn needs_field(&self) -> bool {
         self.threshold().is_some()
+    }
+
+    /// True if the share of points that is drawn depends on their normals.
+    pub fn scales_by_normals(&self) -> bool {
+        matches!(self, Self::Spbr(Spbr { cos_theta: false, .. }))
     }
 
     /// True if the image depends on the points' radii, so that missing ones must be estimated.

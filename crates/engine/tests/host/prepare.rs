@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::uncertainty::{self, Surface};
+use pellucid_engine::prepare::surface::{self, Surface};
 use pellucid_engine::prepare::{order, radius};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
@@ -220,7 +220,7 @@ fn surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize) -> S
 }
 
 fn capped_surface(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32)) -> Surface {
-    uncertainty::estimate(positions, normals, around, &Progress::hidden())
+    surface::estimate(positions, normals, around, &Progress::hidden())
 }
 
 /// Unit normals from a few directions, and none for every fifth point, so that neighbors tie in them too.

@@ -13,7 +13,7 @@ use super::{Case, Finding, Stage, naive, one};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::io;
-use pellucid_engine::prepare::{radius, uncertainty};
+use pellucid_engine::prepare::{radius, surface};
 use pellucid_engine::scene::{self, Discs, Method, Scene};
 
 type CaseResult = Result<Finding, Trouble>;
@@ -88,14 +88,14 @@ fn plane() -> CaseResult {
     let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
-    let surface = uncertainty::estimate(&positions, None, (24, radius::DEFAULT_CAP), &Progress::hidden());
+    let surface = surface::estimate(&positions, None, (24, radius::DEFAULT_CAP), &Progress::hidden());
     let off = |normal: &Vec3| f64::from(normal.x.abs().max(normal.y.abs()).max((normal.z.abs() - 1.0).abs()));
     let most =
         |normals: &[Vec3]| normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
     let error = most(&surface.normals);
     // In float32 the rows of the grid coincide: the plane becomes a line, whose normal may be anything across it.
     let rounded: Vec<DVec3> = positions.iter().map(|p| p.as_vec3().as_dvec3()).collect();
-    let naive = most(&uncertainty::estimate(&rounded, None, (24, radius::DEFAULT_CAP), &Progress::hidden()).normals);
+    let naive = most(&surface::estimate(&rounded, None, (24, radius::DEFAULT_CAP), &Progress::hidden()).normals);
     Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 

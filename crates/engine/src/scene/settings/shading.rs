@@ -13,8 +13,9 @@ settings! {
     /// `[shading]`.
     #[derive(Copy)]
     pub struct Shading {
-        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are.
-        model: ShadingModel = ShadingModel::None;
+        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are; auto is lambert, but shows foliage
+        /// without normals as it is.
+        model: ShadingModel = ShadingModel::Auto;
         /// Light that is everywhere, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
         /// Light by the angle to the normal, as a factor on the color.
@@ -52,6 +53,30 @@ words! {
         Lambert = "lambert",
         /// Lambert plus specular·max(0, r·v)^shininess.
         Phong = "phong",
+        /// Lambert, where normals are given or estimated from neighbors that lie about a surface.
+        Auto = "auto",
+    }
+}
+
+/// The formula of a shading model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formula {
+    /// c.
+    None,
+    /// c·(ambient + diffuse·max(0, n·l)).
+    Lambert,
+    /// Lambert plus specular·max(0, r·v)^shininess.
+    Phong,
+}
+
+impl ShadingModel {
+    /// Its formula where there are normals.
+    pub fn formula(self) -> Formula {
+        match self {
+            Self::None => Formula::None,
+            Self::Lambert | Self::Auto => Formula::Lambert,
+            Self::Phong => Formula::Phong,
+        }
     }
 }
 

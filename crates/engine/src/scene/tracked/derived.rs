@@ -1,22 +1,25 @@
 //! Derived data of a cloud's points, kept as long as the request stays the same.
 
 use crate::progress::Progress;
+use glam::Vec3;
 
 use super::super::coloring::{ColorKey, Coloring, Colors};
 use super::super::error::Error;
 use crate::cloud::Cloud;
 use crate::cloud::field;
 use crate::prepare::outliers::Rule;
-use crate::prepare::{self, FieldKey, RadiusKey, Request};
+use crate::prepare::{self, FieldKey, RadiusKey, Request, ShadingNormals};
 
 /// Radii and field of a cloud's points, in its order and units, and the outliers: those that were last asked for. Also the
-/// colors of points that have other ones than the file's. At most 21 bytes a point.
+/// colors of points that have other ones than the file's. At most 33 bytes a point.
 #[derive(Debug, Clone, Default)]
 pub struct DerivedColumns {
     colors: Option<(ColorKey, Colors)>,
     radii: Option<(RadiusKey, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
     dropped: Option<(Rule, Vec<bool>)>,
+    /// Normals for shading, with K.
+    normals: Option<((ShadingNormals, usize), Vec<Vec3>)>,
 }
 
 impl DerivedColumns {
@@ -30,19 +33,26 @@ impl DerivedColumns {
         let fields = request.fields && self.fields.as_ref().is_none_or(|(computed, _)| *computed != field);
         let unknown = |rule: &Rule| self.dropped.as_ref().is_none_or(|(computed, _)| computed != rule);
         let dropped_outliers = request.dropped_outliers.filter(unknown);
-        if !(radii || fields || dropped_outliers.is_some()) {
+        let normals = request.shading.map(|which| (which, request.neighbors_of(cloud)));
+        let shading = request.shading.filter(|_| {
+            request.lacks_normals(cloud) && self.normals.as_ref().map(|(computed, _)| *computed) != normals
+        });
+        if !(radii || fields || dropped_outliers.is_some() || shading.is_some()) {
             return Ok(());
         }
         // Freed first, so that old and new never occupy memory together.
         self.radii.take_if(|_| radii);
         self.fields.take_if(|_| fields);
         self.dropped.take_if(|_| dropped_outliers.is_some());
+        self.normals.take_if(|_| shading.is_some());
         progress.reset();
         progress.set_message("finding neighbors");
-        let found = prepare::find(cloud, &Request { radii, fields, dropped_outliers, ..request.clone() }, progress)?;
+        let request = Request { radii, fields, dropped_outliers, shading, ..request.clone() };
+        let found = prepare::find(cloud, &request, progress)?;
         self.radii = found.radii.map(|radii| (radius, radii)).or(self.radii.take());
         self.fields = found.fields.map(|fields| (field, fields)).or(self.fields.take());
         self.dropped = dropped_outliers.zip(found.dropped).or(self.dropped.take());
+        self.normals = normals.zip(found.shading).or(self.normals.take());
         Ok(())
     }
 
@@ -73,6 +83,11 @@ impl DerivedColumns {
     /// Marks on the points that are dropped by this rule, if they were asked for.
     pub(super) fn dropped(&self, rule: Rule) -> Option<&[bool]> {
         self.dropped.as_ref().filter(|(computed, _)| *computed == rule).map(|(_, marks)| marks.as_slice())
+    }
+
+    /// The normals for shading that were last asked for, if they are these.
+    pub(super) fn normals(&self, which: ShadingNormals) -> Option<&[Vec3]> {
+        self.normals.as_ref().filter(|((computed, _), _)| *computed == which).map(|(_, normals)| normals.as_slice())
     }
 
     /// F that was last asked for.

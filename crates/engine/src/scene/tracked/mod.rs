@@ -25,11 +25,11 @@ use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points, Unseen};
-use crate::prepare::{Arranged, FieldKey, RadiusKey};
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
 use crate::prepare::outliers::Rule;
 use crate::prepare::ties::Ties;
+use crate::prepare::{Arranged, FieldKey, RadiusKey, ShadingNormals};
 use origins::Origins;
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -56,6 +56,8 @@ struct PlacementKey {
     /// Points of each cloud that are shown or hidden.
     hidden: Vec<Vec<(Selection, bool)>>,
     clips: Vec<Clip>,
+    /// Normals that are estimated, and K of each cloud.
+    normals: Option<(ShadingNormals, Vec<Option<usize>>)>,
 }
 
 impl PlacementKey {
@@ -67,7 +69,9 @@ impl PlacementKey {
         let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
         let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
         let dealt = scene.method.is_dealt();
-        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone() }
+        let neighbors = || scene.clouds.iter().map(|cloud| cloud.neighbors).collect();
+        let normals = scene.shading_normals().map(|which| (which, neighbors()));
+        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone(), normals }
     }
 }
 
@@ -96,6 +100,8 @@ struct CloudView<'a> {
     /// The file's values, used where the settings have none; access is not sequential.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
+    /// Those of the file, or with estimated ones.
+    normals: Option<&'a [Vec3]>,
     /// Marks the points that are not there.
     dropped: Option<&'a [bool]>,
 }
@@ -131,7 +137,7 @@ impl CloudView<'_> {
             colors: all().map(|i| self.color(i)).collect(),
             opacities: all().map(|i| self.opacity(i)).collect(),
             radii: all().map(|i| self.radius(i)).collect(),
-            normals: self.cloud.normals.clone(),
+            normals: assemble::shown(self.normals.map(<[Vec3]>::to_vec)),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
             ..Points::default()
         };
@@ -153,7 +159,12 @@ fn learn(
     let column_key =
         |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
             let coloring = Coloring::of(scene, index, cloud);
-            let request = request(settings, method.needs_radii(), method.needs_field() || coloring.needs_field());
+            let request = request(
+                settings,
+                method.needs_radii(),
+                method.needs_field() || coloring.needs_field(),
+                scene.shading_normals(),
+            );
             let found = derived.learn(cloud, &request, progress);
             found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
             let color = coloring.key(&request);
@@ -185,7 +196,8 @@ fn views<'a>(
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
         let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
         let rules = Rules::of(settings, cloud)?;
-        Ok(CloudView { settings, cloud, rules, colors, radii, fields, dropped })
+        let normals = scene.shading_normals().and_then(|which| derived.normals(which)).or(cloud.normals.as_deref());
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields, normals, dropped })
     })
     .collect()
 }
