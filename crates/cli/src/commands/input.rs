@@ -37,6 +37,10 @@ pub struct InputArgs {
     /// Opacity of all points, from 0 to 1; by default the scene file's, else 1. A file's own alpha multiplies it.
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
     opacity: Option<String>,
+    /// Opacity of the surface that the points lie on, from 0 to 1: discs become as faint as their overlap asks for. For spbr the
+    /// same as --opacity.
+    #[arg(long, value_name = "A", allow_hyphen_values = true, conflicts_with = "opacity")]
+    surface_opacity: Option<String>,
     /// Finds the opacity for which half of the covered pixels let at least this share of the light behind them through, from 0
     /// to 1, and prints it. Of clouds with opacities of their own all are multiplied by one factor.
     #[arg(long, value_name = "T", value_parser = share, conflicts_with = "opacity")]
@@ -319,6 +323,7 @@ impl InputArgs {
         let short = [
             ("method", "method.name", &self.method),
             ("opacity", "cloud.*.opacity", &self.opacity),
+            ("surface-opacity", "cloud.*.surface_opacity", &self.surface_opacity),
             ("radius", "cloud.*.radius", &self.radius),
             ("colormap", "cloud.*.colormap", &self.colormap),
         ];

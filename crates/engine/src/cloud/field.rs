@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES, UpAxis};
+use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
 /// Values that differ by less than this share of the largest one differ only by rounding.
 const LEAST_RANGE: f64 = 1e-9;
@@ -155,10 +155,7 @@ fn property(values: &[f64]) -> Vec<f32> {
 fn to_axis(cloud: &Cloud, point: Option<[f64; 3]>, direction: Option<[f64; 3]>) -> Vec<f32> {
     let center = || cloud.bounds().map_or(DVec3::ZERO, |bounds| bounds.center());
     let point = point.map_or_else(center, DVec3::from);
-    let vertical = match cloud.up {
-        UpAxis::Y => DVec3::Y,
-        UpAxis::Z => DVec3::Z,
-    };
+    let vertical = cloud.up.direction();
     let direction = direction.map_or(vertical, DVec3::from).normalize_or(vertical);
     let distances: Vec<f64> = cloud.positions.iter().map(|p| (p - point).cross(direction).length()).collect();
     scaled(&distances)

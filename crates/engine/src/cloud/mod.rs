@@ -41,6 +41,19 @@ pub enum UpAxis {
     Y,
     /// Surveys and scans (all other point clouds): +Z is up.
     Z,
+    /// Images of depth cameras, whose rows run along +Y: −Y is up.
+    NegativeY,
+}
+
+impl UpAxis {
+    /// The unit vector that points up.
+    pub fn direction(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+            Self::NegativeY => DVec3::NEG_Y,
+        }
+    }
 }
 
 /// A cloud of finite points. Every optional column is as long as `positions`.

@@ -41,6 +41,8 @@ pub struct Request {
     pub dropped_outliers: Option<outliers::Rule>,
     /// True if radii are wanted.
     pub radii: bool,
+    /// True if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
+    pub uncapped: bool,
     /// True if F is wanted.
     pub fields: bool,
     /// True if normals are wanted, estimated where the file has none.
@@ -63,6 +65,8 @@ pub enum ShadingNormals {
 pub struct PointData {
     /// The file's own radii, else those of Eq. 20, in the file's units.
     pub radii: Option<Vec<f32>>,
+    /// Radii of Eq. 20 without its cap, in the file's units.
+    pub uncapped: Option<Vec<f32>>,
     /// F in [0, 1].
     pub fields: Option<Vec<f32>>,
     /// Unit normals, zero for points without one.
@@ -101,7 +105,8 @@ impl Request {
 
     /// True if neighbors may have to be found for it.
     pub fn needs_neighbors(&self) -> bool {
-        self.radii || self.fields || self.normals || self.shading.is_some() || self.dropped_outliers.is_some()
+        let parts = [self.radii, self.uncapped, self.fields, self.normals];
+        parts.contains(&true) || self.shading.is_some() || self.dropped_outliers.is_some()
     }
 
     /// The cap of radii for this cloud.
@@ -189,24 +194,27 @@ pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<Poi
         fields = request.field_of(cloud).values(cloud)?;
     }
     let lacks_fields = request.fields && fields.is_none();
-    let mut shading = None;
+    let (mut shading, mut uncapped) = (None, None);
     if request.lacks_normals(cloud) || lacks_fields {
         let look = if lacks_fields { surface::estimate } else { surface::shape };
         let surface = look(&cloud.positions, cloud.normals.as_deref(), (k, cap), progress);
         shading = request.shading.map(|which| shading_normals(cloud, which, &surface));
         radii = radii.or(Some(surface.radii).filter(|_| request.radii));
+        uncapped = Some(surface.uncapped).filter(|_| request.uncapped);
         fields = fields.or(Some(surface.fields).filter(|_| request.fields));
         normals = Some(surface.normals).filter(|_| request.normals);
     }
-    if request.radii && radii.is_none() {
-        radii = Some(radius::estimate(&cloud.positions, k, cap, progress));
+    if (request.radii && radii.is_none()) || (request.uncapped && uncapped.is_none()) {
+        let found = radius::both(&cloud.positions, k, cap, progress);
+        radii = radii.or(Some(found.capped).filter(|_| request.radii));
+        uncapped = Some(found.uncapped).filter(|_| request.uncapped);
     }
     if let (Some(fields), Some(rule)) = (&mut fields, request.soft_outliers) {
         let marks = outliers::find(&cloud.positions, rule, progress);
         fields.iter_mut().zip(marks).filter(|(_, mark)| *mark).for_each(|(field, _)| *field = 1.0);
     }
     let dropped = request.dropped_outliers.map(|rule| outliers::find(&cloud.positions, rule, progress));
-    Ok(PointData { radii, fields, normals, shading, dropped })
+    Ok(PointData { radii, uncapped, fields, normals, shading, dropped })
 }
 
 /// The cloud's own normals, with those that are wanted in place of missing ones.

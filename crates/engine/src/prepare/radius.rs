@@ -2,7 +2,6 @@
 //!
 //! As printed, Eq. 20 takes the root of a length; scaling a cloud by 1000 must scale its radii by 1000, so the squared
 //! distance belongs under the root: r = 2·sqrt(max|pᵢ−pⱼ|² / K) = 2·max|pᵢ−pⱼ| / sqrt(K).
-
 //!
 //! A stray is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them covers
 //! the picture. A cap keeps each radius within a multiple of the median of its neighbors' radii.
@@ -23,12 +22,27 @@ pub const DEFAULT_CAP: f32 = 4.0;
 /// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`. The
 /// bar's length is set to the number of distinct places.
 pub fn estimate(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Vec<f32> {
+    both(positions, neighbors, cap, progress).capped
+}
+
+/// The radii of points, with the cap and without it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radii {
+    /// With the cap.
+    pub capped: Vec<f32>,
+    /// Those of Eq. 20.
+    pub uncapped: Vec<f32>,
+}
+
+/// Like [`estimate`], with the radii before the cap.
+pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Radii {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
-        return vec![0.0; positions.len()];
+        return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
     let (distances, lists) = places.visit(k, cap > 0.0, progress, |_, _, distance| distance);
-    of_distances(&places, k, &capped(&places, (k, cap), &lists, distances))
+    let uncapped = of_distances(&places, k, &distances);
+    Radii { capped: of_distances(&places, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
 }
 
 /// The distances of the last neighbors of each place, at most `cap` times the median of those of a point's K neighbors and

@@ -15,6 +15,8 @@ use crate::cloud::field;
 pub struct Surface {
     /// Eq. 20 with its cap, as [`radius::estimate`] finds them, to the bit.
     pub radii: Vec<f32>,
+    /// Those of Eq. 20 without its cap.
+    pub uncapped: Vec<f32>,
     /// The given normals, with estimated ones in place of missing ones; zero where both are missing.
     pub normals: Vec<Vec3>,
     /// True for normals that were estimated from points about a surface, false for other estimated ones.
@@ -54,14 +56,23 @@ fn look(
     let no_fields = if wants_fields { vec![0.0; count] } else { Vec::new() };
     let k = neighbors.min(count.saturating_sub(1));
     let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
-        return Surface { radii: vec![0.0; count], normals: given(), planar: vec![false; count], fields: no_fields };
+        let zeros = || vec![0.0; count];
+        return Surface {
+            radii: zeros(),
+            uncapped: zeros(),
+            normals: given(),
+            planar: vec![false; count],
+            fields: no_fields,
+        };
     };
     let missing = given().contains(&Vec3::ZERO);
     let (seen, lists) = places.visit(k, wants_fields || cap > 0.0, progress, |place, others, distance| {
         let normal = if missing { estimated_normal(&places, place, others) } else { SmallestAxis::default() };
         (distance, normal)
     });
-    let distances = radius::capped(&places, (k, cap), &lists, seen.iter().map(|(distance, _)| *distance).collect());
+    let distances: Vec<f64> = seen.iter().map(|(distance, _)| *distance).collect();
+    let uncapped = radius::of_distances(&places, k, &distances);
+    let distances = radius::capped(&places, (k, cap), &lists, distances);
 
     let given = given();
     let mut ranked = vec![(Vec3::ZERO, false); count];
@@ -73,7 +84,7 @@ fn look(
     }
     let raw = if wants_fields { spreads(&places, &lists, k, &distances, &ranked) } else { Vec::new() };
     let radii = radius::of_distances(&places, k, &distances);
-    let mut surface = Surface { radii, normals: given, planar: vec![false; count], fields: no_fields };
+    let mut surface = Surface { radii, uncapped, normals: given, planar: vec![false; count], fields: no_fields };
     for (&index, (normal, planar)) in places.order.iter().zip(&ranked) {
         surface.normals[index] = *normal;
         surface.planar[index] = *planar;

@@ -11,11 +11,12 @@ use super::error::Error;
 use super::procedural::Generated;
 use super::seen::{leave_out, seen};
 use super::settings::{CloudSettings, Outliers, Scene};
+use super::surface_opacity::Opacity;
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
+use crate::prepare::Arranged;
 use crate::prepare::ensembles;
-use crate::prepare::{Arranged, ShadingNormals};
 use crate::{io, prepare};
 
 /// Reads the scene's cloud files, in the scene's order.
@@ -47,15 +48,17 @@ pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>
 
 /// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
 pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
-    let surveys = clouds.iter().filter(|cloud| cloud.up == UpAxis::Z).count();
-    if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
+    let count = |up: UpAxis| clouds.iter().filter(|cloud| cloud.up == up).count();
+    // The last one of those that are most.
+    let most = [UpAxis::NegativeY, UpAxis::Y, UpAxis::Z].into_iter().max_by_key(|up| count(*up));
+    most.filter(|_| !clouds.is_empty()).unwrap_or_default()
 }
 
 /// Warnings about data of prepared clouds that the scene can't use, one sentence each.
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
-        let notes = request(settings, needs_radii, scene.method.needs_field(), None).notes(cloud);
+        let notes = request(scene, settings, needs_radii, scene.method.needs_field()).notes(cloud);
         let idle = classes::note(settings, cloud);
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
@@ -87,22 +90,18 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 }
 
 /// The data that a scene needs of a cloud's points.
-pub(super) fn request(
-    settings: &CloudSettings,
-    radii: bool,
-    fields: bool,
-    shading: Option<ShadingNormals>,
-) -> prepare::Request {
+pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
         radius_cap: settings.strays.radius_cap,
         field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
         radii: radii && settings.radius.is_none(),
+        uncapped: settings.surface_opacity.is_some() && scene.method.is_made_of_discs(),
         soft_outliers: settings.strays.rule(Outliers::Soft).filter(|_| fields),
         dropped_outliers: settings.strays.rule(Outliers::Drop),
         fields,
         normals: false,
-        shading,
+        shading: scene.shading_normals(),
     }
 }
 
@@ -162,7 +161,7 @@ fn transformed(
 ) -> Result<Points, Error> {
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let coloring = Coloring::of(scene, index, &cloud);
-    let request = request(settings, needs_radii, needs_field || coloring.needs_field(), scene.shading_normals());
+    let request = request(scene, settings, needs_radii, needs_field || coloring.needs_field());
     if request.needs_neighbors() {
         progress.reset();
         progress.set_message("finding neighbors");
@@ -174,12 +173,14 @@ fn transformed(
     let mut colors = colors.into_list(cloud.colors.take(), count);
     let rules = Rules::of(settings, &cloud)?;
     rules.paint(&mut colors);
-    let opacities = (0..count).into_par_iter().map(|i| opacity(settings, &rules, &cloud, i)).collect();
     let visible = rules.visible_points(count);
-    let radii = match found.radii.or(cloud.radii) {
+    let radii: Vec<f32> = match found.radii.as_deref().or(cloud.radii.as_deref()) {
         Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
     };
+    let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
+    let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
+    let opacities = (0..count).into_par_iter().map(one).collect();
     for position in &mut cloud.positions {
         *position = placed(settings, *position);
     }
@@ -207,9 +208,9 @@ pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
 }
 
-/// The opacity of a point: that of its class, else the cloud's, times its alpha if it has one.
-pub(super) fn opacity(settings: &CloudSettings, rules: &Rules<'_>, cloud: &Cloud, i: usize) -> f32 {
-    let opacity = rules.opacity(i).unwrap_or(settings.opacity);
+/// The opacity of a point of this radius: that of its class, else the cloud's, times its alpha if it has one.
+pub(super) fn opacity(base: Opacity<'_>, rules: &Rules<'_>, cloud: &Cloud, i: usize, radius: f32) -> f32 {
+    let opacity = rules.opacity(i).unwrap_or_else(|| base.of(i, radius));
     cloud.alphas.as_ref().map_or(opacity, |alphas| alphas[i] * opacity)
 }
 

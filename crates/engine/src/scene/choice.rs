@@ -1,7 +1,7 @@
 //! The method requested by a scene: a method, or `auto`.
 
 use super::error::Error;
-use super::methods::{AUTO, Method};
+use super::methods::{AUTO, Family, Method};
 use super::schema::{Key, Settings};
 use super::settings::Discs;
 use super::table::Table;
@@ -84,6 +84,11 @@ impl MethodChoice {
     /// Like [`Method::scales_by_normals`].
     pub fn scales_by_normals(&self) -> bool {
         self.representative().scales_by_normals()
+    }
+
+    /// True for methods that blend discs.
+    pub fn is_made_of_discs(&self) -> bool {
+        self.representative().family() == Family::Discs
     }
 
     /// Like [`Method::needs_field`].

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use super::assemble::placed;
 use super::error::Error;
 use super::settings::{CloudSettings, ColorBy, ColorSettings, Scene};
+use super::view::Vertical;
 use crate::cloud::field;
-use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER, UpAxis};
+use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER};
 use crate::color::classes;
 use crate::color::colormap::{Colormap, mid_grey};
 use crate::color::decode_srgb_f64;
@@ -24,29 +25,9 @@ const ENDS: [f64; 2] = [0.01, 0.99];
 /// How bright a height is where intensity is smallest.
 const DARKEST: f64 = 0.35;
 
-/// An axis with a sign, along which height is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Vertical {
-    axis: usize,
-    sign: f64,
-}
-
-impl Vertical {
-    /// The axis nearest to the camera's `up`, else that of the file's convention.
-    fn of(scene: &Scene, cloud: &Cloud) -> Self {
-        let file = match cloud.up {
-            UpAxis::Y => Self { axis: 1, sign: 1.0 },
-            UpAxis::Z => Self { axis: 2, sign: 1.0 },
-        };
-        let Some(up) = scene.camera.up else { return file };
-        let length = up.abs().to_array();
-        let nearest = (0..3).find(|&axis| (0..3).all(|other| other == axis || length[axis] > length[other]));
-        nearest.map_or(file, |axis| Self { axis, sign: up[axis].signum() })
-    }
-
-    fn height(self, position: DVec3) -> f64 {
-        self.sign * position[self.axis]
-    }
+/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.
+fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
+    scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
 }
 
 /// What the colors of a cloud show, once `auto` is decided.
@@ -140,7 +121,7 @@ impl<'a> Coloring<'a> {
     pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
         let settings = &scene.clouds[index];
         let choice = Choice::of(&settings.coloring.color_by, cloud);
-        Self { settings, cloud, index, choice, vertical: Vertical::of(scene, cloud) }
+        Self { settings, cloud, index, choice, vertical: vertical(scene, cloud) }
     }
 
     /// True if F of the points must be known.
@@ -225,7 +206,7 @@ impl<'a> Coloring<'a> {
 
     /// Heights, darker where intensity is small.
     fn heights(&self) -> Vec<Vec3> {
-        let height = |p: &DVec3| self.vertical.height(placed(self.settings, *p));
+        let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
         let colors = self.mapped(self.cloud.positions.par_iter().map(height).collect());
         let (Some(intensities), true) = (&self.cloud.intensity, self.choice.modulated) else { return colors };
         let values = doubles(intensities);

@@ -26,6 +26,7 @@ mod reference;
 mod schema;
 mod seen;
 mod settings;
+mod surface_opacity;
 mod surroundings;
 mod table;
 pub mod tracked;

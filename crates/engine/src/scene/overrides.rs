@@ -87,16 +87,32 @@ impl Overrides {
 
 /// Takes out the file's key that excludes the one an option gives: the option wins.
 fn drop_rival(root: &mut Node, path: &[String]) {
-    let [table, key] = path else { return };
-    for [owner, own, rival] in keys::rivals() {
-        if table == owner
-            && key == own
-            && let Value::Table(entries) = &mut root.value
-            && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(owner)
-            && matches!(entries.get(rival), Some((Place::File { .. }, _)))
-        {
-            entries.remove(rival);
+    let Some((key, table)) = path.split_last() else { return };
+    let numbered = |segment: &String| segment.parse::<usize>().is_ok();
+    let owner: Vec<&str> = table.iter().map(|segment| if numbered(segment) { "*" } else { segment.as_str() }).collect();
+    for [of, own, rival] in keys::rivals() {
+        if owner.join(".") == of && key == own {
+            remove(root, table, rival);
         }
+    }
+}
+
+/// Takes a key of the file out of the tables at a path.
+fn remove(at: &mut Node, path: &[String], key: &str) {
+    match (&mut at.value, path.split_first()) {
+        (Value::Table(entries), None) => {
+            if matches!(entries.get(key), Some((Place::File { .. }, _))) {
+                entries.remove(key);
+            }
+        }
+        (Value::Table(entries), Some((segment, rest))) => {
+            entries.get_mut(segment).into_iter().for_each(|(_, child)| remove(child, rest, key));
+        }
+        (Value::Array(items), Some((segment, rest))) => {
+            let picked = |index: usize| segment == "*" || segment.parse() == Ok(index);
+            items.iter_mut().enumerate().filter(|(i, _)| picked(*i)).for_each(|(_, item)| remove(item, rest, key));
+        }
+        _ => {}
     }
 }
 

@@ -126,6 +126,11 @@ fn cloud(table: &Table<'_>) -> Result<CloudSettings, Error> {
         return Err(Error::Conflict { place: table.place.clone(), problem });
     }
     cloud.read(table)?;
+    if let (Some(node), Some(_)) = (table.get("surface_opacity"), table.get("opacity")) {
+        let problem =
+            "`opacity` (of a splat) and `surface_opacity` (of all that cover a place) are both given: keep one".into();
+        return Err(Error::Conflict { place: node.place.clone(), problem });
+    }
     Ok(cloud)
 }
 

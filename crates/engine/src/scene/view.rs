@@ -41,10 +41,8 @@ impl Vertical {
 
 impl From<UpAxis> for Vertical {
     fn from(up: UpAxis) -> Self {
-        match up {
-            UpAxis::Y => Self(DVec3::Y),
-            UpAxis::Z => Self(DVec3::Z),
-        }
+        // The sum leaves no zero with a sign.
+        Self(up.direction() + DVec3::ZERO)
     }
 }
 

@@ -359,7 +359,7 @@ fn fields_of_few_and_equal_points() {
     assert_eq!(surface(&[p], None, 24).fields, [0.0]);
     assert_eq!(
         surface(&[p, p + DVec3::X], None, 24),
-        Surface { radii: vec![2.0; 2], normals: vec![Vec3::ZERO; 2], fields: vec![0.0; 2] }
+        Surface { radii: vec![2.0; 2], normals: vec![Vec3::ZERO; 2], planar: vec![false; 2], fields: vec![0.0; 2] }
     );
     let equal = surface(&vec![p; 10_000], None, 24);
     assert_eq!((equal.fields, equal.radii), (vec![0.0; 10_000], vec![0.0; 10_000]));

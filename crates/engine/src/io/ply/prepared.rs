@@ -56,6 +56,8 @@ fn is_none(cap: &f32) -> bool {
 enum Up {
     Y,
     Z,
+    #[serde(rename = "-y")]
+    NegativeY,
 }
 
 #[derive(Serialize, Deserialize, PartialEq)]
@@ -75,6 +77,7 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
         up: match cloud.up {
             UpAxis::Y => Up::Y,
             UpAxis::Z => Up::Z,
+            UpAxis::NegativeY => Up::NegativeY,
         },
         neighbors: prepared.neighbors,
         radius_cap: prepared.radius_cap,
@@ -109,6 +112,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     cloud.up = match claim.up {
         Up::Y => UpAxis::Y,
         Up::Z => UpAxis::Z,
+        Up::NegativeY => UpAxis::NegativeY,
     };
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
     let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();

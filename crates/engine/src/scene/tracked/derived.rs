@@ -11,11 +11,13 @@ use crate::prepare::outliers::Rule;
 use crate::prepare::{self, FieldKey, RadiusKey, Request, ShadingNormals};
 
 /// Radii and field of a cloud's points, in its order and units, and the outliers: those that were last asked for. Also the
-/// colors of points that have other ones than the file's. At most 33 bytes a point.
+/// colors of points that have other ones than the file's. At most 37 bytes a point.
 #[derive(Debug, Clone, Default)]
 pub struct DerivedColumns {
     colors: Option<(ColorKey, Colors)>,
     radii: Option<(RadiusKey, Vec<f32>)>,
+    /// With K.
+    uncapped: Option<(usize, Vec<f32>)>,
     fields: Option<(FieldKey, Vec<f32>)>,
     dropped: Option<(Rule, Vec<bool>)>,
     /// Normals for shading, with K.
@@ -33,23 +35,27 @@ impl DerivedColumns {
         let fields = request.fields && self.fields.as_ref().is_none_or(|(computed, _)| *computed != field);
         let unknown = |rule: &Rule| self.dropped.as_ref().is_none_or(|(computed, _)| computed != rule);
         let dropped_outliers = request.dropped_outliers.filter(unknown);
-        let normals = request.shading.map(|which| (which, request.neighbors_of(cloud)));
+        let neighbors = request.neighbors_of(cloud);
+        let normals = request.shading.map(|which| (which, neighbors));
         let shading = request.shading.filter(|_| {
             request.lacks_normals(cloud) && self.normals.as_ref().map(|(computed, _)| *computed) != normals
         });
-        if !(radii || fields || dropped_outliers.is_some() || shading.is_some()) {
+        let uncapped = request.uncapped && self.uncapped.as_ref().is_none_or(|(computed, _)| *computed != neighbors);
+        if !(radii || fields || uncapped || dropped_outliers.is_some() || shading.is_some()) {
             return Ok(());
         }
         // Freed first, so that old and new never occupy memory together.
         self.radii.take_if(|_| radii);
         self.fields.take_if(|_| fields);
+        self.uncapped.take_if(|_| uncapped);
         self.dropped.take_if(|_| dropped_outliers.is_some());
         self.normals.take_if(|_| shading.is_some());
         progress.reset();
         progress.set_message("finding neighbors");
-        let request = Request { radii, fields, dropped_outliers, shading, ..request.clone() };
+        let request = Request { radii, uncapped, fields, dropped_outliers, shading, ..request.clone() };
         let found = prepare::find(cloud, &request, progress)?;
         self.radii = found.radii.map(|radii| (radius, radii)).or(self.radii.take());
+        self.uncapped = found.uncapped.map(|radii| (neighbors, radii)).or(self.uncapped.take());
         self.fields = found.fields.map(|fields| (field, fields)).or(self.fields.take());
         self.dropped = dropped_outliers.zip(found.dropped).or(self.dropped.take());
         self.normals = normals.zip(found.shading).or(self.normals.take());
@@ -88,6 +94,11 @@ impl DerivedColumns {
     /// The normals for shading that were last asked for, if they are these.
     pub(super) fn normals(&self, which: ShadingNormals) -> Option<&[Vec3]> {
         self.normals.as_ref().filter(|((computed, _), _)| *computed == which).map(|(_, normals)| normals.as_slice())
+    }
+
+    /// The radii of Eq. 20 without its cap that were last asked for.
+    pub(super) fn uncapped(&self) -> Option<&[f32]> {
+        self.uncapped.as_ref().map(|(_, radii)| radii.as_slice())
     }
 
     /// F that was last asked for.

@@ -23,6 +23,7 @@ use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
 use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
+use super::surface_opacity::Opacity;
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points, Unseen};
 use crate::prepare::ensembles::{self, Trace};
@@ -80,6 +81,8 @@ impl PlacementKey {
 struct ColumnKey {
     color: ColorKey,
     opacity: u32,
+    /// That of the surface, and K if it depends on neighbors.
+    surface_opacity: Option<(u32, Option<usize>)>,
     classes: Vec<ClassSettings>,
     /// Given radius, factor, and how radii are estimated if they are asked for.
     radius: (Option<u32>, u32, Option<RadiusKey>),
@@ -100,6 +103,9 @@ struct CloudView<'a> {
     /// The file's values, used where the settings have none; access is not sequential.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
+    /// Radii of Eq. 20, and K, if opacities depend on them.
+    uncapped: Option<&'a [f32]>,
+    neighbors: usize,
     /// Those of the file, or with estimated ones.
     normals: Option<&'a [Vec3]>,
     /// Marks the points that are not there.
@@ -117,7 +123,8 @@ impl CloudView<'_> {
     }
 
     fn opacity(&self, i: usize) -> f32 {
-        opacity(self.settings, &self.rules, self.cloud, i)
+        let base = Opacity { settings: self.settings, estimated: self.uncapped, neighbors: self.neighbors };
+        opacity(base, &self.rules, self.cloud, i, self.radius(i))
     }
 
     fn radius(&self, i: usize) -> f32 {
@@ -159,20 +166,18 @@ fn learn(
     let column_key =
         |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
             let coloring = Coloring::of(scene, index, cloud);
-            let request = request(
-                settings,
-                method.needs_radii(),
-                method.needs_field() || coloring.needs_field(),
-                scene.shading_normals(),
-            );
+            let request =
+                request(scene, settings, method.needs_radii(), method.needs_field() || coloring.needs_field());
             let found = derived.learn(cloud, &request, progress);
             found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
             let color = coloring.key(&request);
             derived.learn_colors(&coloring, &color)?;
+            let neighbors = request.uncapped.then(|| request.neighbors_of(cloud));
             let estimated = request.radii.then(|| request.radius_key(cloud));
             Ok(ColumnKey {
                 color,
                 opacity: settings.opacity.to_bits(),
+                surface_opacity: settings.surface_opacity.map(|a| (a.to_bits(), neighbors)),
                 classes: settings.class.clone(),
                 radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), estimated),
                 field: method.needs_field().then(|| request.field_key(cloud)),
@@ -197,7 +202,10 @@ fn views<'a>(
         let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
         let rules = Rules::of(settings, cloud)?;
         let normals = scene.shading_normals().and_then(|which| derived.normals(which)).or(cloud.normals.as_deref());
-        Ok(CloudView { settings, cloud, rules, colors, radii, fields, normals, dropped })
+        let neighbors = column_key.surface_opacity.and_then(|(_, neighbors)| neighbors);
+        let uncapped = neighbors.and_then(|_| derived.uncapped());
+        let neighbors = neighbors.unwrap_or_default();
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped })
     })
     .collect()
 }
