@@ -15,5 +15,7 @@ mod procedural;
 mod reference;
 mod rooms;
 mod scene;
+mod shading_normals;
 mod strays;
+mod surface_opacity;
 mod tracked;

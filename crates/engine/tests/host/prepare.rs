@@ -236,6 +236,12 @@ fn assert_surface(positions: &[DVec3], normals: Option<&[Vec3]>, (neighbors, cap
         normals.map_or(vec![DVec3::ZERO; positions.len()], |n| n.iter().map(|n| n.as_dvec3()).collect());
     let wanted = reference::field::surface(positions, &given, neighbors, cap.into());
     assert_close(&got.radii, &wanted.radii, what);
+    assert_close(&got.uncapped, &wanted.uncapped, what);
+    for (i, (planar, margin)) in got.planar.iter().zip(&wanted.planarity).enumerate() {
+        let estimated = given[i] == DVec3::ZERO && got.normals[i] != Vec3::ZERO;
+        let undecided = margin.abs() < 1e-6;
+        assert!(undecided || *planar == (estimated && *margin > 0.0), "{what}, point {i}: {planar}, {margin}");
+    }
     assert_eq!(got.radii, capped(positions, neighbors, cap), "{what}: the two ways to radii, to the bit");
     for (i, (n, m)) in got.normals.iter().zip(&wanted.normals).enumerate() {
         // Estimated normals are rounded to float32; their sign is open.
@@ -359,7 +365,13 @@ fn fields_of_few_and_equal_points() {
     assert_eq!(surface(&[p], None, 24).fields, [0.0]);
     assert_eq!(
         surface(&[p, p + DVec3::X], None, 24),
-        Surface { radii: vec![2.0; 2], normals: vec![Vec3::ZERO; 2], planar: vec![false; 2], fields: vec![0.0; 2] }
+        Surface {
+            radii: vec![2.0; 2],
+            uncapped: vec![2.0; 2],
+            normals: vec![Vec3::ZERO; 2],
+            planar: vec![false; 2],
+            fields: vec![0.0; 2]
+        }
     );
     let equal = surface(&vec![p; 10_000], None, 24);
     assert_eq!((equal.fields, equal.radii), (vec![0.0; 10_000], vec![0.0; 10_000]));

@@ -305,8 +305,8 @@ fn shadows_without_effect_warn() {
     let lambert = "[shading]\nmodel = \"lambert\"\n";
     let down = format!("{lambert}light = [0, -1, 0]\n");
     for (head, line, why) in [
-        ("", 1, "without shading there are no shadows"),
-        ("[shading]\nlight = [0, -1, 0]\n", 3, "without shading there are no shadows"),
+        ("", 1, "a headlight casts no shadows"),
+        ("[shading]\nmodel = \"none\"\nlight = [0, -1, 0]\n", 4, "without shading there are no shadows"),
         (lambert, 3, "a headlight casts no shadows"),
         (&format!("{down}[method]\nname = \"abuffer\"\n"), 6, "method \"abuffer\" takes no shadows"),
         (&format!("{down}[method]\nname = \"spbr\"\n"), 6, "method \"spbr\" takes no shadows"),
