@@ -276,7 +276,7 @@ fn frame(method: Method) -> Frame {
     Frame {
         camera: camera.expect("Y is not along the view"),
         size: [SIDE; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,
@@ -340,7 +340,7 @@ impl Course {
             footprint: Footprint::Disc,
             radius_factor: 1.0,
             max_radius_px: f32::MAX,
-            shading: Shading::default(),
+            shading: Shading::NONE,
             color: ColorSpace::Linear,
             opacity_factor: 1.0,
             part: Part::All,

@@ -142,7 +142,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
         footprint: Footprint::Point,
         radius_factor: 1.0,
         max_radius_px: f32::MAX,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         opacity_factor: 1.0,
         part: Part::All,
@@ -208,7 +208,7 @@ fn frame(method: Method, perspective: bool) -> Frame {
     Frame {
         camera: camera.expect("Y is not along the view"),
         size: [SIDE; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,

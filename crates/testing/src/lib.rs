@@ -128,7 +128,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
     Frame {
         camera,
         size,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,

@@ -166,7 +166,7 @@ fn frame(side: u32, method: Method) -> Frame {
     Frame {
         camera,
         size: [side; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,

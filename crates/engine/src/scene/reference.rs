@@ -1,4 +1,4 @@
-//! The reference of the scene file and README's table of methods, written from the table of keys. The tests here fail where a
+//! The reference of the scene file and the table of methods, written from the table of keys. The tests here fail where a
 //! document is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
 
 use std::fmt::Write as _;
@@ -137,11 +137,11 @@ fn the_reference_of_the_scene_file_is_that_of_the_keys() {
 }
 
 #[test]
-fn the_table_of_methods_in_the_readme_is_that_of_the_methods() {
+fn the_table_of_methods_is_that_of_the_methods() {
     let (begin, end) = ("<!-- methods: generated -->\n", "<!-- methods: end -->");
-    check("README.md", |found| {
-        let (before, rest) = found.split_once(begin).expect("README.md has a marker where its table of methods begins");
-        let (_, after) = rest.split_once(end).expect("README.md has a marker where its table of methods ends");
+    check("docs/methods.md", |found| {
+        let (before, rest) = found.split_once(begin).expect("docs/methods.md has a marker where its table of methods begins");
+        let (_, after) = rest.split_once(end).expect("docs/methods.md has a marker where its table of methods ends");
         format!("{before}{begin}{}{end}{after}", methods_table())
     });
 }

@@ -61,7 +61,7 @@ fn images_equal_the_reference() {
         let size = [96, 72];
         let default = ImageSpace::default();
         let cases = [
-            (default, Shading::default(), ColorSpace::Linear),
+            (default, Shading::NONE, ColorSpace::Linear),
             (ImageSpace { fill: 3, occlusion: 3, smooth: 3, cull: false, ..NONE }, SHADED, ColorSpace::Encoded),
             (ImageSpace { fill: 2, antialias: true, antialias_threshold: 0.0, ..NONE }, SHADED, ColorSpace::Linear),
             (
@@ -75,7 +75,7 @@ fn images_equal_the_reference() {
                 Shading { model: ShadingModel::Lambert, light: Light::Position(DVec3::new(3.0, 2.0, 5.0)), ..SHADED },
                 ColorSpace::Linear,
             ),
-            (ImageSpace { smooth: 1, ..NONE }, Shading::default(), ColorSpace::Linear),
+            (ImageSpace { smooth: 1, ..NONE }, Shading::NONE, ColorSpace::Linear),
         ];
         for camera in [perspective(), orthographic()] {
             // Sparse ones, which leave holes, and enough for most pixels.
@@ -421,7 +421,7 @@ fn assert_scan(device: &Device, path: PathBuf, size: [u32; 2], enough: usize) {
     let (camera, _) = scene::camera(&scene, &all, up).expect("a camera");
     let distance = prepare::layer_distance::suggest(&all).expect("a surface") as f32;
     let filters = ImageSpace { fill: 2, min_layer_distance: Some(distance), ..ImageSpace::default() };
-    let points = clear_of(&all, &camera, size, &Shading::default());
+    let points = clear_of(&all, &camera, size, &Shading::NONE);
     let frame = frame(camera, size, Method::ImageSpace(filters));
     let wanted = reference_of(&points, &camera, &frame, &filters);
     let image = render_both(device, &points, &frame).image;

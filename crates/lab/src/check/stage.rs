@@ -116,7 +116,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
     Frame {
         camera,
         size,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         shadows: None,
         color: ColorSpace::Linear,
         method,

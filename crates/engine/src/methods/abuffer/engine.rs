@@ -51,8 +51,9 @@ impl ListEngine {
     /// only pays for large splats.
     fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
-        // Eye-dome lighting goes through the lists twice, in the same way.
+        // Only lists of fragments tell medians, and eye-dome lighting goes through the lists twice, in the same way.
         !self.linked
+            && !self.median
             && !frame.shading.edl.edl
             && self.discs.shape == DiscShape::Flat
             && self.discs.long_lists == LongLists::Merge

@@ -31,6 +31,19 @@ settings! {
     }
 }
 
+impl Shading {
+    /// Colors as they are.
+    pub const NONE: Self = Self {
+        model: ShadingModel::None,
+        ambient: 0.2,
+        diffuse: 0.8,
+        specular: 0.0,
+        shininess: 32.0,
+        light: Light::Headlight,
+        edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
+    };
+}
+
 settings! {
     /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
     #[derive(Copy)]
