@@ -135,6 +135,7 @@ struct Search {
     /// The factor of the next trial, if one was already tried on an image of another size.
     next: Option<f64>,
     trials: u32,
+    tried_max: bool,
     done: bool,
 }
 
@@ -142,7 +143,7 @@ impl Search {
     fn new(share: f64, max: f64) -> Self {
         // Where 16 discs of opacity 1 overlap, this is right for a half.
         let next = Some((max * 0.04).clamp(SMALLEST, max));
-        Self { share, max, bracket: [SMALLEST, max], last: Vec::new(), next, trials: 0, done: false }
+        Self { share, max, bracket: [SMALLEST, max], last: Vec::new(), next, trials: 0, tried_max: false, done: false }
     }
 
     /// Begins anew at the factor that fits best so far: another image has another median.
@@ -152,6 +153,7 @@ impl Search {
         }
         self.bracket = [SMALLEST, self.max];
         self.last.clear();
+        self.tried_max = false;
         self.done = false;
     }
 
@@ -171,12 +173,9 @@ impl Search {
         if high <= low * (1.0 + 1e-7) {
             return None;
         }
-        // The ends of the range itself were not tried.
-        let within = |x: &f64| *x > low && *x < high || (*x >= self.max && high >= self.max);
+        // The upper end of the range is tried once.
+        let within = |x: &f64| *x > low && (*x < high || (high >= self.max && !self.tried_max));
         let guess = self.guess().map(|x| x.min(self.max)).filter(within);
-        if guess.is_some_and(|guess| guess >= self.max) {
-            self.done = true;
-        }
         Some(guess.unwrap_or((low * high).sqrt()))
     }
 
@@ -194,6 +193,9 @@ impl Search {
     fn tell(&mut self, factor: f64, transmittance: f64) {
         let end = usize::from(transmittance < self.share);
         self.bracket[end] = factor;
+        self.tried_max |= factor >= self.max;
+        // Nothing lets less through.
+        self.done |= factor >= self.max && transmittance >= self.share;
         if transmittance > 0.0 && transmittance < 1.0 {
             self.last.push([factor.ln(), (-transmittance.ln()).ln()]);
         }

@@ -221,7 +221,8 @@ fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
 
 /// Says that nearly all points have the background's color, where no shading tells them apart.
 fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
-    if scene.shading.model != ShadingModel::None || points.is_empty() {
+    let shaded = scene.shading.model != ShadingModel::None && points.normals.is_some();
+    if shaded || points.is_empty() {
         return None;
     }
     let encoded = |color: Vec3| color.to_array().map(encode_srgb);
@@ -335,7 +336,9 @@ mod tests {
         let white = "[image]\nbackground = [1, 0.9, 1]";
         let cube = spread(DVec3::ONE, &mut rng);
         assert!(notes(white, cube.clone())[0].contains("color of the background"));
-        assert!(notes(&format!("{white}\n[shading]\nmodel = 'lambert'"), cube.clone()).is_empty());
+        let scene = Scene::from_toml(&format!("{white}\n[[cloud]]\npath = 'a.ply'"), "s.toml".as_ref()).unwrap();
+        let shaded = Points { normals: Some(vec![Vec3::Z; cube.len()]), ..scene_of(cube.clone()) };
+        assert!(camera_notes(&scene, &shaded, UpAxis::Z).is_empty());
         assert!(notes("", cube).is_empty(), "white on black");
     }
 }

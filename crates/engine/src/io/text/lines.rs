@@ -206,8 +206,9 @@ fn has_decimal_commas(line: &str) -> bool {
 /// A number like 1,5. Where commas separate fields, no field has one.
 fn decimal_comma(field: &str) -> Option<f64> {
     let (whole, rest) = field.split_once(',')?;
-    let digits = |text: &str| text.bytes().any(|byte| byte.is_ascii_digit());
-    (digits(whole) && digits(rest) && !rest.contains(',')).then(|| field.replace(',', ".").parse().ok())?
+    let beside = |byte: Option<u8>| byte.is_some_and(|byte| byte.is_ascii_digit());
+    let decimal = beside(whole.bytes().last()) && beside(rest.bytes().next()) && !rest.contains(',');
+    decimal.then(|| field.replace(',', ".").parse().ok())?
 }
 
 /// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote begins
