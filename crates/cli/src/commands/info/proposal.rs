@@ -15,7 +15,7 @@ const VEGETATION: [u8; 3] = [3, 4, 5];
 const BUILDING: u8 = 6;
 /// Layers below which little lies behind anything.
 const FEW_LAYERS: f64 = 1.5;
-/// The longest side of a model, in its units: one in survey coordinates is millions away from 0.
+/// The largest coordinate of a model; those of surveys are mostly larger.
 const MODEL: f64 = 1e5;
 
 /// Options of `render`, and why, as a phrase.
