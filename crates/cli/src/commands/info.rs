@@ -1,6 +1,9 @@
 //! `pellucid info`.
 
-use std::collections::BTreeMap;
+mod facts;
+mod histogram;
+mod proposal;
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,7 +20,12 @@ use serde_json::{Value, json};
 use super::bar::Bar;
 use super::console::{Console, print, print_json};
 use super::limit::usage;
+use facts::Facts;
 
+/// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity between their
+/// percentiles 1 and 99, and a command line that suits the file. Spacing, the median distance of a point to the nearest other one,
+/// and the mean number of splats on a covered pixel of the automatic view are estimates from the neighbors of up to 2048 points;
+/// a search tree over all points is built for them. No device is needed.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
     /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
@@ -30,8 +38,9 @@ pub struct InfoArgs {
     /// outlier_factor. Finds the neighbors of every point.
     #[arg(long)]
     outliers: bool,
-    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
-    /// classes maps a code to its points. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
+    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command};
+    /// points counts all in the file, classes maps a code to its points, ranges a scalar to [min, max], histograms are {height,
+    /// intensity}, each null or {min, max, counts}. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
     /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
     /// Several files: an array of these, each with `file`.
     #[arg(long)]
@@ -49,23 +58,37 @@ pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
         io::load_with(file, hints, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
-    let strays = |cloud: &Cloud| args.outliers.then(|| count_outliers(cloud, &progress));
-    let clouds: Vec<_> = clouds.into_iter().map(|(file, cloud)| (file, strays(&cloud), cloud)).collect();
+    let look = |(file, cloud): (&PathBuf, Cloud)| Seen::of(file, &args, cloud, &progress);
+    let seen: Vec<Seen> = clouds.into_iter().map(look).collect();
     progress.finish_and_clear();
-    for (file, _, cloud) in &clouds {
+    for Seen { file, cloud, .. } in &seen {
         cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
-    match (args.json, clouds.as_slice()) {
-        (true, [(_, outliers, cloud)]) => print_json(&to_json(cloud, *outliers))?,
-        (true, clouds) => {
-            print_json(&clouds.iter().map(|(file, outliers, cloud)| with_file(file, cloud, *outliers)).collect())?;
-        }
-        (false, clouds) => {
-            let texts: Vec<_> = clouds.iter().map(|(file, outliers, cloud)| to_text(file, cloud, *outliers)).collect();
-            print(&texts.join("\n"))?;
-        }
+    match (args.json, seen.as_slice()) {
+        (true, [seen]) => print_json(&to_json(seen))?,
+        (true, seen) => print_json(&seen.iter().map(with_file).collect())?,
+        (false, seen) => print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n"))?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// A file and what was found in it.
+struct Seen {
+    file: PathBuf,
+    cloud: Cloud,
+    facts: Facts,
+    /// Their number, if it was asked for.
+    outliers: Option<usize>,
+}
+
+impl Seen {
+    fn of(file: &Path, args: &InfoArgs, cloud: Cloud, progress: &Bar) -> Self {
+        let outliers = args.outliers.then(|| count_outliers(&cloud, progress));
+        progress.reset();
+        progress.set_message("looking at points");
+        let facts = Facts::of(file, args.columns.as_deref(), &cloud);
+        Self { file: file.to_owned(), cloud, facts, outliers }
+    }
 }
 
 /// The number of points that stand apart, by the rule that scenes have by default.
@@ -92,18 +115,10 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
     usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
 }
 
-/// Points of each class.
-fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
-    let mut classes = BTreeMap::new();
-    for code in cloud.classification.iter().flatten() {
-        *classes.entry(*code).or_insert(0) += 1;
-    }
-    classes
-}
-
-fn to_json(cloud: &Cloud, outliers: Option<usize>) -> Value {
+fn to_json(seen: &Seen) -> Value {
+    let Seen { cloud, facts, outliers, .. } = seen;
     let classes: serde_json::Map<_, _> =
-        classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
+        facts.classes.iter().map(|(code, count)| (code.to_string(), (*count).into())).collect();
     let mut value = json!({
         "points": cloud.len() + cloud.non_finite,
         "non_finite": cloud.non_finite,
@@ -111,7 +126,10 @@ fn to_json(cloud: &Cloud, outliers: Option<usize>) -> Value {
         "attributes": attributes(cloud),
         "classes": classes,
     });
-    if let (Value::Object(object), Some(outliers)) = (&mut value, outliers) {
+    if let Value::Object(object) = &mut value {
+        facts.add_to(object);
+    }
+    if let (Value::Object(object), Some(outliers)) = (&mut value, *outliers) {
         object.insert("outliers".to_owned(), outliers.into());
     }
     if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
@@ -168,15 +186,16 @@ fn shadows_text(casting: &Casting) -> String {
     format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
 }
 
-fn with_file(file: &Path, cloud: &Cloud, outliers: Option<usize>) -> Value {
-    let mut value = json!({ "file": file.display().to_string() });
-    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud, outliers)) {
+fn with_file(seen: &Seen) -> Value {
+    let mut value = json!({ "file": seen.file.display().to_string() });
+    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(seen)) {
         object.extend(more);
     }
     value
 }
 
-fn to_text(file: &Path, cloud: &Cloud, outliers: Option<usize>) -> String {
+fn to_text(seen: &Seen) -> String {
+    let Seen { file, cloud, facts, outliers } = seen;
     let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
     // Writing to a string can't fail.
     if cloud.non_finite > 0 {
@@ -190,12 +209,9 @@ fn to_text(file: &Path, cloud: &Cloud, outliers: Option<usize>) -> String {
         let _ = write!(text, "\n  outliers    {outliers}");
     }
     let attributes = attributes(cloud);
-    let _ =
-        write!(text, "\n  attributes  {}", if attributes.is_empty() { "none".into() } else { attributes.join(", ") });
-    let classes: Vec<_> = classes(cloud).into_iter().map(|(code, count)| format!("{code}: {count}")).collect();
-    if !classes.is_empty() {
-        let _ = write!(text, "\n  classes     {}", classes.join(", "));
-    }
+    let listed = if attributes.is_empty() { "none".into() } else { facts.attributes(&attributes) };
+    let _ = write!(text, "\n  attributes  {listed}");
+    text.push_str(&facts.text());
     cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
     text + "\n"
 }

@@ -17,6 +17,7 @@ use pellucid_engine::{Result, output};
 
 use super::console::Console;
 use super::filters;
+use super::presets::{self, Asked, Preset};
 
 /// The inputs to render, and the options that stand for keys of a scene file.
 #[derive(Debug, Args)]
@@ -25,6 +26,10 @@ pub struct InputArgs {
     /// that stand for clouds. Without any: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    /// A recipe, which is a set of keys: canopy, building, indoor, heritage or model; `list` prints their keys. It wins over the
+    /// scene file, and options win over it.
+    #[arg(long, value_name = "NAME", value_parser = presets::asked)]
+    preset: Option<Asked>,
     // The help lists all methods.
     #[arg(long, value_name = "NAME", help = method_help())]
     method: Option<String>,
@@ -304,6 +309,10 @@ impl InputArgs {
     /// The options as keys of the scene file; `size` counts where `--size` is not given.
     pub fn overrides(&self, size: Option<[u32; 2]>) -> Result<Overrides> {
         let mut overrides = Overrides::default();
+        if let Some(preset) = self.preset() {
+            // First, so that all other options win.
+            preset.apply(&mut overrides, |key| self.gives(key))?;
+        }
         if let (None, Some([width, height])) = (&self.size, size) {
             overrides.set("--path", "image.size", &format!("[{width}, {height}]"))?;
         }
@@ -347,6 +356,44 @@ impl InputArgs {
         }
         self.set.iter().try_for_each(|pair| overrides.set_pair(pair))?;
         Ok(overrides)
+    }
+
+    /// True if the presets are to be printed instead of anything else.
+    pub fn lists_presets(&self) -> bool {
+        self.preset == Some(Asked::List)
+    }
+
+    /// The preset that was asked for.
+    pub fn preset(&self) -> Option<&Preset> {
+        self.preset.as_ref().and_then(Asked::preset)
+    }
+
+    /// True if an option gives this key of clouds.
+    fn gives(&self, key: &str) -> bool {
+        let short = [("opacity", &self.opacity), ("radius", &self.radius), ("color_by", &self.color_by)];
+        let paths = self.set.iter().filter_map(|pair| pair.split_once('=')).map(|(path, _)| path.trim());
+        let mut of_clouds = paths.filter_map(|path| path.strip_prefix("cloud.")?.split_once('.'));
+        short.iter().any(|(known, value)| *known == key && value.is_some()) || of_clouds.any(|(_, known)| known == key)
+    }
+
+    /// The share of light that is to get through: that of the option, else of the preset.
+    fn share(&self, scene: &Scene, clouds: &[Cloud]) -> Option<f64> {
+        let has_opacity = scene.method.fixed().is_none_or(|method| method.family().has_opacity());
+        // LAS files always have a code for each point: 0 and 1 say that nothing was classified.
+        let without_classes = clouds.iter().all(|cloud| cloud.classification.iter().flatten().all(|code| *code <= 1));
+        let of_preset = self.preset().and_then(|preset| preset.see_through);
+        let of_preset = of_preset.filter(|_| has_opacity && !self.gives("opacity"));
+        let of_preset = of_preset.filter(|see_through| without_classes || !see_through.without_classes);
+        self.see_through.or(of_preset.map(|see_through| see_through.share))
+    }
+
+    /// The direction that was asked for by options, else by the preset where the scene's camera stands nowhere.
+    pub fn view_of(&self, scene: &Scene) -> View {
+        let from_outside = self.preset().is_some_and(|preset| preset.from_outside);
+        if from_outside && !self.view().is_given() && scene.camera.eye.is_none() {
+            return View { name: Some(ViewName::Iso), ..View::default() };
+        }
+        self.view()
     }
 
     /// The direction that was asked for by options.
@@ -461,7 +508,8 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     let overrides = args.overrides(size)?;
     let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
     let mut scene = document.scene()?;
-    scene.camera.view = args.view();
+    args.preset().iter().for_each(|preset| console.note(preset.note()));
+    scene.camera.view = args.view_of(&scene);
     if let (Some(share), Some(method)) = (args.see_through, scene.method.fixed())
         && !method.family().has_opacity()
     {
@@ -475,7 +523,8 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
     for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
         report_cloud(&settings.path, cloud, console);
     }
-    Ok(Loaded { name, scene, clouds, see_through: args.see_through, seed: args.seed })
+    let see_through = args.share(&scene, &clouds);
+    Ok(Loaded { name, scene, clouds, see_through, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.

@@ -15,7 +15,7 @@ use super::session::Session;
 #[derive(Debug, Args)]
 pub struct PlanArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
     /// Print the plan as JSON.

@@ -16,7 +16,7 @@ use super::{DeviceArgs, MeasureArgs};
 #[derive(Debug, Args)]
 pub struct ProfileArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
     #[command(flatten)]

@@ -57,7 +57,7 @@ const QUICK_REPEATS: (usize, u32) = (3, 4);
 #[command(after_help = ABOUT)]
 pub struct TradeoffArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     /// Folder for the report; created if it isn't there, files of the same names are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,

@@ -12,6 +12,7 @@ mod normal;
 pub mod order;
 pub mod outliers;
 pub mod radius;
+pub mod sampled;
 pub mod surface;
 pub(crate) mod ties;
 

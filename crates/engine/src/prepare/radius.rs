@@ -72,7 +72,7 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
 }
 
 /// The middle one of some values, of an even number the mean of the two middle ones; 0 for none.
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     let half = values.len() / 2;
     if values.is_empty() {
         return 0.0;
@@ -84,15 +84,19 @@ fn median(values: &mut [f64]) -> f64 {
 
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
 pub(super) fn of_distances(places: &Places, k: usize, distances: &[f64]) -> Vec<f32> {
-    let factor = 2.0 / (k as f64).sqrt();
     let mut radii = vec![0.0; places.order.len()];
     for (place, distance) in distances.iter().enumerate() {
-        let radius = ((factor * (distance * places.unit())) as f32).min(f32::MAX);
+        let radius = of_distance(distance * places.unit(), k);
         for &index in &places.order[places.members(place)] {
             radii[index] = radius;
         }
     }
     radii
+}
+
+/// Eq. 20: the radius of a point whose last of K neighbors is so far away.
+pub(super) fn of_distance(distance: f64, k: usize) -> f32 {
+    ((2.0 / (k as f64).sqrt() * distance) as f32).min(f32::MAX)
 }
 
 #[cfg(test)]
