@@ -19,6 +19,7 @@ mod frames;
 #[cfg(unix)]
 mod interrupted;
 mod iso;
+mod legend;
 mod measure;
 mod opacity;
 mod prepare;

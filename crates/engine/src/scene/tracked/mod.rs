@@ -21,15 +21,16 @@ use super::classes::Rules;
 use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
+use super::legend::Legend;
 use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
 use crate::cloud::Cloud;
 use crate::points::{Changes, Points, Unseen};
-use crate::prepare::{Arranged, FieldKey, RadiusKey};
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
 use crate::prepare::outliers::Rule;
 use crate::prepare::ties::Ties;
+use crate::prepare::{Arranged, FieldKey, RadiusKey};
 use origins::Origins;
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -188,6 +189,18 @@ fn views<'a>(
         Ok(CloudView { settings, cloud, rules, colors, radii, fields, dropped })
     })
     .collect()
+}
+
+/// What the colors of a scene's points mean; `derived` is that of the points of this scene.
+///
+/// # Errors
+/// Those of [`Tracked::new`].
+pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Result<Legend, Error> {
+    let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
+    for (index, (cloud, derived)) in clouds.iter().zip(derived).take(scene.clouds.len()).enumerate() {
+        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields())?;
+    }
+    Ok(legend)
 }
 
 impl Tracked {
