@@ -3,6 +3,8 @@
 pub mod classes;
 pub mod colormap;
 pub mod percentiles;
+pub mod scale;
+pub mod ticks;
 
 use glam::Vec3;
 

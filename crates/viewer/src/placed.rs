@@ -11,7 +11,8 @@ use pellucid_engine::io::{self, LasColumns};
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
-use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
+use pellucid_engine::scene::legend::Legend;
+use pellucid_engine::scene::tracked::{self, DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Light, Scene, Shadows};
 
 /// The clouds as they were read, and data derived from them.
@@ -61,6 +62,14 @@ impl Sources {
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Vec<Cloud> {
         self.clouds
+    }
+
+    /// What the colors of the scene mean whose points were last asked for.
+    ///
+    /// # Errors
+    /// A cloud lacks what its colors are to show.
+    pub fn legend(&self, scene: &Scene) -> Result<Legend> {
+        Ok(tracked::legend(scene, &self.clouds, &self.derived)?)
     }
 
     /// The seed of stochastic methods.

@@ -17,6 +17,7 @@ use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
+use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{self, CameraSettings, Method, MethodChoice, Scene, View};
 use pellucid_engine::{Result, plan};
 
@@ -108,6 +109,14 @@ impl Stage {
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Vec<Cloud> {
         self.sources.into_clouds()
+    }
+
+    /// What the colors of the scene mean that was last taken a picture of.
+    ///
+    /// # Errors
+    /// A cloud lacks what its colors are to show.
+    pub fn legend(&self, scene: &Scene) -> Result<Legend> {
+        self.sources.legend(scene)
     }
 
     /// Takes an image back whose memory the next one may have.

@@ -10,6 +10,7 @@ use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
+use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{
     self, DEFAULT_SCENE, Family, Method, Opened, Overrides, Scene, ScreenSplats, Vertical, View, ViewName,
 };
@@ -250,6 +251,8 @@ pub struct Resolved {
     pub camera: Camera,
     /// How clouds are colored and why, a phrase for each way.
     pub colorings: Vec<String>,
+    /// What the colors mean, if it was asked for.
+    pub legend: Option<Legend>,
     /// `--see-through`.
     pub see_through: Option<f64>,
     /// `--seed`.
@@ -430,11 +433,18 @@ pub struct Loaded {
     scene: Scene,
     /// The clouds of the scene, in its order.
     clouds: Vec<Cloud>,
+    /// True if the meaning of colors is asked for.
+    legend: bool,
     see_through: Option<f64>,
     seed: u64,
 }
 
 impl Loaded {
+    /// Has the meaning of colors found as well, if it is `wanted`.
+    pub fn with_legend(self, wanted: bool) -> Self {
+        Self { legend: wanted, ..self }
+    }
+
     /// The number of clouds.
     pub fn count(&self) -> usize {
         self.clouds.len()
@@ -479,21 +489,26 @@ impl Loaded {
         console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
-        let Self { name, scene, clouds, see_through, seed } = self;
+        let Self { name, scene, clouds, legend, see_through, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
         let up = scene::up_axis(&clouds);
         let colorings = colorings(&scene, &clouds);
         colorings.iter().for_each(|how| console.detail(how));
-        let arranged = scene::arrange(&scene, clouds, seed, progress)?;
+        let (arranged, legend) = if legend {
+            let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
+            (arranged, Some(legend))
+        } else {
+            (scene::arrange(&scene, clouds, seed, progress)?, None)
+        };
         scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
         let (camera, warnings) = find(&scene, arranged.points(), up)?;
         console.detail(described(&camera, arranged.points()));
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, see_through, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, legend, see_through, seed })
     }
 }
 
@@ -524,7 +539,7 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
         report_cloud(&settings.path, cloud, console);
     }
     let see_through = args.share(&scene, &clouds);
-    Ok(Loaded { name, scene, clouds, see_through, seed: args.seed })
+    Ok(Loaded { name, scene, clouds, legend: false, see_through, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.

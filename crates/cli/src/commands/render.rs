@@ -21,6 +21,7 @@ use super::opacity_notes;
 use super::sequence;
 use super::session::Session;
 use super::{DeviceArgs, MeasureArgs};
+use crate::legend;
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -43,6 +44,10 @@ pub struct RenderArgs {
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
     #[arg(long)]
     pub transparent: bool,
+    /// PNG: draw what the colors mean into the lower left corner (a color bar with values, or the classes that are in the
+    /// picture), and where the camera is orthographic a scale bar. An EXR has none, since its values are for further use.
+    #[arg(long)]
+    legend: bool,
     /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
     /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
     /// scene, path and settings are not rendered again.
@@ -228,6 +233,11 @@ fn is_png(path: &Path) -> bool {
 }
 
 impl RenderArgs {
+    /// True if an output of this name has a legend.
+    pub fn draws_legend(&self, output: &Path) -> bool {
+        self.legend && is_png(output)
+    }
+
     /// The accuracy at which blending may stop for an output of this name.
     pub fn stop(&self, output: &Path) -> Stop {
         if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
@@ -244,17 +254,21 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     if args.transparent && !png {
         console.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
     }
+    if args.legend && !png {
+        console.warn("--legend has no effect on an EXR; write a .png");
+    }
     if let Target::Frames(pattern) = &target
         && let Some(along) = args.along.course(args.frames.flatten(), &args.input, console)?
     {
         return sequence::run(&args, &along, pattern, console);
     }
     let progress = console.progress();
-    let loaded = read(&args.input, None, console, &progress)?;
+    let loaded = read(&args.input, None, console, &progress)?.with_legend(args.legend && png);
     let mut profile = None;
     match &target {
         Target::One(path) => {
             let resolved = loaded.resolve(None, console, &progress)?;
+            legend::check(&resolved, console)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }
         Target::Steps(pattern) | Target::Frames(pattern) => {
@@ -279,6 +293,7 @@ fn steps(
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let whole = loaded.clone().resolve(None, console, progress)?;
+    legend::check(&whole, console)?;
     progress.finish_and_clear();
     // Messages about the scene were printed already.
     let silent = Console::new(true, false);
@@ -369,7 +384,10 @@ pub fn finish(
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
-    output::write_image(output, &rendered.image, &options)?;
+    match &resolved.legend {
+        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, console)?,
+        None => output::write_image(output, &rendered.image, &options)?,
+    }
     rendered.image.fragments = rendered.image.fragments.take().or(counted);
     console.detail(format_args!("{}: written", output.display()));
     Ok(())

@@ -20,6 +20,7 @@ mod info;
 #[cfg(unix)]
 mod interrupted;
 mod iso;
+mod legend;
 mod measure;
 mod opacity;
 mod prepare;

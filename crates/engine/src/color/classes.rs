@@ -38,6 +38,11 @@ pub fn name(code: u8) -> Option<&'static str> {
     CLASSES.get(usize::from(code)).map(|(name, _)| *name).filter(|name| !name.is_empty())
 }
 
+/// The name of a class, or its number.
+pub fn label(code: u8) -> String {
+    name(code).map_or_else(|| format!("class {code}"), str::to_owned)
+}
+
 /// The names of all classes that have one, in the order of their codes.
 pub fn names() -> impl Iterator<Item = &'static str> {
     CLASSES.iter().map(|(name, _)| *name).filter(|name| !name.is_empty())

@@ -8,6 +8,7 @@ use super::classes::{self, Rules};
 use super::clip::Clips;
 use super::coloring::Coloring;
 use super::error::Error;
+use super::legend::Legend;
 use super::procedural::Generated;
 use super::seen::{leave_out, seen};
 use super::settings::{CloudSettings, Outliers, Scene};
@@ -117,9 +118,19 @@ pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fiel
 /// # Errors
 /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
+    merged(scene, clouds, needs_radii, progress, None)
+}
+
+fn merged(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    needs_radii: bool,
+    progress: &Progress,
+    mut legend: Option<&mut Legend>,
+) -> Result<Points, Error> {
     let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
     for (index, cloud) in clouds.into_iter().enumerate() {
-        points.append(transformed(scene, &clips, index, cloud, needs_radii, progress)?);
+        points.append(transformed(scene, &clips, index, cloud, needs_radii, progress, legend.as_deref_mut())?);
     }
     if points.is_empty() {
         return Err(no_points(scene, &points));
@@ -133,11 +144,37 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
 /// # Errors
 /// Those of [`assemble`].
 pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
+    arrange_explained(scene, clouds, seed, progress, None)
+}
+
+/// Like [`arrange`], and what the colors of the points mean, which takes some more time.
+///
+/// # Errors
+/// Those of [`assemble`].
+pub fn arrange_with_legend(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    seed: u64,
+    progress: &Progress,
+) -> Result<(Arranged, Legend), Error> {
+    let mut legend = Legend::default();
+    let arranged = arrange_explained(scene, clouds, seed, progress, Some(&mut legend))?;
+    Ok((arranged, legend))
+}
+
+fn arrange_explained(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    seed: u64,
+    progress: &Progress,
+    mut legend: Option<&mut Legend>,
+) -> Result<Arranged, Error> {
     if !scene.method.is_dealt() {
-        return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
+        return merged(scene, clouds, scene.method.needs_radii(), progress, legend).map(Arranged::Canonical);
     }
     let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
-    let placed = each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress));
+    let placed =
+        each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress, legend.as_deref_mut()));
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
     progress.reset();
     progress.set_message("dealing points to ensembles");
@@ -150,7 +187,8 @@ pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
-/// The cloud at a place in the scene, with its settings applied. F is there if the method needs it.
+/// The cloud at a place in the scene, with its settings applied. F is there if the method needs it. What its colors mean goes
+/// to the legend.
 fn transformed(
     scene: &Scene,
     clips: &Clips,
@@ -158,6 +196,7 @@ fn transformed(
     mut cloud: Cloud,
     needs_radii: bool,
     progress: &Progress,
+    legend: Option<&mut Legend>,
 ) -> Result<Points, Error> {
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let coloring = Coloring::of(scene, index, &cloud);
@@ -170,6 +209,9 @@ fn transformed(
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
     let colors = coloring.colors(found.fields.as_deref())?;
+    if let Some(legend) = legend {
+        legend.add(&coloring, clips, found.fields.as_deref())?;
+    }
     let mut colors = colors.into_list(cloud.colors.take(), count);
     let rules = Rules::of(settings, &cloud)?;
     rules.paint(&mut colors);

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::error::Error;
 use super::settings::{ClassSettings, CloudSettings, Selection};
 use crate::cloud::{CLASSIFICATION_NAMES, Cloud, field};
+use crate::color;
 
 /// The entries of a cloud that tell anything about its points.
 #[derive(Debug, Clone, Default)]
@@ -77,6 +78,40 @@ impl<'a> Rules<'a> {
         let hides = self.rules.iter().any(|rule| rule.settings.visible == Some(false));
         let visible = |i| self.last(i, |entry| entry.visible).unwrap_or(true);
         hides.then(|| (0..count).into_par_iter().map(visible).collect())
+    }
+
+    /// The number of the rules.
+    pub fn len(&self) -> usize {
+        self.rules.len()
+    }
+
+    /// The rule that gives a point its color.
+    pub fn painter(&self, i: usize) -> Option<usize> {
+        self.rules.iter().rposition(|rule| rule.settings.color.is_some() && rule.points.holds(i))
+    }
+
+    /// True for a rule about classes, which says the same of all points of a class.
+    pub fn is_of_classes(&self, rule: usize) -> bool {
+        matches!(self.rules[rule].points, Test::Classes(..))
+    }
+
+    /// The color that rules about classes give to one.
+    pub fn color_of_class(&self, code: u8) -> Option<Vec3> {
+        let about = |rule: &&Rule<'_>| match &rule.points {
+            Test::Classes([low, high], _) => (*low..=*high).contains(&f64::from(code)),
+            Test::Within(..) => false,
+        };
+        self.rules.iter().rev().filter(about).find_map(|rule| rule.settings.color)
+    }
+
+    /// The points of a rule, in words, and the color it gives them.
+    pub fn described(&self, rule: usize) -> Option<(String, Vec3)> {
+        let ClassSettings { points, color, .. } = self.rules[rule].settings;
+        let words = match points {
+            Selection::Class(code) => color::classes::label(*code),
+            Selection::Scalar { name, range: [low, high] } => format!("{name} {low} to {high}"),
+        };
+        Some((words, (*color)?))
     }
 
     /// Gives points the colors of their classes.

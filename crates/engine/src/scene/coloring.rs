@@ -14,13 +14,10 @@ use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER};
 use crate::color::classes;
 use crate::color::colormap::{Colormap, mid_grey};
 use crate::color::decode_srgb_f64;
-use crate::color::percentiles::percentiles;
+use crate::color::scale::Scale;
 
 /// Classes besides 0 and 1 that a cloud must have to be colored by them.
 const ENOUGH_CLASSES: usize = 3;
-
-/// The shares of values below and above which colors stay the same.
-const ENDS: [f64; 2] = [0.01, 0.99];
 
 /// How bright a height is where intensity is smallest.
 const DARKEST: f64 = 0.35;
@@ -97,10 +94,10 @@ impl Colors {
 
 /// The colors of one of a scene's clouds.
 pub(super) struct Coloring<'a> {
-    settings: &'a CloudSettings,
-    cloud: &'a Cloud,
+    pub settings: &'a CloudSettings,
+    pub cloud: &'a Cloud,
     /// The place of the cloud in the scene.
-    index: usize,
+    pub index: usize,
     choice: Choice,
     vertical: Vertical,
 }
@@ -153,6 +150,16 @@ impl<'a> Coloring<'a> {
         format!("{}{map}{intensity}: {why}", by.word())
     }
 
+    /// What the colors show; `None` if the scene gives one color in place of it.
+    pub fn by(&self) -> Option<&ColorBy> {
+        self.settings.color.is_none().then_some(&self.choice.by)
+    }
+
+    /// True if heights are darker where intensity is small.
+    pub fn is_modulated(&self) -> bool {
+        self.choice.modulated
+    }
+
     /// The colors. `fields` is F of each point, if [`Coloring::needs_field`].
     ///
     /// # Errors
@@ -161,65 +168,92 @@ impl<'a> Coloring<'a> {
         if let Some(color) = self.settings.color {
             return Ok(Colors::One(color));
         }
-        let lacking = |lacking: &str| Error::Color {
-            path: self.settings.path.clone(),
-            by: self.choice.by.word().to_owned(),
-            lacking: lacking.to_owned(),
-            there: field::there(self.cloud),
-        };
-        let scalar = |name: &str| self.cloud.scalar(name).map(doubles).ok_or_else(|| lacking(name));
         let cloud = self.cloud;
-        let values = match &self.choice.by {
-            ColorBy::Auto => unreachable!("decided when the choice was made"),
-            ColorBy::Rgb => return cloud.colors.as_ref().map(|_| Colors::Own).ok_or_else(|| lacking("colors")),
-            ColorBy::Uniform => return Ok(Colors::One(Vec3::ONE)),
-            ColorBy::Cloud => return Ok(Colors::One(linear(classes::distinct(self.index)))),
+        match &self.choice.by {
+            ColorBy::Rgb => cloud.colors.as_ref().map(|_| Colors::Own).ok_or_else(|| self.lacking("colors")),
+            ColorBy::Uniform => Ok(Colors::One(Vec3::ONE)),
+            ColorBy::Cloud => Ok(Colors::One(linear(classes::distinct(self.index)))),
             ColorBy::Classification => {
-                let codes = cloud.classification.as_ref().ok_or_else(|| lacking("classes"))?;
+                let codes = cloud.classification.as_ref().ok_or_else(|| self.lacking("classes"))?;
                 let table: Vec<Vec3> = (0..=u8::MAX).map(|code| linear(classes::srgb(code))).collect();
-                return Ok(Colors::Each(codes.par_iter().map(|code| table[usize::from(*code)]).collect()));
+                Ok(Colors::Each(codes.par_iter().map(|code| table[usize::from(*code)]).collect()))
             }
             ColorBy::Normal => {
-                let normals =
-                    cloud.normals.as_ref().ok_or_else(|| lacking("normals; `prepare --normals` stores some"))?;
-                return Ok(Colors::Each(normals.par_iter().map(|normal| of_normal(*normal)).collect()));
+                let normals = cloud.normals.as_ref();
+                let normals = normals.ok_or_else(|| self.lacking("normals; `prepare --normals` stores some"))?;
+                Ok(Colors::Each(normals.par_iter().map(|normal| of_normal(*normal)).collect()))
             }
-            ColorBy::Height => return Ok(Colors::Each(self.heights())),
-            ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| lacking("intensity"))?,
+            _ => {
+                let colors = self.mapped(self.values(fields)?.unwrap_or_default());
+                Ok(Colors::Each(if self.choice.modulated { self.modulated(colors) } else { colors }))
+            }
+        }
+    }
+
+    /// The value of each point that becomes a color by way of the colormap; `None` if colors come from elsewhere. `fields`
+    /// as for [`Coloring::colors`].
+    ///
+    /// # Errors
+    /// The cloud lacks what `color_by` shows.
+    pub fn values(&self, fields: Option<&[f32]>) -> Result<Option<Vec<f64>>, Error> {
+        let cloud = self.cloud;
+        let scalar = |name: &str| cloud.scalar(name).map(doubles).ok_or_else(|| self.lacking(name));
+        let values = match &self.choice.by {
+            by if self.settings.color.is_some() || !by.is_mapped() => return Ok(None),
+            ColorBy::Height => {
+                let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
+                cloud.positions.par_iter().map(height).collect()
+            }
+            ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| self.lacking("intensity"))?,
             ColorBy::Return => scalar(RETURN_NUMBER)?,
             ColorBy::Source => scalar(POINT_SOURCE)?,
             ColorBy::GpsTime => scalar(GPS_TIME)?,
             ColorBy::Field => doubles(fields.unwrap_or_default()),
             ColorBy::Scalar(name) => match field::column(cloud, name) {
                 Some(values) => values,
-                None => scalar(name).map_err(|_| {
-                    let names = field::names(cloud);
-                    let mut known: Vec<&str> = ColorBy::words().collect();
-                    known.extend(names.iter().map(Cow::as_ref));
-                    let hint = crate::words::nearest(name, known, "there are");
-                    Error::NoScalar { path: self.settings.path.clone(), name: name.clone(), key: "color_by", hint }
-                })?,
+                None => scalar(name).map_err(|_| self.no_scalar(name))?,
             },
+            by => unreachable!("{by:?} is not mapped, or was decided when the choice was made"),
         };
-        Ok(Colors::Each(self.mapped(values)))
+        Ok(Some(values))
     }
 
-    /// Heights, darker where intensity is small.
-    fn heights(&self) -> Vec<Vec3> {
-        let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
-        let colors = self.mapped(self.cloud.positions.par_iter().map(height).collect());
-        let (Some(intensities), true) = (&self.cloud.intensity, self.choice.modulated) else { return colors };
+    fn lacking(&self, lacking: &str) -> Error {
+        Error::Color {
+            path: self.settings.path.clone(),
+            by: self.choice.by.word().to_owned(),
+            lacking: lacking.to_owned(),
+            there: field::there(self.cloud),
+        }
+    }
+
+    fn no_scalar(&self, name: &str) -> Error {
+        let names = field::names(self.cloud);
+        let mut known: Vec<&str> = ColorBy::words().collect();
+        known.extend(names.iter().map(Cow::as_ref));
+        let hint = crate::words::nearest(name, known, "there are");
+        Error::NoScalar { path: self.settings.path.clone(), name: name.to_owned(), key: "color_by", hint }
+    }
+
+    /// The scale of values.
+    pub fn scale(&self, values: &[f64]) -> Scale {
+        Scale::of(values, self.settings.coloring.range, self.settings.coloring.log)
+    }
+
+    /// Colors of heights, darker where intensity is small.
+    fn modulated(&self, colors: Vec<Vec3>) -> Vec<Vec3> {
+        let Some(intensities) = &self.cloud.intensity else { return colors };
         let values = doubles(intensities);
         let scale = Scale::of(&values, None, false);
-        let light = |value: f64| scale.at(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
+        let light = |value: f64| scale.place(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
         colors.into_par_iter().zip(values).map(|(color, value)| (color.as_dvec3() * light(value)).as_vec3()).collect()
     }
 
     /// The colors of values.
     fn mapped(&self, values: Vec<f64>) -> Vec<Vec3> {
-        let ColorSettings { colormap, range, reverse, log, .. } = &self.settings.coloring;
-        let (map, scale) = (colormap.map(), Scale::of(&values, *range, *log));
-        values.into_par_iter().map(|value| of_value(&map, scale.at(value), *reverse)).collect()
+        let ColorSettings { colormap, reverse, .. } = &self.settings.coloring;
+        let (map, scale) = (colormap.map(), self.scale(&values));
+        values.into_par_iter().map(|value| of_value(&map, scale.place(value), *reverse)).collect()
     }
 }
 
@@ -238,45 +272,6 @@ fn linear(srgb: DVec3) -> Vec3 {
 
 fn doubles(values: &[f32]) -> Vec<f64> {
     values.par_iter().map(|value| f64::from(*value)).collect()
-}
-
-/// From values to t, the place in a colormap.
-struct Scale {
-    low: f64,
-    high: f64,
-    log: bool,
-}
-
-impl Scale {
-    /// With a range of the values' own where none is given.
-    fn of(values: &[f64], range: Option<[f64; 2]>, log: bool) -> Self {
-        let own = || {
-            let counted = values.iter().copied().filter(|value| !log || *value > 0.0);
-            percentiles(counted.collect(), ENDS).unwrap_or([if log { 1.0 } else { 0.0 }; 2])
-        };
-        let [low, high] = range.unwrap_or_else(own);
-        let scaled = |value: f64| if log { value.ln() } else { value };
-        Self { low: scaled(low), high: scaled(high), log }
-    }
-
-    /// t from 0 to 1; `None` for values that are not finite.
-    fn at(&self, value: f64) -> Option<f64> {
-        let value = if self.log && value > 0.0 {
-            value.ln()
-        } else if self.log {
-            f64::NAN
-        } else {
-            value
-        };
-        if !value.is_finite() {
-            None
-        } else if self.low == self.high {
-            Some(0.0)
-        } else {
-            // Halved, as the difference of the largest float64 values overflows.
-            Some(((0.5 * value - 0.5 * self.low) / (0.5 * self.high - 0.5 * self.low)).clamp(0.0, 1.0))
-        }
-    }
 }
 
 /// How the points of each cloud are colored and why, a sentence for each.

@@ -14,6 +14,7 @@ mod error;
 mod framing;
 mod keys;
 mod layers;
+pub mod legend;
 mod method;
 mod methods;
 mod open;
@@ -35,7 +36,9 @@ mod tree;
 mod view;
 
 pub use along::{Course, path_defaults};
-pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use assemble::{
+    arrange, arrange_with_legend, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis,
+};
 pub use choice::MethodChoice;
 pub use coloring::colorings;
 pub use document::{Change, Document, Setting};

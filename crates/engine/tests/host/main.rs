@@ -7,6 +7,7 @@ mod coloring;
 mod edl;
 mod ensembles;
 mod io;
+mod legend;
 mod metrics;
 mod output;
 mod photo;

@@ -21,6 +21,7 @@ use super::classes::Rules;
 use super::clip::Clips;
 use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
+use super::legend::Legend;
 use super::seen::{leave_out, seen};
 use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
 use super::surface_opacity::Opacity;
@@ -208,6 +209,18 @@ fn views<'a>(
         Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped })
     })
     .collect()
+}
+
+/// What the colors of a scene's points mean; `derived` is that of the points of this scene.
+///
+/// # Errors
+/// Those of [`Tracked::new`].
+pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Result<Legend, Error> {
+    let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
+    for (index, (cloud, derived)) in clouds.iter().zip(derived).take(scene.clouds.len()).enumerate() {
+        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields())?;
+    }
+    Ok(legend)
 }
 
 impl Tracked {
