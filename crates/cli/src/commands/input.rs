@@ -45,7 +45,7 @@ pub struct InputArgs {
     opacity: Option<String>,
     /// Opacity of the surface that the points lie on, from 0 to 1: discs become as faint as their overlap asks for. For spbr the
     /// same as --opacity.
-    #[arg(long, value_name = "A", allow_hyphen_values = true, conflicts_with = "opacity")]
+    #[arg(long, value_name = "A", allow_hyphen_values = true, conflicts_with_all = ["opacity"])]
     surface_opacity: Option<String>,
     /// Finds the opacity for which half of the covered pixels let at least this share of the light behind them through, from 0
     /// to 1, and prints it. Of clouds with opacities of their own all are multiplied by one factor.
@@ -255,6 +255,8 @@ pub struct Resolved {
     pub legend: Option<Legend>,
     /// `--see-through`.
     pub see_through: Option<f64>,
+    /// True if an option gave all points one opacity.
+    pub opacity_given: bool,
     /// `--seed`.
     pub seed: u64,
 }
@@ -436,6 +438,7 @@ pub struct Loaded {
     /// True if the meaning of colors is asked for.
     legend: bool,
     see_through: Option<f64>,
+    opacity_given: bool,
     seed: u64,
 }
 
@@ -489,7 +492,7 @@ impl Loaded {
         console: Console,
         progress: &Bar,
     ) -> Result<Resolved> {
-        let Self { name, scene, clouds, legend, see_through, seed } = self;
+        let Self { name, scene, clouds, legend, see_through, opacity_given, seed } = self;
         scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
         let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
         note.iter().for_each(|note| console.note(note));
@@ -508,7 +511,7 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, legend, see_through, seed })
+        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, legend, see_through, opacity_given, seed })
     }
 }
 
@@ -539,7 +542,8 @@ pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress
         report_cloud(&settings.path, cloud, console);
     }
     let see_through = args.share(&scene, &clouds);
-    Ok(Loaded { name, scene, clouds, legend: false, see_through, seed: args.seed })
+    let opacity_given = args.opacity.is_some() || args.surface_opacity.is_some();
+    Ok(Loaded { name, scene, clouds, legend: false, see_through, opacity_given, seed: args.seed })
 }
 
 /// Says what was read and what was odd about it.

@@ -41,7 +41,7 @@ pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: 
         console.warn(format_args!("--see-through {share}: no pixel is covered, so that no opacity was looked for"));
         return;
     };
-    let opacities = listed(&opacities(found.factor, resolved));
+    let opacities = said(found.factor, resolved, |opacity| opacity);
     let Found { transmittance, trials, .. } = found;
     if found.meets(share) {
         console.note(format_args!(
@@ -77,7 +77,8 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
         return Ok(());
     }
     let transparent = opacities.iter().any(|opacity| *opacity < 1.0) && session.frame.method.family().has_opacity();
-    if !transparent || resolved.see_through.is_some() {
+    // An author of a scene file knows; whoever gave one number for all may have guessed.
+    if !transparent || !resolved.opacity_given {
         return Ok(());
     }
     let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
@@ -100,6 +101,13 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
 
 /// The opacities with a factor, to two digits.
 fn opacity_to_try(factor: f32, resolved: &Resolved) -> String {
-    let rounded = |opacity: f32| format!("{opacity:.1e}").parse().unwrap_or(opacity);
+    said(factor, resolved, |opacity| format!("{opacity:.1e}").parse().unwrap_or(opacity))
+}
+
+/// The opacities with a factor. Where surfaces have some, each point has another one: then the factor itself.
+fn said(factor: f32, resolved: &Resolved, rounded: impl Fn(f32) -> f32) -> String {
+    if resolved.scene.clouds.iter().any(|cloud| cloud.surface_opacity.is_some()) {
+        return format!("{} times the opacity of each point", rounded(factor));
+    }
     listed(&opacities(factor, resolved).into_iter().map(rounded).collect::<Vec<_>>())
 }

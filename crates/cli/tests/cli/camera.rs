@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use pellucid_engine::output::read_image;
 use tempfile::TempDir;
 
 use crate::{assert_refused, done, folder, has_device, inside, run};
@@ -29,7 +30,8 @@ fn the_camera_that_was_found_gives_its_picture_from_a_scene_file() {
     for options in [&["--view", "south-west"][..], &["--azimuth", "SW", "--up", "-y"], &["--ortho", "--up", "x"]] {
         let (status, _, stderr) = run(&folder, &[&["-v", "render", "a.xyz"], &SMALL[..], options].concat());
         assert_eq!(status, 0, "{stderr}");
-        let picture = fs::read(inside(&folder, "a.png")).unwrap();
+        let pixels = || read_image(&inside(&folder, "a.png")).unwrap().pixels;
+        let picture = pixels();
         let lines: Vec<&str> = stderr
             .lines()
             .skip_while(|line| *line != "[camera]")
@@ -40,7 +42,7 @@ fn the_camera_that_was_found_gives_its_picture_from_a_scene_file() {
         let scene = format!("{}\n[[cloud]]\npath = 'a.xyz'\n", camera.join("\n"));
         fs::write(inside(&folder, "s.toml"), scene).unwrap();
         done(&folder, &[&["render", "s.toml"], &SMALL[..]].concat());
-        assert!(fs::read(inside(&folder, "a.png")).unwrap() == picture, "{options:?}");
+        assert!(pixels() == picture, "{options:?}");
     }
 }
 
@@ -76,7 +78,9 @@ fn wrong_guesses_are_noted() {
     let note = noted(&[]);
     assert!(note.contains("taken to be z") && note.contains("--up y or --up -y"), "{note}");
     assert_eq!(noted(&["--up", "y"]), "");
-    assert!(noted(&["--up", "y", "--background", "1,1,1"]).contains("color of the background"));
+    let alike = ["--up", "y", "--color-by", "uniform", "--background", "1,1,1"];
+    assert_eq!(noted(&alike), "", "shading tells");
+    assert!(noted(&[&alike[..], &["--set", "shading.model=none"]].concat()).contains("color of the background"));
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn the_plan_says_which_colors_and_why() {
     scan(&folder);
     for (options, wanted) in [
         (&[][..], "scan.ply is colored by rgb: the file has colors"),
-        (&["--color-by", "height", "--colormap", "magma"], "scan.ply is colored by height in magma: it was asked for"),
+        (&["--color-by", "height", "--colormap", "turbo"], "scan.ply is colored by height in turbo: it was asked for"),
         (&["--set", "cloud.0.color=[1,0,0]"], "scan.ply is colored by the scene's `color`"),
     ] {
         let plan = done(&folder, &[&["plan", "scan.ply", "--size", "32x32"], options].concat());

@@ -291,7 +291,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
     // (from, to, the warning, whether the stored radii stay)
     let cases = [
         ("\"neighbors\":24", "\"neighbors\":12", changed, false),
-        ("\"up\":\"y\"", "\"up\":\"z\"", changed, false),
+        ("\"up\":\"z\"", "\"up\":\"y\"", changed, false),
         ("\"kind\":\"uncertainty\"", "\"kind\":\"intensity\"", changed, false),
         ("property float field", "property float yield", changed, false),
         ("property float radius", "property float radiux", changed, false),
