@@ -34,8 +34,8 @@ pub enum Row<'a> {
     Bar(&'a Values, Vec<Tick>),
     /// A color and its meaning.
     Swatch(&'a Swatch, String),
-    /// A line of a known length.
-    Scale(ScaleBar),
+    /// A line of a known length, which the words below say.
+    Scale(ScaleBar, Vec<String>),
     /// Nothing.
     Gap,
 }
@@ -54,7 +54,7 @@ pub struct Layout<'a> {
 /// Distances that depend on the size of letters.
 impl Layout<'_> {
     /// A line of text.
-    fn line(em: f32) -> f32 {
+    pub fn line(em: f32) -> f32 {
         (1.35 * em).round()
     }
 
@@ -136,9 +136,13 @@ impl<'a> Builder<'a> {
         }
         if let Some(bar) = scale_bar {
             self.gap();
-            let width = self.letters.width(&bar.label).max(bar.length_px as f32);
-            let height = Layout::line(self.em) + (0.5 * self.em).round();
-            self.push(Row::Scale(bar.clone()), [width, height]);
+            // In a small picture the unit stands below the number. A number is never cut off: it has to fit.
+            let lines = self.letters.wrap(&bar.label, self.room);
+            let words = bar.label.split_whitespace().map(|word| self.letters.width(word));
+            let words = lines.iter().map(|line| self.letters.width(line)).chain(words);
+            let width = words.fold(bar.length_px as f32, f32::max);
+            let height = lines.len() as f32 * Layout::line(self.em) + (0.5 * self.em).round();
+            self.push(Row::Scale(bar.clone(), lines), [width, height]);
         }
     }
 

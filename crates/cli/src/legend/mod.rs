@@ -121,7 +121,7 @@ impl Pen<'_> {
                 self.canvas.fill([x, (middle - 0.5 * side).round()], [Layout::swatch(em), side], ink(swatch.srgb));
                 self.words([x + Layout::swatch(em) + Layout::aside(em), middle], label);
             }
-            Row::Scale(bar) => self.scale_bar(bar, [x, y]),
+            Row::Scale(bar, lines) => self.scale_bar(bar, lines, [x, y]),
             Row::Gap => {}
         }
     }
@@ -133,7 +133,7 @@ impl Pen<'_> {
     /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one before.
     fn bar(&mut self, values: &Values, ticks: &[Tick], [x, y]: [f32; 2], height: f32) {
         let (em, width) = (self.layout.em, Layout::swatch(self.layout.em));
-        let line = (1.35 * em).round();
+        let line = Layout::line(em);
         let (top, tall) = if ticks.len() == 1 { (y, line) } else { (y + (0.5 * line).round(), height - line) };
         for row in 0..tall as u32 {
             let place = if ticks.len() == 1 { 0.0 } else { 1.0 - (f64::from(row) + 0.5) / f64::from(tall) };
@@ -151,7 +151,7 @@ impl Pen<'_> {
     }
 
     /// A line between two marks, with its length below.
-    fn scale_bar(&mut self, bar: &ScaleBar, [x, y]: [f32; 2]) {
+    fn scale_bar(&mut self, bar: &ScaleBar, lines: &[String], [x, y]: [f32; 2]) {
         let em = self.layout.em;
         let (long, thick, mark) = (bar.length_px as f32, (0.12 * em).round().max(1.0), (0.5 * em).round());
         let text = self.looks.text;
@@ -159,7 +159,9 @@ impl Pen<'_> {
         for at in [x, x + long - thick] {
             self.canvas.fill([at, y], [thick, mark], text);
         }
-        self.words([x, y + mark + 0.75 * em], &bar.label);
+        for (number, words) in lines.iter().enumerate() {
+            self.words([x, y + mark + 0.75 * em + number as f32 * Layout::line(em)], words);
+        }
     }
 }
 
