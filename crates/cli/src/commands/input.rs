@@ -511,7 +511,18 @@ impl Loaded {
         for warning in scene.warnings.iter().chain(&warnings) {
             console.warn(warning);
         }
-        Ok(Resolved { name, scene, arranged, shadow_texture, camera, colorings, legend, see_through, opacity_given, seed })
+        Ok(Resolved {
+            name,
+            scene,
+            arranged,
+            shadow_texture,
+            camera,
+            colorings,
+            legend,
+            see_through,
+            opacity_given,
+            seed,
+        })
     }
 }
 

@@ -173,9 +173,9 @@ pub fn round_below(most: f64) -> Option<(f64, String)> {
         return None;
     }
     let exponent = most.log10().floor() as i32;
-    let candidates =
+    let mut candidates =
         (exponent - 1..=exponent + 1).flat_map(|exponent| [1, 2, 5].map(|digits| Decimal { digits, exponent }));
-    let found = candidates.filter(|number| number.value() > 0.0 && number.value() <= most).last()?;
+    let found = candidates.rfind(|number| number.value() > 0.0 && number.value() <= most)?;
     Some((found.value(), labelled_alike(&[found]).pop()?))
 }
 

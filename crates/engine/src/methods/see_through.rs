@@ -117,7 +117,7 @@ fn small([width, height]: [u32; 2]) -> [u32; 2] {
 pub fn median_transmittance(pixels: &[[f32; 4]]) -> Option<f64> {
     let mut all: Vec<f32> = pixels.iter().map(|pixel| pixel[3]).filter(|a| *a > 0.0).collect();
     let middle = all.len().checked_sub(1)? / 2;
-    let even = all.len() % 2 == 0;
+    let even = all.len().is_multiple_of(2);
     let (_, low, above) = all.select_nth_unstable_by(middle, f32::total_cmp);
     let next = above.iter().copied().min_by(f32::total_cmp).filter(|_| even);
     let high = f64::from(next.unwrap_or(*low));

@@ -140,7 +140,8 @@ fn the_reference_of_the_scene_file_is_that_of_the_keys() {
 fn the_table_of_methods_is_that_of_the_methods() {
     let (begin, end) = ("<!-- methods: generated -->\n", "<!-- methods: end -->");
     check("docs/methods.md", |found| {
-        let (before, rest) = found.split_once(begin).expect("docs/methods.md has a marker where its table of methods begins");
+        let (before, rest) =
+            found.split_once(begin).expect("docs/methods.md has a marker where its table of methods begins");
         let (_, after) = rest.split_once(end).expect("docs/methods.md has a marker where its table of methods ends");
         format!("{before}{begin}{}{end}{after}", methods_table())
     });

@@ -79,9 +79,8 @@ fn hidden_points_are_not_drawn_but_count_for_everything_else() {
     let (whole, rest) = (of(""), of(hide));
     let (all, shown) = (assembled(&whole), assembled(&rest));
     let kept: Vec<usize> = (0..6).filter(|i| codes[*i] != 7).collect();
-    for (found, wanted) in [(by_x(&shown, &shown.radii), by_x(&all, &all.radii))] {
-        assert_eq!(found, kept.iter().map(|i| wanted[*i]).collect::<Vec<_>>(), "neighbors");
-    }
+    let (found, wanted) = (by_x(&shown, &shown.radii), by_x(&all, &all.radii));
+    assert_eq!(found, kept.iter().map(|i| wanted[*i]).collect::<Vec<_>>(), "neighbors");
     let wanted = by_x(&all, &all.colors);
     assert_eq!(by_x(&shown, &shown.colors), kept.iter().map(|i| wanted[*i]).collect::<Vec<_>>(), "percentiles");
     let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(5.0, 0.0, 0.0) };
