@@ -2,6 +2,7 @@
 
 mod commands;
 mod error;
+mod legend;
 
 use std::io::Write;
 use std::process::ExitCode;

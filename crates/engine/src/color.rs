@@ -1,4 +1,12 @@
-//! sRGB encoding and decoding (IEC 61966-2-1).
+//! sRGB encoding and decoding (IEC 61966-2-1), colors by name, and colors that stand for values.
+
+pub mod classes;
+pub mod colormap;
+pub mod percentiles;
+pub mod scale;
+pub mod ticks;
+
+use glam::Vec3;
 
 /// Linear value of an sRGB-encoded one. Values outside [0, 1] follow the same curve.
 pub fn decode_srgb(encoded: f32) -> f32 {
@@ -20,9 +28,27 @@ pub fn encode_srgb_f64(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Linear R, G, B of a color that CSS has a word or a form for ("white", "#80c0ff", "hsl(120 50% 50%)"); `None` for others,
+/// and for colors that one can see through.
+pub fn named(text: &str) -> Option<Vec3> {
+    let color = csscolorparser::parse(text).ok().filter(|color| color.a == 1.0)?;
+    let [r, g, b] = [color.r, color.g, color.b].map(|value| decode_srgb(value.clamp(0.0, 1.0)));
+    Some(Vec3::new(r, g, b))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names() {
+        assert_eq!(named("white"), Some(Vec3::ONE));
+        assert_eq!(named("Black"), Some(Vec3::ZERO));
+        assert_eq!(named("#ff0080"), Some(Vec3::new(1.0, 0.0, decode_srgb(128.0 / 255.0))));
+        for wrong in ["whit", "", "1,2,3", "#12345", "transparent", "#ff000080"] {
+            assert_eq!(named(wrong), None, "{wrong}");
+        }
+    }
 
     #[test]
     fn the_two_are_inverse_on_every_8_bit_value() {

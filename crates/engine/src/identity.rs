@@ -34,7 +34,7 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
-    let Points { positions, colors, opacities, radii, normals, file_order, fields } = arranged.points();
+    let Points { positions, colors, opacities, radii, normals, file_order, fields, unseen } = arranged.points();
     let coordinates: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
     add(bytemuck::cast_slice(&coordinates));
     add(bytemuck::cast_slice(colors));
@@ -43,6 +43,10 @@ pub fn hash(arranged: &Arranged, frame: &Frame, background: Vec3, formation: &st
     add(bytemuck::cast_slice(normals.as_deref().unwrap_or_default()));
     add(bytemuck::cast_slice(file_order));
     add(bytemuck::cast_slice(fields));
+    if !unseen.positions.is_empty() {
+        let coordinates: Vec<[f64; 3]> = unseen.positions.iter().map(|p| p.to_array()).collect();
+        add(bytemuck::cast_slice(&coordinates));
+    }
     // Debug output of floats is exact.
     let surfaces = arranged.surfaces();
     let settings = format!(

@@ -28,7 +28,7 @@ Several passes share how they visit splats, pixels and long lists: see [stages.m
 ";
 
 /// Fills, copies and second names of passes have no declaration with a comment; their sentences stand here.
-const UNDECLARED: [(&str, &str, &str); 25] = [
+const UNDECLARED: [(&str, &str, &str); 27] = [
     ("abuffer/clear", "fill", "Sets counts, longest list and overflow flag to 0."),
     ("abuffer/cursors", "copy", "Copies the start of each pixel's list to the cursor that `abuffer/store` counts up."),
     ("abuffer/summary", "copy", "Copies overflow, longest list and total to the host, which then cuts bands."),
@@ -55,6 +55,8 @@ const UNDECLARED: [(&str, &str, &str); 25] = [
     ("profile/copy", "copy", "Copies a buffer to find the copy rate of the device; no part of a frame."),
     ("profile/fill", "fill", "Fills the buffer of `profile/copy`; no part of a frame."),
     ("radix/clear", "fill", "Sets the digits' counters to 0."),
+    ("shading/depths", "copy", "Copies depths of the whole image back to the device, row after row of it."),
+    ("shading/factors", "copy", "Copies the factors of `shading/edl` to the host, which multiplies colors by them."),
     ("shadows/clear", "fill", "Sets a light's image to \"nothing\"."),
     (
         "spbr/clear",

@@ -18,11 +18,16 @@ use crate::scene::{
 /// Opaque splats need no transparency: the nearest decides. Flat splats only need an order of splats; unless the scene
 /// asks for a method, [`choose`] finds the cheaper of two. Splats that may cross need an order of fragments.
 pub fn resolve(choice: MethodChoice, points: &Points) -> (Method, String) {
+    resolve_factored(choice, points, 1.0)
+}
+
+/// [`resolve`] for points whose opacities are multiplied by a factor.
+fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Method, String) {
     let discs = match choice {
         MethodChoice::Auto(discs) => discs,
         MethodChoice::Fixed(method) => return (method, format!("{} was asked for", method.name())),
     };
-    let transparent = points.opacities.iter().filter(|a| **a < 1.0).count();
+    let transparent = points.opacities.iter().filter(|a| **a * factor < 1.0).count();
     let oriented = discs.shape == DiscShape::Oriented && points.normals.is_some();
     if oriented {
         (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
@@ -49,7 +54,10 @@ pub fn choose(
     choice: MethodChoice,
     frame: &Frame,
 ) -> Result<(Method, String), Error> {
-    match (choice, resolve(choice, points)) {
+    match (choice, resolve_factored(choice, points, frame.factors.opacity)) {
+        (MethodChoice::Auto(_), (Method::Sorted(discs), why)) if frame.shading.edl.edl => {
+            Ok((Method::ABuffer(discs), format!("{why}; eye-dome lighting needs lists of fragments")))
+        }
         (MethodChoice::Auto(_), (Method::Sorted(discs), why)) => cost::choose(renderer, cloud, frame, discs, &why),
         (_, resolved) => Ok(resolved),
     }
@@ -84,5 +92,6 @@ pub fn plan(device: &Device, frame: &Frame, facts: &Facts, wide_atomics: bool, w
     }
     let [width, height] = frame.size;
     plan.add("image/read-back", true, format!("{width} × {height} pixels in {} window(s)", facts.windows));
+    plan.eye_dome();
     plan.steps
 }

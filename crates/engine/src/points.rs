@@ -1,5 +1,7 @@
 //! The points of a whole scene, ready for the device: merged, with every setting applied, in canonical order.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -20,7 +22,8 @@ pub struct Points {
     pub opacities: Vec<f32>,
     /// World radii, finite and at least 0. All zero if the method does not ask for radii.
     pub radii: Vec<f32>,
-    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any.
+    /// Unit normals, `Vec3::ZERO` for points without one; absent if no cloud has any. Those that are estimated have length 2: they
+    /// shade, but tilt no disc and hide no point ([`Points::own_normal`]).
     pub normals: Option<Vec<Vec3>>,
     /// The place of each point before it came into canonical order: file after file, point after point. Empty if
     /// unchanged. Only `unsorted` needs it.
@@ -28,6 +31,26 @@ pub struct Points {
     /// The scalar field F of each point in [0, 1], which separates solid points from soft ones. Empty means 0 for all;
     /// only the soft methods need it.
     pub fields: Vec<f32>,
+    /// Points that are not drawn but belong to the scene, for its bounds and its camera.
+    pub unseen: Arc<Unseen>,
+}
+
+/// A unit normal that is estimated, as [`Points::normals`] has it.
+pub(crate) fn as_estimated(normal: Vec3) -> Vec3 {
+    2.0 * normal
+}
+
+fn is_estimated(normal: Vec3) -> bool {
+    normal.length_squared() > 2.0
+}
+
+/// Points of a scene that are not drawn: hidden by their class, or cut off. Both columns have the same length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Unseen {
+    /// World positions, all finite.
+    pub positions: Vec<DVec3>,
+    /// World radii.
+    pub radii: Vec<f32>,
 }
 
 impl Points {
@@ -41,9 +64,31 @@ impl Points {
         self.positions.is_empty()
     }
 
-    /// The scene's box; `None` without points.
+    /// The normal of a point, unless it is none or estimated.
+    pub fn own_normal(&self, index: usize) -> Option<Vec3> {
+        let normal = self.normals.as_ref().map(|normals| normals[index])?;
+        (normal != Vec3::ZERO && !is_estimated(normal)).then_some(normal)
+    }
+
+    /// The scene's box, around points that are not drawn, too; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::enclosing(self.positions.iter().chain(&self.unseen.positions).copied())
+    }
+
+    /// The box of the points that are drawn; `None` without any.
+    pub fn drawn_bounds(&self) -> Option<Bounds> {
         Bounds::enclosing(self.positions.iter().copied())
+    }
+
+    /// Positions and radii of all points, also of those that are not drawn.
+    pub fn spheres(&self) -> impl Iterator<Item = (&DVec3, f32)> {
+        let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
+        self.positions.iter().zip(&self.radii).chain(unseen).map(|(position, radius)| (position, *radius))
+    }
+
+    /// The largest radius of all points, also of those that are not drawn; 0 without points.
+    pub fn largest_radius(&self) -> f64 {
+        self.spheres().fold(0.0, |most, (_, radius)| f64::from(radius).max(most))
     }
 
     /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is
@@ -60,6 +105,7 @@ impl Points {
             normals: self.normals.map(|normals| pick(normals, &from)),
             file_order: pick(self.file_order, &from),
             fields: pick(self.fields, &from),
+            unseen: self.unseen,
         }
     }
 
@@ -77,14 +123,20 @@ impl Points {
             normals: self.normals.as_ref().map(|normals| pick(normals, places)),
             file_order: pick(&self.file_order, places),
             fields: pick(&self.fields, places),
+            unseen: Arc::clone(&self.unseen),
         }
     }
 
     /// Puts `more` behind these; whoever has no normals gets zeros if the other has some. The orders of their files are
     /// forgotten.
     pub fn append(&mut self, more: Self) {
+        if !more.unseen.positions.is_empty() {
+            let unseen = Arc::make_mut(&mut self.unseen);
+            unseen.positions.extend(&more.unseen.positions);
+            unseen.radii.extend(&more.unseen.radii);
+        }
         if self.is_empty() {
-            *self = Self { file_order: Vec::new(), ..more };
+            *self = Self { file_order: Vec::new(), unseen: Arc::clone(&self.unseen), ..more };
             return;
         }
         let (before, added) = (self.len(), more.len());
@@ -118,11 +170,13 @@ pub struct Changes {
     pub fields: bool,
     /// Points of equal position traded places: normals and `file_order` may be others, too.
     pub order: bool,
+    /// Radii of points that are not drawn.
+    pub unseen: bool,
 }
 
 impl Changes {
     /// All of them.
-    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true };
+    pub const ALL: Self = Self { colors: true, opacities: true, radii: true, fields: true, order: true, unseen: true };
 
     /// These and others.
     #[must_use]
@@ -133,6 +187,7 @@ impl Changes {
             radii: self.radii || more.radii,
             fields: self.fields || more.fields,
             order: self.order || more.order,
+            unseen: self.unseen || more.unseen,
         }
     }
 

@@ -4,7 +4,7 @@ use include_dir::include_dir;
 
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
-    abuffer, approximate, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
+    abuffer, approximate, edl, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
     sorted, spbr, splats, stochastic,
 };
 use crate::passes::{bin, compose, project, radix, scan, tiles};
@@ -37,6 +37,7 @@ pub fn shaders() -> Vec<Shader> {
         tiles::shaders,
         abuffer::shaders,
         approximate::shaders,
+        edl::shaders,
         image_space::shaders,
         linked_list::shaders,
         one_layer::shaders,

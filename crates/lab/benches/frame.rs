@@ -266,9 +266,7 @@ fn discs(diameter: f64) -> Points {
         colors: vec![Vec3::ONE; count],
         opacities: vec![0.2; count],
         radii: vec![0.5 * diameter as f32; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     })
 }
 
@@ -278,7 +276,7 @@ fn frame(method: Method) -> Frame {
     Frame {
         camera: camera.expect("Y is not along the view"),
         size: [SIDE; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,
@@ -342,7 +340,7 @@ impl Course {
             footprint: Footprint::Disc,
             radius_factor: 1.0,
             max_radius_px: f32::MAX,
-            shading: Shading::default(),
+            shading: Shading::NONE,
             color: ColorSpace::Linear,
             opacity_factor: 1.0,
             part: Part::All,

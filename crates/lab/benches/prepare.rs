@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::{order, radius, uncertainty};
+use pellucid_engine::prepare::{order, radius, surface};
 use pellucid_engine::progress::Progress;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -25,10 +25,10 @@ fn prepare(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("{count} points"));
     group.sample_size(10).throughput(Throughput::Elements(count as u64));
     group.bench_function("radius, K = 24", |b| {
-        b.iter(|| radius::estimate(black_box(&positions), 24, &Progress::hidden()));
+        b.iter(|| radius::estimate(black_box(&positions), 24, radius::DEFAULT_CAP, &Progress::hidden()));
     });
     group.bench_function("uncertainty, K = 24", |b| {
-        b.iter(|| uncertainty::estimate(black_box(&positions), None, 24, &Progress::hidden()));
+        b.iter(|| surface::estimate(black_box(&positions), None, (24, radius::DEFAULT_CAP), &Progress::hidden()));
     });
     let points = Points {
         colors: vec![Vec3::ONE; count],
@@ -36,8 +36,7 @@ fn prepare(criterion: &mut Criterion) {
         radii: vec![0.0; count],
         normals: Some(positions.iter().map(|p| p.as_vec3()).collect()),
         positions,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     group.bench_function("canonical order", |b| {
         b.iter_batched(|| points.clone(), order::canonical, BatchSize::LargeInput);

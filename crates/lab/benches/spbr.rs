@@ -142,7 +142,7 @@ fn hardware(device: &Device, count: usize, frames: usize) -> Result<f64> {
         footprint: Footprint::Point,
         radius_factor: 1.0,
         max_radius_px: f32::MAX,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         opacity_factor: 1.0,
         part: Part::All,
@@ -186,9 +186,7 @@ fn points(count: usize) -> Points {
         positions,
         opacities: vec![0.095_162_6; count],
         radii: vec![0.0; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
@@ -210,7 +208,7 @@ fn frame(method: Method, perspective: bool) -> Frame {
     Frame {
         camera: camera.expect("Y is not along the view"),
         size: [SIDE; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,

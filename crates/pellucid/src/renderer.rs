@@ -93,10 +93,10 @@ impl Renderer {
         let mut frame = Frame::of_scene(&settings, camera, scene.seed);
         let (method, reason) = plan::choose(&mut renderer, &mut cloud, arranged.points(), settings.method, &frame)?;
         frame.method = method;
-        let radius = arranged.points().radii.iter().copied().fold(0.0, f32::max);
+        let radius = arranged.points().largest_radius();
         let bounds = arranged.points().bounds();
         let arranged = Arc::new(arranged);
-        Ok(Loaded { renderer, cloud, frame, reason, settings, arranged, bounds, radius: f64::from(radius) })
+        Ok(Loaded { renderer, cloud, frame, reason, settings, arranged, bounds, radius })
     }
 }
 

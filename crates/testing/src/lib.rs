@@ -63,8 +63,7 @@ pub fn scene(points: &[P]) -> Points {
         opacities: points.iter().map(|p| p.opacity).collect(),
         radii: points.iter().map(|p| p.radius).collect(),
         normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     })
 }
 
@@ -129,7 +128,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
     Frame {
         camera,
         size,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,
@@ -183,8 +182,7 @@ fn scene_in_order(points: &[P]) -> Points {
         opacities: points.iter().map(|p| p.opacity).collect(),
         radii: points.iter().map(|p| p.radius).collect(),
         normals: Some(points.iter().map(|p| p.normal).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
@@ -217,8 +215,7 @@ pub fn picked(points: &Points, keep: impl Fn(usize) -> bool) -> Points {
         opacities: kept.iter().map(|i| points.opacities[*i]).collect(),
         radii: kept.iter().map(|i| points.radii[*i]).collect(),
         normals: points.normals.as_ref().map(|normals| kept.iter().map(|i| normals[*i]).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

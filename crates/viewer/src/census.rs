@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{CloudSettings, Scene};
+use pellucid_engine::scene::{CloudSettings, Scene, Strays};
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -110,36 +110,6 @@ fn ends(values: impl ParallelIterator<Item = f64>) -> [f64; 2] {
     if least <= most { [least, most] } else { [0.0; 2] }
 }
 
-/// The name of a class of LAS 1.4 (ASPRS, table 17); `None` for reserved and user-defined codes.
-pub fn class_name(code: u8) -> Option<&'static str> {
-    const NAMES: [&str; 23] = [
-        "never classified",
-        "unclassified",
-        "ground",
-        "low vegetation",
-        "medium vegetation",
-        "high vegetation",
-        "building",
-        "low point (noise)",
-        "model key point",
-        "water",
-        "rail",
-        "road surface",
-        "overlap",
-        "wire, guard",
-        "wire, conductor",
-        "transmission tower",
-        "wire connector",
-        "bridge deck",
-        "high noise",
-        "overhead structure",
-        "ignored ground",
-        "snow",
-        "temporal exclusion",
-    ];
-    NAMES.get(usize::from(code)).copied()
-}
-
 /// The distribution of F over the shown points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldFacts {
@@ -149,8 +119,8 @@ pub struct FieldFacts {
     pub parts: Parts,
 }
 
-/// Everything F depends on, per cloud: K, the definition of F, scale and translation (which may drop points).
-type Origins = Vec<(Option<usize>, Option<Field>, f64, DVec3)>;
+/// Everything F depends on, per cloud: K, the definition of F, caps and outliers, scale and translation (which may drop points).
+type Origins = Vec<(Option<usize>, Option<Field>, Strays, f64, DVec3)>;
 
 /// The last histogram, kept so that it is recomputed only when the points change.
 #[derive(Default)]
@@ -159,7 +129,8 @@ pub struct Histograms(Option<(Origins, Arc<[u64]>)>);
 impl Histograms {
     /// The histogram of `fields`: F of the points of `scene`, in [0, 1].
     pub fn for_scene(&mut self, scene: &Scene, fields: &[f32]) -> Arc<[u64]> {
-        let origin = |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.scale, cloud.translate);
+        let origin =
+            |cloud: &CloudSettings| (cloud.neighbors, cloud.field.clone(), cloud.strays, cloud.scale, cloud.translate);
         let origins: Origins = scene.clouds.iter().map(origin).collect();
         match &self.0 {
             Some((known, histogram)) if *known == origins => histogram.clone(),
@@ -265,15 +236,9 @@ mod tests {
         let first = histograms.for_scene(&scene(""), &[0.0]);
         // Settings that don't affect F change nothing: the other points are not examined.
         assert!(Arc::ptr_eq(&first, &histograms.for_scene(&scene("opacity = 0.5\nradius = 2.0"), &[1.0])));
-        for text in ["field = 'z'", "neighbors = 7", "scale = 2.0", ""] {
+        for text in ["field = 'z'", "neighbors = 7", "outliers = 'soft'", "scale = 2.0", ""] {
             assert_eq!(histograms.for_scene(&scene(text), &[1.0])[63], 1, "{text}");
             assert_eq!(histograms.for_scene(&scene("field = 'x'"), &[0.0])[63], 0);
         }
-    }
-
-    #[test]
-    fn classes_have_their_names() {
-        assert_eq!([2, 5, 22].map(class_name), [Some("ground"), Some("high vegetation"), Some("temporal exclusion")]);
-        assert_eq!([23, 64, 255].map(class_name), [None; 3]);
     }
 }

@@ -98,7 +98,7 @@ fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
             Control::Count(from, to)
         }
         (Kind::Flag, _) => Control::Flag,
-        (Kind::Words(words), _) => Control::Choice(words),
+        (Kind::Words(words) | Kind::WordsOr(words, _), _) => Control::Choice(words),
         (Kind::Color, _) => Control::Color,
         _ => return None,
     })

@@ -12,7 +12,8 @@ pub fn hint(key: &str) -> &'static str {
             .find(|known| known.path.split('.').next() == Some(table))
             .map_or(vec![], |t| t.keys),
     };
-    let name = if table == "cloud" { name.split_once('.').map_or(name, |(_, name)| name) } else { name };
+    let name =
+        if matches!(table, "cloud" | "clip") { name.split_once('.').map_or(name, |(_, name)| name) } else { name };
     let found = keys.into_iter().find(|key| key.name == name).map(|key| key.about);
     found.or_else(|| of_light(key)).unwrap_or_default()
 }

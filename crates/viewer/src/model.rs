@@ -49,6 +49,8 @@ pub struct Shows {
     pub passes: bool,
     /// The keys.
     pub help: bool,
+    /// The meaning of the colors.
+    pub legend: bool,
 }
 
 /// How far the shown picture is from the one that is wanted.
@@ -142,7 +144,7 @@ impl Model {
             pending: VecDeque::new(),
             progress: Progress::hidden(),
             times: Times::default(),
-            shows: Shows { panel: true, passes: true, help: false },
+            shows: Shows { panel: true, passes: true, help: false, legend: false },
             grabbed: None,
             controls: BTreeMap::new(),
         })
@@ -190,6 +192,14 @@ impl Model {
                 self.touch();
             }
             self.viewport = viewport;
+        }
+    }
+
+    /// Shows or hides the meaning of the colors. It comes with a picture, as the worker has the clouds.
+    pub fn show_legend(&mut self, shown: bool) {
+        self.shows.legend = shown;
+        if shown && self.picture.as_ref().is_some_and(|picture| picture.legend.is_none()) {
+            self.touch();
         }
     }
 

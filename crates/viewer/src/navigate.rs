@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use pellucid_engine::camera::path::Pose;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::{Bounds, UpAxis};
-use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, camera_at};
+use pellucid_engine::scene::{CameraSettings, DEFAULT_FOV_Y, Vertical, camera_at};
 
 /// Distances in this range, in reaches of the scene, are as far as one gets.
 const DISTANCES: [f64; 2] = [1e-6, 1e3];
@@ -30,10 +30,8 @@ struct Turntable {
 
 impl Turntable {
     fn with_vertical(up: UpAxis) -> Self {
-        match up {
-            UpAxis::Z => Self { vertical: DVec3::Z, front: -DVec3::Y, side: DVec3::X },
-            UpAxis::Y => Self { vertical: DVec3::Y, front: DVec3::Z, side: DVec3::X },
-        }
+        let vertical = Vertical::from(up);
+        Self { vertical: vertical.up(), front: vertical.front(), side: vertical.right() }
     }
 
     /// The vertical of the files if the camera is level with it, else the other one if it is with that, else the image's own.

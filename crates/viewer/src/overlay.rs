@@ -75,7 +75,8 @@ fn waiting(ctx: &Context, model: &Model) {
     }
 }
 
-fn frame() -> Frame {
+/// The ground of what lies over the picture.
+pub fn frame() -> Frame {
     Frame::new().fill(Color32::from_black_alpha(200)).inner_margin(8.0).corner_radius(4.0)
 }
 

@@ -7,23 +7,51 @@ use super::stage::no_points;
 use super::thinned::ThinnedCloud;
 use pellucid_engine::Result;
 use pellucid_engine::cloud::Cloud;
+use pellucid_engine::io::{self, LasColumns};
 use pellucid_engine::methods::Renderer;
 use pellucid_engine::passes::project::DeviceCloud;
-use pellucid_engine::points::{Changes, Points};
-use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
+use pellucid_engine::points::Changes;
+use pellucid_engine::scene::legend::Legend;
+use pellucid_engine::scene::tracked::{self, DerivedColumns, Tracked};
 use pellucid_engine::scene::{self, Light, Scene, Shadows};
 
 /// The clouds as they were read, and data derived from them.
 pub struct Sources {
     clouds: Vec<Cloud>,
     derived: Vec<DerivedColumns>,
+    /// Columns of each cloud's file that were asked for once it had been read.
+    asked: Vec<LasColumns>,
     seed: u64,
 }
 
 impl Sources {
     pub fn new(clouds: Vec<Cloud>, seed: u64) -> Self {
         let derived = clouds.iter().map(|_| DerivedColumns::default()).collect();
-        Self { clouds, derived, seed }
+        let asked = vec![LasColumns::default(); clouds.len()];
+        Self { clouds, derived, asked, seed }
+    }
+
+    /// Reads files again that may have columns which the scene needs and which were not asked for before.
+    ///
+    /// # Errors
+    /// A file that can't be read any more.
+    pub fn complete(&mut self, scene: &Scene, progress: &Progress) -> Result<()> {
+        for ((settings, cloud), asked) in scene.clouds.iter().zip(&mut self.clouds).zip(&mut self.asked) {
+            let all = settings.hints().las.and(*asked);
+            if all == *asked || all.lacking(cloud) == LasColumns::default() {
+                continue;
+            }
+            progress.reset();
+            progress.set_message(format!("reading {}", settings.path.display()));
+            match io::load_with(&settings.path, io::Hints { las: all, ..settings.hints() }, progress) {
+                Ok(found) if found.len() == cloud.len() => cloud.scalars = found.scalars,
+                // A built-in cloud has no file, and one that changed meanwhile is another cloud.
+                Ok(_) | Err(io::Error::Missing { .. }) => {}
+                Err(error) => return Err(error.into()),
+            }
+            *asked = all;
+        }
+        Ok(())
     }
 
     /// The clouds.
@@ -34,6 +62,14 @@ impl Sources {
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Vec<Cloud> {
         self.clouds
+    }
+
+    /// What the colors of the scene mean whose points were last asked for.
+    ///
+    /// # Errors
+    /// A cloud lacks what its colors are to show.
+    pub fn legend(&self, scene: &Scene) -> Result<Legend> {
+        Ok(tracked::legend(scene, &self.clouds, &self.derived)?)
     }
 
     /// The seed of stochastic methods.
@@ -71,11 +107,11 @@ impl Placed {
     /// # Errors
     /// No point is left, a cloud lacks what its field is made of, or the device has no room.
     pub fn new(renderer: &Renderer, sources: &mut Sources, scene: &Scene, progress: &Progress) -> Result<Self> {
-        let Sources { clouds, derived, seed } = sources;
+        let Sources { clouds, derived, seed, .. } = sources;
         let arranged = Tracked::new(scene, clouds, derived, *seed, progress)?;
         let (texture, _) = scene::shadow_texture(scene, clouds, *seed);
         let Some(bounds) = arranged.points().bounds() else { return Err(no_points()) };
-        let subject = Subject { bounds, radius: max_radius(arranged.points()), up: scene::up_axis(clouds) };
+        let subject = Subject { bounds, radius: arranged.points().largest_radius(), up: scene::up_axis(clouds) };
         progress.set_message("uploading points");
         let cloud = renderer.upload_lit(arranged.arranged(), texture.as_ref())?;
         Ok(Self {
@@ -101,7 +137,7 @@ impl Placed {
         scene: &Scene,
         progress: &Progress,
     ) -> Result<Option<Changes>> {
-        let Sources { clouds, derived, seed } = sources;
+        let Sources { clouds, derived, seed, .. } = sources;
         self.cloud.let_go();
         let followed = self.arranged.follow(scene, clouds, derived, progress);
         if let Ok(Some(changes)) = followed {
@@ -129,15 +165,11 @@ impl Placed {
         if changes.any() {
             self.thinned = None;
         }
-        if changes.radii {
-            self.subject.radius = max_radius(self.arranged.points());
+        if changes.radii || changes.unseen {
+            self.subject.radius = self.arranged.points().largest_radius();
         }
         if changes.order {
             self.lighting = None;
         }
     }
-}
-
-fn max_radius(points: &Points) -> f64 {
-    points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)))
 }

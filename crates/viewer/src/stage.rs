@@ -17,6 +17,7 @@ use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop, shadows};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::points::Changes;
+use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{self, CameraSettings, Method, MethodChoice, Scene, View};
 use pellucid_engine::{Result, plan};
 
@@ -108,6 +109,14 @@ impl Stage {
     /// The clouds, when everything else goes.
     pub fn into_clouds(self) -> Vec<Cloud> {
         self.sources.into_clouds()
+    }
+
+    /// What the colors of the scene mean that was last taken a picture of.
+    ///
+    /// # Errors
+    /// A cloud lacks what its colors are to show.
+    pub fn legend(&self, scene: &Scene) -> Result<Legend> {
+        self.sources.legend(scene)
     }
 
     /// Takes an image back whose memory the next one may have.
@@ -217,6 +226,7 @@ impl Stage {
 
     fn place_quietly(&mut self, scene: &Scene) -> Result<Changes> {
         let Self { renderer, sources, progress, placed, .. } = self;
+        sources.complete(scene, progress)?;
         if let Some(before) = placed {
             if let Some(changes) = before.follow(renderer, sources, scene, progress)? {
                 return Ok(changes);
@@ -263,7 +273,7 @@ fn lights(frame: &mut Frame, cloud: &DeviceCloud, effort: Effort) -> Option<[u32
 }
 
 pub(super) fn no_points() -> pellucid_engine::Error {
-    scene::Error::NoPoints { clouds: "the scene".into() }.into()
+    scene::Error::NoPoints { clouds: "the scene".into(), hidden: 0 }.into()
 }
 
 fn camera(scene: &Scene, pose: Pose, placed: &Placed) -> Result<Camera> {

@@ -11,6 +11,7 @@ use pellucid_engine::progress::Progress;
 use super::accuracy::{History, Rung, Standing};
 use super::census::Census;
 use super::display::{self, Display};
+use super::legend::Legends;
 use super::loss;
 use super::save::{self, Saving};
 use super::stage::{Pose, Stage, TakenPicture};
@@ -102,7 +103,15 @@ impl Worker {
         let stage = Stage::new(device, workload.clouds, setup.seed, setup.memory_budget)?;
         let progress = stage.progress.clone();
         let (display, history) = (Display::new(), History::default());
-        let work = Work { stage, setup, generated: workload.generated, display, history, whole: None };
+        let work = Work {
+            stage,
+            setup,
+            generated: workload.generated,
+            display,
+            history,
+            whole: None,
+            legends: Legends::default(),
+        };
         let teller = Teller { news: teller, bell: Bell(wake) };
         let stops = Arc::new(Stops::default());
         let stoppable = stops.clone();
@@ -185,6 +194,7 @@ struct Work {
     history: History,
     /// The last whole picture.
     whole: Option<Whole>,
+    legends: Legends,
 }
 
 /// A whole picture that can be compared with an exact one.
@@ -281,9 +291,11 @@ impl Work {
     }
 
     fn show(&mut self, request: &Request) -> Result<News> {
-        let Request { scene, pose, effort, serial } = request;
+        let Request { scene, pose, effort, serial, legend } = request;
         let mut taken = self.stage.take(scene, *pose, *effort)?;
         let plan = self.stage.plan(&taken);
+        let (stage, legends) = (&self.stage, &mut self.legends);
+        let legend = legend.then(|| legends.of_scene(scene, || stage.legend(scene))).transpose()?;
         let (whole, draft) = (taken.is_whole(), taken.name());
         let image = &taken.rendered.image;
         let (small, size) = ([image.width, image.height], scene.image.size);
@@ -322,6 +334,7 @@ impl Work {
             facts: rendered.facts,
             plan,
             field,
+            legend,
         };
         Ok(News::Picture(Box::new(picture)))
     }
@@ -349,7 +362,7 @@ impl Work {
         self.stage = Stage::new(&device, opened.clouds, self.setup.seed, self.setup.memory_budget)?;
         self.stage.progress = progress;
         // A file of the same name may have other contents now.
-        (self.history, self.whole) = (History::default(), None);
+        (self.history, self.whole, self.legends) = (History::default(), None, Legends::default());
         self.generated = opened.generated;
         Ok(News::Opened(opened.name, Box::new(opened.document)))
     }

@@ -19,11 +19,11 @@ pub use path::path;
 pub use pictures::{compare, photo};
 pub use prepared::prepared;
 pub use profile::profile;
-pub use scene::scene;
+pub use scene::{polygon, scene};
 pub use volume::volume;
 
 /// All of them by name, which is that of the target and of its corpus.
-pub const TARGETS: [(&str, Body); 12] = [
+pub const TARGETS: [(&str, Body); 13] = [
     ("ply", ply),
     ("las", las),
     ("e57", e57),
@@ -36,6 +36,7 @@ pub const TARGETS: [(&str, Body); 12] = [
     ("profile", profile),
     ("prepared", prepared),
     ("path", path),
+    ("polygon", polygon),
 ];
 
 /// Hands the path of a file with some content on. The file is gone afterwards.

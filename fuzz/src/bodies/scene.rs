@@ -8,6 +8,8 @@ use pellucid_engine::plan;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Overrides, Scene};
 
+use super::with_file;
+
 /// Clouds of a scene that are taken further than the checks.
 const MOST_CLOUDS: usize = 4;
 
@@ -26,6 +28,14 @@ pub fn scene(input: &[u8]) {
         let clouds = scene.clouds.iter().map(|_| sample()).collect();
         arrange(&scene, clouds);
     }
+}
+
+/// A GeoJSON file whose polygons cut a cloud.
+pub fn polygon(input: &[u8]) {
+    with_file("area.geojson", input, |path| {
+        let text = "[[cloud]]\npath = 'a.ply'\nradius = 1\n[[clip]]\npolygon = 'area.geojson'\n";
+        arrange(&Scene::from_toml(text, path).expect("a scene"), vec![sample()]);
+    });
 }
 
 /// Makes of clouds what a renderer gets.

@@ -69,8 +69,15 @@ impl PathArgs {
 }
 
 impl Along {
-    /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first.
-    pub fn resolve(&self, input: &InputArgs, console: Console, progress: &Bar) -> Result<(Resolved, Vec<Camera>)> {
+    /// Reads the inputs, and finds the camera of each frame; there is at least one, and the scene's is the first. With
+    /// `legend` the meaning of colors as well.
+    pub fn resolve(
+        &self,
+        input: &InputArgs,
+        legend: bool,
+        console: Console,
+        progress: &Bar,
+    ) -> Result<(Resolved, Vec<Camera>)> {
         let size = match self {
             Self::Keys { source, .. } => source.size(),
             Self::Turn { .. } => None,
@@ -81,7 +88,8 @@ impl Along {
             cameras = found;
             Ok((cameras[0], warnings))
         };
-        let resolved = read(input, size, console, progress)?.resolve_by(find, console, progress)?;
+        let loaded = read(input, size, console, progress)?.with_legend(legend);
+        let resolved = loaded.resolve_by(find, console, progress)?;
         let given = resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view().is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first

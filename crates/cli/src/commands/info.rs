@@ -1,6 +1,9 @@
 //! `pellucid info`.
 
-use std::collections::BTreeMap;
+mod facts;
+mod histogram;
+mod proposal;
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -10,12 +13,19 @@ use pellucid_engine::Result;
 use pellucid_engine::cloud::shadow_texture::Casting;
 use pellucid_engine::cloud::{Cloud, Prepared};
 use pellucid_engine::io::{self, ColumnNames, Hints};
-use pellucid_engine::scene::Light;
+use pellucid_engine::prepare::outliers::{self, Rule};
+use pellucid_engine::scene::{Light, Outliers, Strays};
 use serde_json::{Value, json};
 
+use super::bar::Bar;
 use super::console::{Console, print, print_json};
 use super::limit::usage;
+use facts::Facts;
 
+/// Prints the points, bounds and attributes of files, the points of each class, histograms of height and intensity between their
+/// percentiles 1 and 99, and a command line that suits the file. Spacing, the median distance of a point to the nearest other one,
+/// and the mean number of splats on a covered pixel of the automatic view are estimates from the neighbors of up to 2048 points;
+/// a search tree over all points is built for them. No device is needed.
 #[derive(Debug, Args)]
 pub struct InfoArgs {
     /// Point clouds (PLY, LAS, LAZ, COPC, E57, PCD, PTS, PTX, XYZ, CSV, TXT), or pictures that stand for clouds.
@@ -24,8 +34,13 @@ pub struct InfoArgs {
     /// Columns of text files (PTS, PTX, XYZ, CSV, TXT), as in x,y,z,-,r,g,b; `render --help` lists the names.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     columns: Option<String>,
-    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes}; points counts all in the file,
-    /// classes maps a code to its points. A prepared cloud has `prepared: {neighbors, estimated_radii, field, quantiles}`,
+    /// Count the points that stand apart: those that `outliers` of a [[cloud]] is about, by the default of its outlier_k and
+    /// outlier_factor. Finds the neighbors of every point.
+    #[arg(long)]
+    outliers: bool,
+    /// Print JSON: {points, non_finite, bounds: {min, max}, attributes, classes, ranges, spacing, layers, histograms, command};
+    /// points counts all in the file, classes maps a code to its points, ranges a scalar to [min, max], histograms are {height,
+    /// intensity}, each null or {min, max, counts}. With --outliers also `outliers`, their number. A prepared cloud has `prepared: {neighbors, radius_cap, estimated_radii, field, quantiles}`,
     /// where quantiles maps a share of the points to the F that they don't exceed, and `shadows` in it if they are stored.
     /// Several files: an array of these, each with `file`.
     #[arg(long)]
@@ -43,19 +58,45 @@ pub fn run(args: InfoArgs, console: Console) -> Result<ExitCode> {
         io::load_with(file, hints, &progress)
     };
     let clouds: Vec<_> = args.files.iter().map(|file| Ok((file, load(file)?))).collect::<Result<_>>()?;
+    let look = |(file, cloud): (&PathBuf, Cloud)| Seen::of(file, &args, cloud, &progress);
+    let seen: Vec<Seen> = clouds.into_iter().map(look).collect();
     progress.finish_and_clear();
-    for (file, cloud) in &clouds {
+    for Seen { file, cloud, .. } in &seen {
         cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{}: {warning}", file.display())));
     }
-    match (args.json, clouds.as_slice()) {
-        (true, [(_, cloud)]) => print_json(&to_json(cloud))?,
-        (true, clouds) => print_json(&clouds.iter().map(|(file, cloud)| with_file(file, cloud)).collect())?,
-        (false, clouds) => {
-            let texts: Vec<_> = clouds.iter().map(|(file, cloud)| to_text(file, cloud)).collect();
-            print(&texts.join("\n"))?;
-        }
+    match (args.json, seen.as_slice()) {
+        (true, [seen]) => print_json(&to_json(seen))?,
+        (true, seen) => print_json(&seen.iter().map(with_file).collect())?,
+        (false, seen) => print(&seen.iter().map(to_text).collect::<Vec<_>>().join("\n"))?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// A file and what was found in it.
+struct Seen {
+    file: PathBuf,
+    cloud: Cloud,
+    facts: Facts,
+    /// Their number, if it was asked for.
+    outliers: Option<usize>,
+}
+
+impl Seen {
+    fn of(file: &Path, args: &InfoArgs, cloud: Cloud, progress: &Bar) -> Self {
+        let outliers = args.outliers.then(|| count_outliers(&cloud, progress));
+        progress.reset();
+        progress.set_message("looking at points");
+        let facts = Facts::of(file, args.columns.as_deref(), &cloud);
+        Self { file: file.to_owned(), cloud, facts, outliers }
+    }
+}
+
+/// The number of points that stand apart, by the rule that scenes have by default.
+fn count_outliers(cloud: &Cloud, progress: &Bar) -> usize {
+    progress.reset();
+    progress.set_message("finding neighbors");
+    let rule = Strays { outliers: Outliers::Drop, ..Strays::default() }.rule(Outliers::Drop);
+    rule.map_or(0, |rule: Rule| outliers::count(&outliers::find(&cloud.positions, rule, progress)))
 }
 
 /// Names of the columns that the file gave, the usual ones first.
@@ -74,18 +115,10 @@ fn attributes(cloud: &Cloud) -> Vec<&str> {
     usual.chain(cloud.scalars.iter().map(|(name, _)| name.as_str())).collect()
 }
 
-/// Points of each class.
-fn classes(cloud: &Cloud) -> BTreeMap<u8, usize> {
-    let mut classes = BTreeMap::new();
-    for code in cloud.classification.iter().flatten() {
-        *classes.entry(*code).or_insert(0) += 1;
-    }
-    classes
-}
-
-fn to_json(cloud: &Cloud) -> Value {
+fn to_json(seen: &Seen) -> Value {
+    let Seen { cloud, facts, outliers, .. } = seen;
     let classes: serde_json::Map<_, _> =
-        classes(cloud).into_iter().map(|(code, count)| (code.to_string(), count.into())).collect();
+        facts.classes.iter().map(|(code, count)| (code.to_string(), (*count).into())).collect();
     let mut value = json!({
         "points": cloud.len() + cloud.non_finite,
         "non_finite": cloud.non_finite,
@@ -93,6 +126,12 @@ fn to_json(cloud: &Cloud) -> Value {
         "attributes": attributes(cloud),
         "classes": classes,
     });
+    if let Value::Object(object) = &mut value {
+        facts.add_to(object);
+    }
+    if let (Value::Object(object), Some(outliers)) = (&mut value, *outliers) {
+        object.insert("outliers".to_owned(), outliers.into());
+    }
     if let (Value::Object(object), Some(prepared)) = (&mut value, &cloud.prepared) {
         let quantiles: serde_json::Map<_, _> = quantiles(prepared)
             .into_iter()
@@ -101,6 +140,7 @@ fn to_json(cloud: &Cloud) -> Value {
         let shadows = prepared.shadows.as_ref().map(|shadows| shadows.casting);
         let mut prepared = json!({
             "neighbors": prepared.neighbors,
+            "radius_cap": prepared.radius_cap,
             "estimated_radii": prepared.estimated_radii,
             "field": prepared.field,
             "quantiles": quantiles,
@@ -146,15 +186,16 @@ fn shadows_text(casting: &Casting) -> String {
     format!("\n  shadows     {light}{soft}, {resolution} × {resolution} pixels, surfaces {min_layer_distance} apart")
 }
 
-fn with_file(file: &Path, cloud: &Cloud) -> Value {
-    let mut value = json!({ "file": file.display().to_string() });
-    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(cloud)) {
+fn with_file(seen: &Seen) -> Value {
+    let mut value = json!({ "file": seen.file.display().to_string() });
+    if let (Value::Object(object), Value::Object(more)) = (&mut value, to_json(seen)) {
         object.extend(more);
     }
     value
 }
 
-fn to_text(file: &Path, cloud: &Cloud) -> String {
+fn to_text(seen: &Seen) -> String {
+    let Seen { file, cloud, facts, outliers } = seen;
     let mut text = format!("{}\n  points      {}", file.display(), cloud.len() + cloud.non_finite);
     // Writing to a string can't fail.
     if cloud.non_finite > 0 {
@@ -164,13 +205,13 @@ fn to_text(file: &Path, cloud: &Cloud) -> String {
         let size = bounds.max - bounds.min;
         let _ = write!(text, "\n  bounds      {} to {}\n  size        {size}", bounds.min, bounds.max);
     }
-    let attributes = attributes(cloud);
-    let _ =
-        write!(text, "\n  attributes  {}", if attributes.is_empty() { "none".into() } else { attributes.join(", ") });
-    let classes: Vec<_> = classes(cloud).into_iter().map(|(code, count)| format!("{code}: {count}")).collect();
-    if !classes.is_empty() {
-        let _ = write!(text, "\n  classes     {}", classes.join(", "));
+    if let Some(outliers) = outliers {
+        let _ = write!(text, "\n  outliers    {outliers}");
     }
+    let attributes = attributes(cloud);
+    let listed = if attributes.is_empty() { "none".into() } else { facts.attributes(&attributes) };
+    let _ = write!(text, "\n  attributes  {listed}");
+    text.push_str(&facts.text());
     cloud.prepared.iter().for_each(|prepared| text.push_str(&prepared_text(prepared)));
     text + "\n"
 }

@@ -5,18 +5,21 @@ mod bar;
 mod check;
 mod compare;
 mod compare_profiles;
-mod console;
+pub mod console;
 mod devices;
 mod ensemble_warnings;
+mod filters;
 mod frames;
 mod info;
-mod input;
+pub mod input;
 mod interrupt;
 mod limit;
 mod measured;
 mod noise;
+mod opacity_notes;
 mod plan;
 mod prepare;
+mod presets;
 mod profile;
 mod render;
 mod scene;
@@ -80,6 +83,21 @@ enum Command {
     Compare(compare::CompareArgs),
 }
 
+impl Command {
+    /// The inputs, of commands that render them.
+    fn input(&self) -> Option<&input::InputArgs> {
+        match self {
+            Self::Render(args) => Some(&args.input),
+            Self::Profile(args) => Some(&args.input),
+            Self::Tradeoff(args) => Some(&args.input),
+            Self::Plan(args) => Some(&args.input),
+            #[cfg(feature = "viewer")]
+            Self::View(args) => Some(&args.input),
+            _ => None,
+        }
+    }
+}
+
 /// The device and what it may use.
 #[derive(Debug, Args)]
 struct DeviceArgs {
@@ -140,6 +158,10 @@ pub fn run() -> Result<ExitCode, crate::error::Error> {
     let console = Console::new(cli.quiet, cli.verbose);
     interrupt::watch();
     pellucid_engine::io::silence_decoder_panics();
+    if cli.command.input().is_some_and(input::InputArgs::lists_presets) {
+        console::print(&presets::list())?;
+        return Ok(ExitCode::SUCCESS);
+    }
     Ok(match cli.command {
         Command::Render(args) => render::run(args, console)?,
         Command::Profile(args) => profile::run(args, console)?,

@@ -15,7 +15,7 @@ use super::session::Session;
 #[derive(Debug, Args)]
 pub struct PlanArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
     /// Print the plan as JSON.
@@ -27,11 +27,16 @@ pub fn run(args: PlanArgs, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let resolved = prepare(&args.input, console, &progress)?;
     let mut session = Session::open(&args.device, &resolved, true, Stop::Exact, &progress)?;
+    session.warn(&resolved, console);
     // Count lists as `profile` does, except for methods without lists.
     session.frame.fragments = !session.frame.counts_on_demand();
     let facts = session.renderer.survey(&mut session.cloud, &session.frame)?;
     progress.finish_and_clear();
-    let steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
+    let mut steps = plan::plan(&session.device, &session.frame, &facts, session.renderer.wide_atomics, &session.why);
+    // The first pass takes the points, and their colors.
+    if let Some(first) = steps.iter_mut().find(|step| step.on) {
+        first.reason = [std::slice::from_ref(&first.reason), &resolved.colorings].concat().join("; ");
+    }
     if args.json {
         print_json(&json!(steps))?;
     } else {

@@ -40,6 +40,10 @@ pub struct PrepareArgs {
     /// K: neighbors of a point that decide its radius and its uncertainty; by default those of a prepared input, else 24.
     #[arg(long, value_name = "K")]
     neighbors: Option<String>,
+    /// Radii are at most so many times the median of the radii around them, so that strays don't become huge; 0: no limit. By
+    /// default that of a prepared input, else 4.
+    #[arg(long, value_name = "C")]
+    radius_cap: Option<String>,
     /// The field F: uncertainty (how unlike a surface the neighborhood is), classification, intensity, distance-to-axis, or the
     /// name of a scalar property; by default that of a prepared input, else uncertainty.
     #[arg(long, value_name = "NAME")]
@@ -92,6 +96,7 @@ impl PrepareArgs {
         let options = [
             ("columns", "columns", self.columns.as_ref().map(|names| format!("{names:?}"))),
             ("neighbors", "neighbors", self.neighbors.clone()),
+            ("radius-cap", "radius_cap", self.radius_cap.clone()),
             ("field", "field", self.field.as_ref().map(|name| format!("{name:?}"))),
             ("soft-classes", "soft_classes", self.soft_classes.as_ref().map(list)),
             ("axis-point", "axis.point", self.axis_point.as_ref().map(list)),
@@ -191,8 +196,9 @@ pub fn run(args: PrepareArgs, console: Console) -> Result<ExitCode> {
     let hints = settings.as_ref().map(CloudSettings::hints).unwrap_or_default();
     let cloud = io::load_with(&args.input, hints, &progress)?;
     report_cloud(&args.input, &cloud, console);
+    let radius_cap = settings.as_ref().and_then(|cloud| cloud.strays.radius_cap);
     let (neighbors, field) = settings.map(|cloud| (cloud.neighbors, cloud.field)).unwrap_or_default();
-    let request = prepare::Request { neighbors, field, normals: args.normals, ..Default::default() };
+    let request = prepare::Request { neighbors, radius_cap, field, normals: args.normals, ..Default::default() };
     progress.reset();
     progress.set_message("finding neighbors");
     let prepared = prepare::prepared(cloud, &request, &progress);

@@ -16,7 +16,7 @@ use super::{DeviceArgs, MeasureArgs};
 #[derive(Debug, Args)]
 pub struct ProfileArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
     args.measure.check()?;
     let progress = console.progress();
     let (resolved, cameras) = match args.along.course(args.frames, &args.input, console)? {
-        Some(along) => along.resolve(&args.input, console, &progress)?,
+        Some(along) => along.resolve(&args.input, false, console, &progress)?,
         None => {
             let resolved = prepare(&args.input, console, &progress)?;
             let cameras = vec![resolved.camera; args.frames.unwrap_or(DEFAULT_FRAMES) as usize];

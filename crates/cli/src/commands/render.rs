@@ -10,16 +10,18 @@ use pellucid_engine::output::{self, WriteOptions};
 use pellucid_engine::profile::Profile;
 use pellucid_engine::scene::Error;
 use pellucid_engine::{Result, plan};
-use pellucid_lab::choice::{self, Choice, Subject, Wish};
+use pellucid_lab::choice::{self, Choice, Figures, Row, Subject, Wish};
 use pellucid_lab::report::tradeoff::settings::formation;
 
 use super::along::PathArgs;
 use super::console::Console;
 use super::frames::{Naming, Pattern};
 use super::input::{InputArgs, Loaded, Resolved, read};
+use super::opacity_notes;
 use super::sequence;
 use super::session::Session;
 use super::{DeviceArgs, MeasureArgs};
+use crate::legend;
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -42,6 +44,10 @@ pub struct RenderArgs {
     /// PNG: straight alpha instead of the background. (An EXR always has both: R, G, B over the background, and A.)
     #[arg(long)]
     pub transparent: bool,
+    /// PNG: draw what the colors mean into the lower left corner (a color bar with values, or the classes that are in the
+    /// picture), and where the camera is orthographic a scale bar. An EXR has none, since its values are for further use.
+    #[arg(long)]
+    legend: bool,
     /// With --path or --turntable the number of frames. The output's name needs a number, as in frame_%04d.png (by default
     /// the first input's name with _%04d.png), which counts from 0. Frames that are there already and belong to the same
     /// scene, path and settings are not rendered again.
@@ -102,6 +108,13 @@ impl ChoiceArgs {
             ));
             return None;
         }
+        if wish.is_any() && resolved.scene.shading.edl.edl {
+            console.warn(format_args!(
+                "--max-error and --budget have no effect with eye-dome lighting, which only some methods have: {} stays the method",
+                taken.name()
+            ));
+            return None;
+        }
         if wish.is_any() && formation(&method.representative(), resolved.points()).is_err() {
             console.warn(format_args!(
                 "--max-error and --budget have no effect on method {}: no other one draws its image",
@@ -143,9 +156,23 @@ fn choose(
     if let Some(warning) = &choice.warning {
         console.warn(warning);
     }
+    console.note(candidates(&choice.best));
     session.frame.method = choice.method;
     session.why = "chosen by what was measured on this scene".to_owned();
     Ok(choice)
+}
+
+/// The best settings as a table: setting, RMSE, time, and how far apart the times of its frames are.
+fn candidates(rows: &[Row]) -> String {
+    let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("setting".len());
+    let line = |row: &Row| {
+        let spread = row.spread.map_or_else(String::new, |spread| format!("{:>6.0}%", 100.0 * spread));
+        let mark = if row.busy { " (a busy machine?)" } else { "" };
+        let Figures { rmse, gpu_ms } = row.figures;
+        format!("\n  {:<width$}  {rmse:>8.1e}  {gpu_ms:>9.2}  {spread}{mark}", row.name)
+    };
+    let lines: String = rows.iter().map(line).collect();
+    format!("  {:<width$}  {:>8}  {:>9}  {:>7}{lines}", "setting", "RMSE", "ms", "spread")
 }
 
 /// The destination of pictures.
@@ -206,6 +233,11 @@ fn is_png(path: &Path) -> bool {
 }
 
 impl RenderArgs {
+    /// True if an output of this name has a legend.
+    pub fn draws_legend(&self, output: &Path) -> bool {
+        self.legend && is_png(output)
+    }
+
     /// The accuracy at which blending may stop for an output of this name.
     pub fn stop(&self, output: &Path) -> Stop {
         if is_png(output) { Stop::EightBit { transparent: self.transparent } } else { Stop::Exact }
@@ -222,17 +254,21 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
     if args.transparent && !png {
         console.warn("--transparent has no effect on an EXR, which holds the alpha channel anyway");
     }
+    if args.legend && !png {
+        console.warn("--legend has no effect on an EXR; write a .png");
+    }
     if let Target::Frames(pattern) = &target
         && let Some(along) = args.along.course(args.frames.flatten(), &args.input, console)?
     {
         return sequence::run(&args, &along, pattern, console);
     }
     let progress = console.progress();
-    let loaded = read(&args.input, None, console, &progress)?;
+    let loaded = read(&args.input, None, console, &progress)?.with_legend(args.legend && png);
     let mut profile = None;
     match &target {
         Target::One(path) => {
             let resolved = loaded.resolve(None, console, &progress)?;
+            legend::check(&resolved, console)?;
             picture(&args, &resolved, path, None, &mut profile, &progress, console)?;
         }
         Target::Steps(pattern) | Target::Frames(pattern) => {
@@ -257,6 +293,7 @@ fn steps(
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let whole = loaded.clone().resolve(None, console, progress)?;
+    legend::check(&whole, console)?;
     progress.finish_and_clear();
     // Messages about the scene were printed already.
     let silent = Console::new(true, false);
@@ -288,6 +325,7 @@ fn picture(
         None => (Session::open(&args.device, resolved, counted, stop, progress)?, None),
         Some(wish) => {
             let mut session = Session::upload(&args.device, resolved, counted, stop, progress)?;
+            session.find_opacity(resolved, progress)?;
             let choice = choose(args, wish, &mut session, resolved, progress, console)?;
             (session, Some(choice))
         }
@@ -295,10 +333,14 @@ fn picture(
     session.renderer.progress = (**progress).clone();
     session.describe(console);
     // In a time series, warn only once.
-    if step.is_none_or(|(step, count)| step == count) {
+    let last = step.is_none_or(|(step, count)| step == count);
+    if last {
         session.warn(resolved, console);
     }
     let mut rendered = session.render()?;
+    if last {
+        opacity_notes::judge(&mut session, resolved, &rendered.image, console)?;
+    }
     progress.finish_and_clear();
     let mut own: Vec<_> =
         choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
@@ -329,6 +371,8 @@ pub fn finish(
         applied.warning().iter().for_each(|warning| console.warn(warning));
         metadata.push(("pellucid:brightness".to_owned(), applied.json().to_string()));
     }
+    let found = session.see_through.map(|found| opacity_notes::json(&found, resolved));
+    metadata.extend(found.map(|json| ("pellucid:see-through".to_owned(), json.to_string())));
     metadata.extend(own);
     let options = WriteOptions {
         background: resolved.scene.image.background,
@@ -340,7 +384,10 @@ pub fn finish(
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
-    output::write_image(output, &rendered.image, &options)?;
+    match &resolved.legend {
+        Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, console)?,
+        None => output::write_image(output, &rendered.image, &options)?,
+    }
     rendered.image.fragments = rendered.image.fragments.take().or(counted);
     console.detail(format_args!("{}: written", output.display()));
     Ok(())

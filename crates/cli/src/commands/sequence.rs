@@ -19,6 +19,7 @@ use super::interrupt;
 use super::measured::{Journal, Measured};
 use super::render::{RenderArgs, finish};
 use super::session::Session;
+use crate::legend;
 
 /// The metadata by which a frame is known to belong to a sequence.
 const IDENTITY: &str = "pellucid:sequence";
@@ -45,7 +46,9 @@ struct Records {
 
 pub fn run(args: &RenderArgs, along: &Along, pattern: &Pattern, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
-    let (resolved, cameras) = along.resolve(&args.input, console, &progress)?;
+    let legend = args.draws_legend(&pattern.file(0));
+    let (resolved, cameras) = along.resolve(&args.input, legend, console, &progress)?;
+    legend::check(&resolved, console)?;
     let counts = args.aov || args.measure.profile.is_some();
     let mut session = Session::open(&args.device, &resolved, counts, args.stop(&pattern.file(0)), &progress)?;
     session.describe(console);
@@ -203,7 +206,11 @@ fn identities(args: &RenderArgs, cameras: &[Camera], resolved: &Resolved, sessio
     let frame = Frame { camera: resolved.camera, ..session.frame };
     let info = session.device.info();
     let metadata = resolved.metadata(session.frame.method.name(), &info.name);
-    let written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
+    let mut written = format!("{:?} {metadata:?} {} {}", session.frame.method, args.aov, args.transparent);
+    if let Some(legend) = &resolved.legend {
+        // Other values may have the same colors.
+        written.push_str(&format!(" {legend:?}"));
+    }
     let whole = identity::hash(&resolved.arranged, &frame, resolved.scene.image.background, &written, info);
     let count = cameras.len();
     let one = |(number, camera): (usize, &Camera)| {

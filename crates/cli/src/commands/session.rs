@@ -7,6 +7,7 @@ use super::bar::Bar;
 use pellucid_engine::gpu::{Device, DeviceOptions};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
+use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::spbr;
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
@@ -16,6 +17,7 @@ use pellucid_engine::{Result, output, plan};
 use super::console::Console;
 use super::ensemble_warnings;
 use super::input::Resolved;
+use super::opacity_notes;
 use super::{DeviceArgs, MeasureArgs};
 
 pub struct Session {
@@ -25,6 +27,8 @@ pub struct Session {
     pub frame: Frame,
     /// The reason for the method.
     pub why: String,
+    /// The opacity that `--see-through` asked for.
+    pub see_through: Option<Found>,
 }
 
 impl Session {
@@ -36,8 +40,21 @@ impl Session {
         let Self { renderer, cloud, frame, .. } = &mut session;
         (session.frame.method, session.why) =
             plan::choose(renderer, cloud, resolved.points(), resolved.scene.method, frame)?;
+        session.find_opacity(resolved, progress)?;
         progress.stage("rendering");
         Ok(session)
+    }
+
+    /// Finds the opacity that `--see-through` asks for.
+    pub fn find_opacity(&mut self, resolved: &Resolved, progress: &Bar) -> Result<()> {
+        let Some(share) = resolved.see_through else { return Ok(()) };
+        progress.stage("finding the opacity");
+        let faintest = resolved.points().opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min);
+        let Self { renderer, cloud, frame, .. } = self;
+        self.see_through = see_through::find(renderer, cloud, frame, share, 1.0 / faintest)?;
+        frame.factors.opacity = self.see_through.map_or(1.0, |found| found.factor);
+        self.device.check_validation()?;
+        Ok(())
     }
 
     /// Opens the device and uploads the points; the method is the scene's, or for `auto` one of the same image.
@@ -45,15 +62,19 @@ impl Session {
         progress.stage("uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
-        let frame = Frame {
+        let mut frame = Frame {
             memory_budget: args.memory_budget.map(|b| b.as_u64()),
             fragments,
             stop,
             ..Frame::of_scene(&resolved.scene, resolved.camera, resolved.seed)
         };
+        if resolved.see_through.is_some() {
+            // Before it is found, the opacity is one that can be seen through: `auto` takes a method for that.
+            frame.factors.opacity = 0.5;
+        }
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;
-        Ok(Self { device, renderer, cloud, frame, why: String::new() })
+        Ok(Self { device, renderer, cloud, frame, why: String::new(), see_through: None })
     }
 
     /// Reports the device, the method, and the size of the input.
@@ -65,8 +86,11 @@ impl Session {
         console.detail(format_args!("{} points, {width} × {height} pixels", self.cloud.len()));
     }
 
-    /// Warns of clouds that don't come out as asked.
+    /// Says which opacity was found, and warns of clouds that don't come out as asked.
     pub fn warn(&self, resolved: &Resolved, console: Console) {
+        if let Some(share) = resolved.see_through {
+            opacity_notes::describe(share, self.see_through, resolved, console);
+        }
         // Other methods, and points that were not dealt, need no warning.
         let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
         let surfaces = resolved.arranged.surfaces();

@@ -57,7 +57,7 @@ const QUICK_REPEATS: (usize, u32) = (3, 4);
 #[command(after_help = ABOUT)]
 pub struct TradeoffArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     /// Folder for the report; created if it isn't there, files of the same names are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -118,10 +118,15 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
     console.detail(format_args!("device {} ({})", device.info().name, device.info().driver));
+    let mut shading = resolved.scene.shading;
+    if shading.edl.edl && !matches!(formation, Formation::Surfaces(_)) {
+        console.warn("eye-dome lighting is left out: not all of the methods that are compared have it");
+        shading.edl.edl = false;
+    }
     let frame = Frame {
         camera: resolved.camera,
         size: resolved.scene.image.size,
-        shading: resolved.scene.shading,
+        shading,
         color: resolved.scene.image.color,
         method: resolved.scene.method.representative(),
         memory_budget: args.device.memory_budget.map(|b| b.as_u64()),

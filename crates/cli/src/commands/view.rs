@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [1280, 720];
 #[derive(Debug, Args)]
 pub struct ViewArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     device: DeviceArgs,
     /// Key frames to begin with: a JSON file of this program (docs/camera-paths.md), a transforms.json of nerfstudio, or a model
@@ -49,12 +49,14 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
     progress.finish_and_clear();
     let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
+    // The window finds no opacity; its clouds begin with the preset's own.
+    input.preset().iter().for_each(|preset| console.note(preset.note()));
     for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
         report_cloud(&settings.path, cloud, console);
     }
     let options = Options {
         opened,
-        view: input.view(),
+        view: input.view_of(&scene),
         seed: input.seed,
         device: DeviceOptions { device: device.device, ..DeviceOptions::from_env() },
         memory_budget: device.memory_budget.map(|budget| budget.as_u64()),

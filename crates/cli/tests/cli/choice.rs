@@ -109,6 +109,12 @@ fn what_was_measured_is_kept_until_it_is_measured_again() {
     assert!(choice(&folder, "b.exr")["rmse"].as_f64().unwrap() < 1e-6 && !said.contains("warning"), "{said}");
     let said = render(&folder, &scene, "b.exr", &["--budget", "0"]);
     assert!(said.contains("warning: no setting takes at most 0 ms"), "{said}");
+    let said = render(&folder, &scene, "b.exr", &["--budget", "0.0001"]);
+    assert!(said.contains(" pixels, or 1 point of ") && said.contains(", would do"), "{said}");
+    // The five best are listed, the chosen one first.
+    let best = choice(&folder, "b.exr");
+    let rows: Vec<&str> = said.lines().skip_while(|line| !line.trim_start().starts_with("setting ")).collect();
+    assert!(rows.len() >= 6 && rows[1].trim_start().starts_with(best["method"].as_str().unwrap()), "{said}");
     let said = render(&folder, &scene, "b.exr", &["--budget", "0", "--max-error", "0"]);
     assert!(choice(&folder, "b.exr")["rmse"] == 0.0 && said.contains("warning: no setting with an RMSE"), "{said}");
 }

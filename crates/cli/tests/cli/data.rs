@@ -84,8 +84,8 @@ fn real_clouds_are_prepared() {
     let (_, lion) = prepared(&folder, &data.join("photogrammetry/lion_takanawa.copc.laz"), &[]);
     let f = fields(&lion);
     assert!(f.contains(&0.0) && f.contains(&1.0) && f.iter().all(|f| (0.0..=1.0).contains(f)));
-    // A photogrammetric surface with a few stray points: nearly all of it is certain.
-    assert!(f.iter().filter(|f| **f > 0.1).count() * 100 < f.len());
+    // A photogrammetric surface with a few stray points, whose radii are capped: nearly all of it is certain.
+    assert!(f.iter().filter(|f| **f > 0.1).count() * 20 < f.len());
 
     assert_distances(&folder, &data.join("models/turbine_blade_100k.ply"));
 }

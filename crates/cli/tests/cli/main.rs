@@ -2,6 +2,7 @@
 
 mod bad;
 mod brightness;
+mod camera;
 mod check;
 mod choice;
 #[cfg(unix)]
@@ -12,13 +13,18 @@ mod dealt;
 mod failures;
 #[cfg(unix)]
 mod faults;
+mod filters;
 mod formats;
 mod frames;
+mod info;
 #[cfg(unix)]
 mod interrupted;
 mod iso;
+mod legend;
 mod measure;
+mod opacity;
 mod prepare;
+mod presets;
 mod render;
 mod sequence;
 mod shadows;
@@ -178,7 +184,7 @@ fn wrong_options_exit_with_2() {
     let folder = folder();
     write_cloud(&folder.path().join("a.ply"));
     fs::write(folder.path().join("s.toml"), "[[cloud]]\npath = \"a.ply\"\n").unwrap();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 15] = [
         (&["a.ply", "-o", "a.jpg"], ".png"),
         (&["a.ply", "-o", "a"], ".exr"),
         (&["a.ply", "s.toml"], "a scene file (.toml) comes alone"),
@@ -187,6 +193,7 @@ fn wrong_options_exit_with_2() {
         (&["a.ply", "--opacity", "-1"], "--opacity -1: `cloud.0.opacity`"),
         (&["a.ply", "--radius", "nan"], "--radius nan: `cloud.0.radius`"),
         (&["a.ply", "--background", "1,2,3"], "--background 1,2,3: `image.background`"),
+        (&["a.ply", "--background", "whit"], "or a color such as \"white\" or \"#80c0ff\", found \"whit\""),
         (&["a.ply", "--method", "nonsense"], "--method nonsense: unknown method"),
         (&["a.ply", "--set", "method.nme=abuffer"], "did you mean `name`?"),
         (&["a.ply", "--set", "cloud.1.opacity=1"], "needs a number below 1"),
@@ -222,7 +229,8 @@ fn info_prints_text_or_one_json_document() {
     let (_, json, _) = run(&folder, &["info", "--json", "a.ply"]);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["points", "non_finite", "bounds", "attributes", "classes"]);
+    let described = ["points", "non_finite", "bounds", "attributes", "classes"];
+    assert_eq!(keys, [&described[..], &["ranges", "spacing", "layers", "histograms", "command"]].concat());
     assert_eq!((&value["points"], &value["non_finite"]), (&2.into(), &0.into()));
     assert_eq!(value["bounds"]["max"], serde_json::json!([1.0, 2.0, 3.0]));
     assert_eq!(value["classes"], serde_json::json!({ "2": 2 }));

@@ -161,6 +161,7 @@ fn other_neighbors_or_fields_are_computed_anew_with_a_note() {
     prepare(&folder, &["a.ply", "-o", "b.ply"]);
     for (keys, note) in [
         ("neighbors = 5", "b.ply: prepared with 24 neighbors, not 5: radii are computed anew"),
+        ("radius_cap = 0", "b.ply: prepared with radius_cap 4, not 0: radii are computed anew"),
         ("field = \"height\"", "b.ply: prepared for field \"uncertainty\", not \"height\" as asked: computed anew"),
     ] {
         let text = format!("[method]\nname = \"one-layer\"\n[[cloud]]\npath = \"b.ply\"\n{keys}");
@@ -290,7 +291,7 @@ fn comments_that_lie_and_changed_points_are_noticed() {
     // (from, to, the warning, whether the stored radii stay)
     let cases = [
         ("\"neighbors\":24", "\"neighbors\":12", changed, false),
-        ("\"up\":\"y\"", "\"up\":\"z\"", changed, false),
+        ("\"up\":\"z\"", "\"up\":\"y\"", changed, false),
         ("\"kind\":\"uncertainty\"", "\"kind\":\"intensity\"", changed, false),
         ("property float field", "property float yield", changed, false),
         ("property float radius", "property float radiux", changed, false),

@@ -187,6 +187,8 @@ fn options_reach_the_picture() {
     let (_, bytes, _) = png(&render("clear.png", &["--opacity", "0", "--background", "0,1,.2158605"]));
     // 128/255 in sRGB is 0.2158605.
     assert!(bytes.chunks(3).all(|pixel| pixel == [0, 255, 128]), "only the background is left");
+    let (_, bytes, _) = png(&render("white.png", &["--opacity", "0", "--background", "white"]));
+    assert!(bytes.iter().all(|value| *value == 255));
     for (name, args) in [
         ("view", ["--view", "top"]),
         ("turned", ["--azimuth", "-50"]),

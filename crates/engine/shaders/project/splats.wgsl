@@ -137,17 +137,22 @@ fn project(i: u32) -> vec2<u32> {
     let splat = Splat(point.column.fraction, point.row.fraction, pixel, depth.x, radius);
     var tilt = Tilt(vec4<f32>(0.0));
     var m = 1.0;
-    if SHAPE == SHAPE_EXACT_SPHERE {
-        tilt.normal = vec4<f32>(point.column.rest, point.row.rest, depth.y, 0.0);
-    } else if NORMALS != 0u {
+    var normal = vec3<f32>(0.0);
+    if NORMALS != 0u {
         let stored = normals[i];
         m = stored.w;
-        let normal = turned(stored.xyz);
-        var facing = normal[2].x;
-        if view.orthographic == 0u {
-            facing = dot2(normal, point.place).x / position.z;
+        let turn = turned(stored.xyz);
+        normal = rounded(turn);
+        if !is_estimated(stored.xyz) {
+            var facing = turn[2].x;
+            if view.orthographic == 0u {
+                facing = dot2(turn, point.place).x / position.z;
+            }
+            tilt.normal = vec4<f32>(normal, facing);
         }
-        tilt.normal = vec4<f32>(rounded(normal), facing);
+    }
+    if SHAPE == SHAPE_EXACT_SPHERE {
+        tilt.normal = vec4<f32>(point.column.rest, point.row.rest, depth.y, 0.0);
     }
     var drawn = point.drawn;
     if PART == PART_SOLID || PART == PART_SOFT {
@@ -169,7 +174,7 @@ fn project(i: u32) -> vec2<u32> {
         if PART == PART_MARKED {
             a = select(1.0, 0.0, fields[i] > view.threshold);
         }
-        colors[i] = vec4<f32>(lit_color(point_colors[i].rgb, position, tilt.normal.xyz, m), a);
+        colors[i] = vec4<f32>(lit_color(point_colors[i].rgb, position, normal, m), a);
     }
     return extent;
 }

@@ -32,7 +32,9 @@ fn visit(i: u32, hit: Hit) -> u32 {
     let k = i - push.first;
     let normal = normals[k];
     let along = abs(dot3(normal.xyz, view.forward.xyz));
-    let slope = select(max(along, FLATTEST), 1.0, all(normal.xyz == vec3<f32>(0.0)));
+    // An estimated one, of length 2, says too little of the surface.
+    let unknown = all(normal.xyz == vec3<f32>(0.0)) || dot(normal.xyz, normal.xyz) > 2.0;
+    let slope = select(max(along, FLATTEST), 1.0, unknown);
     var dark = key_depth(hit.key) > depths[hit.pixel] + light.apart / slope;
     if CUBE != 0u {
         dark = dark && on_face(rounded(minus_eye(points_hi[k].xyz, points_lo[k].xyz)));

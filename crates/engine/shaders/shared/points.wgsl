@@ -17,7 +17,8 @@ fn is_kept(i: u32, place: vec3<f32>) -> bool {
     }
     let normal = normals[i].xyz;
     let facing = select(-dot3(normal, place), -dot3(normal, view.forward.xyz), view.orthographic != 0u);
-    return facing > 0.0 || all(normal == vec3<f32>(0.0));
+    // An estimated one, of length 2, has no outside.
+    return facing > 0.0 || all(normal == vec3<f32>(0.0)) || dot(normal, normal) > 2.0;
 }
 
 fn is_behind(hit: Hit) -> bool {

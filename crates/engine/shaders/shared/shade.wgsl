@@ -38,6 +38,11 @@ fn shade(color: vec3<f32>, position: vec3<f32>, normal: vec3<f32>, m: f32) -> ve
     return shaded;
 }
 
+// Estimated normals have a length of 2: they shade, but tilt and hide nothing.
+fn is_estimated(normal: vec3<f32>) -> bool {
+    return dot(normal, normal) > 2.0;
+}
+
 // The color of a point without a normal: as bright as it is, less what does not arrive.
 fn shadowed(color: vec3<f32>, m: f32) -> vec3<f32> {
     let all = view.material.x + view.material.y;

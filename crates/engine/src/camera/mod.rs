@@ -55,6 +55,19 @@ impl Camera {
         Some(Self { eye, right, up: right.cross(forward), forward, projection, near, far })
     }
 
+    /// The `[camera]` of a scene file that gives this camera, except for the last digits. The target lies at this distance.
+    pub fn to_toml(&self, distance: f64) -> String {
+        let distance = if distance > 0.0 && distance.is_finite() { distance } else { 1.0 };
+        let target = self.eye + self.forward * distance;
+        let lens = match self.projection {
+            Projection::Perspective { fov_y } => format!("fov_y = {:?}", (fov_y.to_degrees() * 1e9).round() / 1e9),
+            Projection::Orthographic { height } => format!("height = {height:?}"),
+        };
+        let [eye, target, up] = [self.eye, target, self.up].map(|v| v.to_array());
+        let (near, far) = (self.near, self.far);
+        format!("[camera]\neye = {eye:?}\ntarget = {target:?}\nup = {up:?}\n{lens}\nnear = {near:?}\nfar = {far:?}")
+    }
+
     /// Camera coordinates (right, up, z) of a world position; z is positive before the camera.
     pub fn to_view(&self, world: DVec3) -> DVec3 {
         let p = world - self.eye;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES, UpAxis};
+use super::{CLASSIFICATION_NAMES, Cloud, INTENSITY_NAMES};
 
 /// Values that differ by less than this share of the largest one differ only by rounding.
 const LEAST_RANGE: f64 = 1e-9;
@@ -155,10 +155,7 @@ fn property(values: &[f64]) -> Vec<f32> {
 fn to_axis(cloud: &Cloud, point: Option<[f64; 3]>, direction: Option<[f64; 3]>) -> Vec<f32> {
     let center = || cloud.bounds().map_or(DVec3::ZERO, |bounds| bounds.center());
     let point = point.map_or_else(center, DVec3::from);
-    let vertical = match cloud.up {
-        UpAxis::Y => DVec3::Y,
-        UpAxis::Z => DVec3::Z,
-    };
+    let vertical = cloud.up.direction();
     let direction = direction.map_or(vertical, DVec3::from).normalize_or(vertical);
     let distances: Vec<f64> = cloud.positions.iter().map(|p| (p - point).cross(direction).length()).collect();
     scaled(&distances)
@@ -169,7 +166,7 @@ fn doubles(values: &[f32]) -> Vec<f64> {
 }
 
 /// The values of a property by its name in the file; white space in it may be written as `_`, as PLY files have it.
-fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
+pub(crate) fn column(cloud: &Cloud, name: &str) -> Option<Vec<f64>> {
     let find = |same: &dyn Fn(&str) -> bool| cloud.scalars.iter().find(|(name, _)| same(name));
     let found = find(&|other| other == name).or_else(|| find(&|other| without_blanks(other) == without_blanks(name)));
     if let Some((_, values)) = found {
@@ -207,7 +204,8 @@ pub fn names(cloud: &Cloud) -> Vec<Cow<'_, str>> {
     usual.chain(scalars).chain(["x", "y", "z"].map(Cow::from)).collect()
 }
 
-fn there(cloud: &Cloud) -> String {
+/// The properties of a cloud, as a phrase.
+pub(crate) fn there(cloud: &Cloud) -> String {
     format!("it has {}", names(cloud).join(", "))
 }
 

@@ -14,6 +14,25 @@ pub const CLASSIFICATION_NAMES: [&str; 6] =
 /// Names of an intensity, in lower case.
 pub const INTENSITY_NAMES: [&str; 2] = ["intensity", "scalar_intensity"];
 
+/// The scalar that holds the number of a return within its pulse.
+pub const RETURN_NUMBER: &str = "return_number";
+/// The scalar that holds the number of returns of a pulse.
+pub const NUMBER_OF_RETURNS: &str = "number_of_returns";
+/// The scalar that holds the source of a point.
+pub const POINT_SOURCE: &str = "point_source_id";
+/// The scalar that holds the GPS time of a point.
+pub const GPS_TIME: &str = "gps_time";
+
+/// True if two names mean the same scalar, as `GpsTime`, `scalar_GpsTime` and `gps_time` do.
+pub fn same_scalar(a: &str, b: &str) -> bool {
+    let letters = |name: &str| {
+        let name = name.to_lowercase();
+        let name = name.strip_prefix("scalar_").unwrap_or(&name);
+        name.chars().filter(|c| c.is_alphanumeric()).collect::<String>()
+    };
+    letters(a) == letters(b)
+}
+
 /// Which axis of a file points up; decides the automatic camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
@@ -22,6 +41,19 @@ pub enum UpAxis {
     Y,
     /// Surveys and scans (all other point clouds): +Z is up.
     Z,
+    /// Images of depth cameras, whose rows run along +Y: −Y is up.
+    NegativeY,
+}
+
+impl UpAxis {
+    /// The unit vector that points up.
+    pub fn direction(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+            Self::NegativeY => DVec3::NEG_Y,
+        }
+    }
 }
 
 /// A cloud of finite points. Every optional column is as long as `positions`.
@@ -58,6 +90,8 @@ pub struct Cloud {
 pub struct Prepared {
     /// K of the radii and of an uncertainty field.
     pub neighbors: usize,
+    /// The cap of the radii of Eq. 20, also in an uncertainty field; 0: none.
+    pub radius_cap: f32,
     /// True if the cloud's radii are those of Eq. 20 instead of the source's own.
     pub estimated_radii: bool,
     /// The definition of the field.
@@ -72,6 +106,13 @@ impl Cloud {
     /// The radii of the points themselves, not those of Eq. 20 that were stored with them.
     pub fn own_radii(&self) -> Option<&[f32]> {
         self.radii.as_deref().filter(|_| !self.prepared.as_ref().is_some_and(|prepared| prepared.estimated_radii))
+    }
+
+    /// The scalar of a name, however the file spells it.
+    pub fn scalar(&self, name: &str) -> Option<&[f32]> {
+        let found = self.scalars.iter().find(|(known, _)| known == name);
+        let found = found.or_else(|| self.scalars.iter().find(|(known, _)| same_scalar(known, name)));
+        found.map(|(_, values)| values.as_slice())
     }
 
     /// Number of finite points.

@@ -10,6 +10,7 @@ mod number;
 mod pcd;
 pub mod photo;
 pub mod ply;
+pub mod polygon;
 mod text;
 pub mod volume;
 
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use crate::progress::Progress;
 
-use crate::cloud::Cloud;
+use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, same_scalar};
 pub use decoder::silence_decoder_panics;
 use photo::Photo;
 pub use text::ColumnNames;
@@ -131,6 +132,52 @@ pub struct Hints<'a> {
     pub photo: Option<&'a Photo>,
     /// The names of a text file's columns.
     pub columns: Option<&'a ColumnNames>,
+    /// Columns of LAS files to keep.
+    pub las: LasColumns,
+}
+
+/// Columns of LAS files that are read only if they are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LasColumns {
+    /// Number and count of returns, even if every pulse has one.
+    pub returns: bool,
+    /// The source of each point, mostly a flight line, as `point_source_id`.
+    pub source: bool,
+    /// The GPS time as `gps_time`, in seconds since the first point's: float32 can't tell moments of a week otherwise.
+    pub gps_time: bool,
+}
+
+impl LasColumns {
+    /// These and others.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            returns: self.returns || more.returns,
+            source: self.source || more.source,
+            gps_time: self.gps_time || more.gps_time,
+        }
+    }
+
+    /// Those of them that a cloud doesn't have.
+    #[must_use]
+    pub fn lacking(self, cloud: &Cloud) -> Self {
+        let lacks = |name| cloud.scalar(name).is_none();
+        Self {
+            returns: self.returns && lacks(RETURN_NUMBER),
+            source: self.source && lacks(POINT_SOURCE),
+            gps_time: self.gps_time && lacks(GPS_TIME),
+        }
+    }
+
+    /// The column that a scalar of this name is; none for other names.
+    pub fn named(name: &str) -> Self {
+        let same = |known| same_scalar(name, known);
+        Self {
+            returns: same(RETURN_NUMBER) || same(NUMBER_OF_RETURNS),
+            source: same(POINT_SOURCE),
+            gps_time: same(GPS_TIME),
+        }
+    }
 }
 
 /// Reads a point cloud in a format of docs/formats.md, recognized by the first bytes, else by the extension; or a
@@ -162,7 +209,7 @@ pub fn load_with(path: &Path, hints: Hints, progress: &Progress) -> Result<Cloud
     let format = format?;
     let mut cloud = match format {
         Format::Picture => photo::read(source, hints.photo.unwrap_or(&Photo::default()), progress)?,
-        Format::Las => las::read(&mut source, progress)?,
+        Format::Las => las::read(&mut source, hints.las, progress)?,
         Format::Ply => ply::read(&mut source, progress)?,
         Format::E57 => e57::read(&mut source, progress)?,
         Format::Pcd => pcd::read(&mut source, progress)?,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::engine::Engine;
-use super::{Facts, Frame, PassProfile, shadows};
+use super::{Facts, Frame, PassProfile, edl, shadows};
 use crate::gpu::PassTime;
 use crate::passes::project::DeviceCloud;
 
@@ -58,6 +58,7 @@ impl PassRuns<'_> {
         match self.name {
             "image/clear" => Some(self.pixels() * 20),
             "image/read-back" => Some(self.pixels() * 20 * 2),
+            name if name.starts_with("shading/") => edl::least_bytes(name, self.pixels()),
             name if name.starts_with("shadows/") => {
                 let resolution = self.frame.shadows.map_or(0, |shadows| shadows.resolution);
                 let chunks = self.cloud.chunks().count() as u64;

@@ -154,9 +154,7 @@ fn cloud(splats: usize, side: u32) -> Points {
         colors: vec![Vec3::splat(0.5); splats],
         opacities: vec![0.05; splats],
         radii: vec![1.0; splats],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     })
 }
 
@@ -168,7 +166,7 @@ fn frame(side: u32, method: Method) -> Frame {
     Frame {
         camera,
         size: [side; 2],
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         method,
         memory_budget: None,

@@ -155,6 +155,15 @@ pub enum Error {
         /// The largest resolution that would work; 0 if none would.
         largest: u32,
     },
+    /// Eye-dome lighting of a picture that has no single surface.
+    #[error(
+        "shading.edl shades by the depth of a surface, and method {method} has none: {}",
+        crate::scene::edl_methods()
+    )]
+    NoSurfaceDepth {
+        /// The method.
+        method: &'static str,
+    },
     /// Somebody who watches the progress wanted the work to end.
     #[error("cancelled")]
     Cancelled,

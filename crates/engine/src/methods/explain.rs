@@ -1,7 +1,7 @@
 //! The plan of a frame: the passes that run, and the fact that decides each. Engines add their own; shared parts are
 //! here.
 
-use super::{Facts, Frame, shadows};
+use super::{Facts, Frame, edl, shadows};
 use crate::gpu::Device;
 use crate::passes::bin::{self, Order};
 use crate::passes::radix::Digits;
@@ -134,6 +134,7 @@ impl Plan<'_> {
     pub fn shading(&self) -> &'static str {
         match self.frame.shading.model {
             ShadingModel::None => "no shading asked for",
+            ShadingModel::Auto => "Lambert shading where there are normals, given or estimated",
             ShadingModel::Lambert => "Lambert shading where there are normals",
             ShadingModel::Phong => "Phong shading where there are normals",
         }
@@ -168,6 +169,20 @@ impl Plan<'_> {
                 None => reason,
             };
             let on = refusal.is_none() && views > 0 && (name != "shadows/share" || samples > 1);
+            self.add(name, on, reason);
+        }
+    }
+
+    /// Eye-dome lighting, which comes last.
+    pub fn eye_dome(&mut self) {
+        let pixels = self.pixels();
+        let on = self.frame.shading.edl.edl;
+        for (name, reason) in edl::PASSES.into_iter().zip([
+            format!("{pixels} depths of the whole image, which no window has"),
+            format!("{pixels} pixels, each by the depths of 8 around it"),
+            format!("{pixels} factors, by which the host multiplies colors"),
+        ]) {
+            let reason = if on { reason } else { "no eye-dome lighting asked for (shading.edl)".to_owned() };
             self.add(name, on, reason);
         }
     }

@@ -97,10 +97,12 @@ impl Frame {
     pub(super) fn check(&self) -> Result<(), Error> {
         let [width, height] = self.size;
         let allowed = 1..=MAX_SIDE;
-        if allowed.contains(&width) && allowed.contains(&height) {
-            Ok(())
-        } else {
-            Err(Error::ImageSize { width, height })
+        if !(allowed.contains(&width) && allowed.contains(&height)) {
+            return Err(Error::ImageSize { width, height });
         }
+        if self.shading.edl.edl && !self.method.takes_edl() {
+            return Err(Error::NoSurfaceDepth { method: self.method.name() });
+        }
+        Ok(())
     }
 }

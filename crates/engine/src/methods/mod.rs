@@ -6,6 +6,7 @@ pub mod approximate;
 pub mod brightness;
 mod bytes;
 pub mod cost;
+pub(crate) mod edl;
 mod engine;
 mod error;
 pub(crate) mod explain;
@@ -22,6 +23,7 @@ pub mod points;
 mod projecting;
 mod reach;
 pub mod renderer;
+pub mod see_through;
 pub mod shadows;
 pub mod soft;
 pub mod sorted;
@@ -67,8 +69,8 @@ pub(crate) fn engine_of(method: &Method) -> Box<dyn Engine> {
         Method::Squares(splats) => nearest(splats, Footprint::Square),
         Method::Circles(splats) | Method::Sphere(splats) => nearest(splats, Footprint::Disc),
         Method::Paraboloid(settings) | Method::Cone(settings) => outlined(settings),
-        Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false }),
-        Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true }),
+        Method::ABuffer(discs) => Box::new(abuffer::ListEngine { discs, linked: false, median: false }),
+        Method::LinkedList(discs) => Box::new(abuffer::ListEngine { discs, linked: true, median: false }),
         Method::Sorted(discs) => Box::new(sorted::SortedEngine { discs }),
         Method::Peel(peel) => Box::new(peel::PeelEngine { peel }),
         Method::Stochastic(settings) => Box::new(stochastic::StochasticEngine { settings }),

@@ -79,7 +79,7 @@ pub(super) fn render(
     let mut counted_bytes = pixels * stage.used_bytes(frame);
     if frame.fragments {
         let stop = sorted::stop(frame.stop, frame.color, max_color);
-        let lists = abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, budget };
+        let lists = abuffer::WindowJob { raster, discs, storing: Storing::Slots, stop, median: false, budget };
         if machines.lists.tally(work, &lists)? == Outcome::Overflow {
             return Ok(Outcome::Overflow);
         }

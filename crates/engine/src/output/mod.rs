@@ -199,9 +199,34 @@ pub fn check_target(path: &Path) -> Result<(), Error> {
 pub fn write_image(path: &Path, image: &Image, options: &WriteOptions) -> Result<(), Error> {
     let format = Format::from_extension(path)?;
     write_atomically(path, |file| match format {
-        Format::Png => png::encode(file, image, options),
+        Format::Png => png::encode(file, &png::raster(image, options), &options.metadata),
         Format::Exr => exr::encode(file, image, options),
     })
+}
+
+/// The pixels of a PNG.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// True for R, G, B, A with straight alpha, false for R, G, B.
+    pub alpha: bool,
+    /// 8-bit sRGB, row by row from the top.
+    pub bytes: Vec<u8>,
+}
+
+/// The pixels that [`write_image`] writes into a PNG, for those who draw onto them first.
+pub fn raster(image: &Image, options: &WriteOptions) -> Raster {
+    png::raster(image, options)
+}
+
+/// Writes pixels as a PNG, whatever the extension.
+///
+/// # Errors
+/// A missing folder, a number of bytes that doesn't match the size, and errors of the system while writing; the earlier file
+/// then remains.
+pub fn write_raster(path: &Path, raster: &Raster, metadata: &[(String, String)]) -> Result<(), Error> {
+    write_atomically(path, |file| png::encode(file, raster, metadata))
 }
 
 /// Writes linear RGB values as an opaque 8-bit PNG, sRGB-encoded, whatever the extension; `pixels` are row by row.

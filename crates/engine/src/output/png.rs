@@ -2,13 +2,13 @@
 
 use std::io::{self, Write};
 
-use super::{WriteOptions, background};
+use super::{Raster, WriteOptions, background};
 use crate::color::encode_srgb;
 use crate::image::Image;
 use crate::scene::ColorSpace;
 
 /// The image composed over the background, or with straight alpha if it is to stay transparent.
-pub(super) fn encode(out: impl Write, image: &Image, options: &WriteOptions) -> io::Result<()> {
+pub(super) fn raster(image: &Image, options: &WriteOptions) -> Raster {
     let encoded = |value: f32| match options.color {
         ColorSpace::Linear => encode_srgb(value),
         ColorSpace::Encoded => value,
@@ -24,7 +24,13 @@ pub(super) fn encode(out: impl Write, image: &Image, options: &WriteOptions) -> 
             .map(|value| to_byte(encoded(*value)))
             .collect()
     };
-    encode_bytes(out, image.width, image.height, options.transparent, &bytes, &options.metadata)
+    Raster { size: [image.width, image.height], alpha: options.transparent, bytes }
+}
+
+/// A PNG with text chunks.
+pub(super) fn encode(out: impl Write, raster: &Raster, metadata: &[(String, String)]) -> io::Result<()> {
+    let Raster { size: [width, height], alpha, bytes } = raster;
+    encode_bytes(out, *width, *height, *alpha, bytes, metadata)
 }
 
 /// Straight color and alpha of a premultiplied pixel; nothing at all where nothing was drawn.

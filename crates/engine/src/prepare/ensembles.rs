@@ -219,7 +219,11 @@ pub(crate) fn deal_traced(clouds: Vec<Points>, seed: u64, progress: &Progress, m
     progress.set_length(clouds.iter().map(|cloud| 2 * cloud.len() as u64).sum());
     let (mut points, mut surfaces) = (Points::default(), Vec::new());
     for cloud in clouds {
-        let Some(bounds) = cloud.bounds() else { continue };
+        let Some(bounds) = cloud.drawn_bounds() else {
+            // It may have points that are not drawn.
+            points.append(cloud);
+            continue;
+        };
         let (count, place) = (cloud.len(), surfaces.len() as u32);
         let (cloud, order) = (order::canonical(cloud), shuffle(count, place, seed));
         if let Some(trace) = &mut trace {

@@ -10,14 +10,17 @@ mod morton;
 mod neighbors;
 mod normal;
 pub mod order;
+pub mod outliers;
 pub mod radius;
+pub mod sampled;
+pub mod surface;
 pub(crate) mod ties;
-pub mod uncertainty;
 
 use glam::Vec3;
 
 use crate::cloud::field::{self, Field};
 use crate::cloud::{Cloud, Prepared};
+use crate::points::as_estimated;
 use crate::progress::Progress;
 pub use arranged::Arranged;
 
@@ -29,14 +32,33 @@ pub const DEFAULT_NEIGHBORS: usize = 24;
 pub struct Request {
     /// K; by default that of a prepared file, else [`DEFAULT_NEIGHBORS`].
     pub neighbors: Option<usize>,
+    /// The cap of radii; by default that of a prepared file, else [`radius::DEFAULT_CAP`].
+    pub radius_cap: Option<f32>,
     /// The definition of F, in the file's coordinates; by default that of a prepared file, else uncertainty.
     pub field: Option<Field>,
+    /// Outliers that get F = 1.
+    pub soft_outliers: Option<outliers::Rule>,
+    /// Outliers that are to be dropped.
+    pub dropped_outliers: Option<outliers::Rule>,
     /// True if radii are wanted.
     pub radii: bool,
+    /// True if radii of Eq. 20 without its cap are wanted, whatever radii the file has.
+    pub uncapped: bool,
     /// True if F is wanted.
     pub fields: bool,
     /// True if normals are wanted, estimated where the file has none.
     pub normals: bool,
+    /// Normals that shading needs.
+    pub shading: Option<ShadingNormals>,
+}
+
+/// Which normals are estimated for shading, where the file has none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShadingNormals {
+    /// All.
+    All,
+    /// Those of points about a surface, not of foliage.
+    Planar,
 }
 
 /// The computed data, in the order of the cloud; only the requested parts.
@@ -44,17 +66,66 @@ pub struct Request {
 pub struct PointData {
     /// The file's own radii, else those of Eq. 20, in the file's units.
     pub radii: Option<Vec<f32>>,
+    /// Radii of Eq. 20 without its cap, in the file's units.
+    pub uncapped: Option<Vec<f32>>,
     /// F in [0, 1].
     pub fields: Option<Vec<f32>>,
     /// Unit normals, zero for points without one.
     pub normals: Option<Vec<Vec3>>,
+    /// Normals as [`Points::normals`](crate::points::Points::normals) has them.
+    pub shading: Option<Vec<Vec3>>,
+    /// Marks the points that are to be dropped.
+    pub dropped: Option<Vec<bool>>,
+}
+
+/// The properties that determine estimated radii: K, and the bits of the cap.
+pub type RadiusKey = (usize, u32);
+
+/// The properties that determine a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldKey {
+    definition: Field,
+    /// For the uncertainty.
+    radii: Option<RadiusKey>,
+    /// Outliers that get F = 1.
+    soft: Option<outliers::Rule>,
 }
 
 impl Request {
+    /// What the radii of this cloud depend on.
+    pub fn radius_key(&self, cloud: &Cloud) -> RadiusKey {
+        (self.neighbors_of(cloud), self.radius_cap_of(cloud).to_bits())
+    }
+
+    /// What F of this cloud depends on.
+    pub fn field_key(&self, cloud: &Cloud) -> FieldKey {
+        let definition = self.field_of(cloud);
+        let radii = (definition == Field::Uncertainty).then(|| self.radius_key(cloud));
+        FieldKey { definition, radii, soft: self.soft_outliers }
+    }
+
+    /// True if neighbors may have to be found for it.
+    pub fn needs_neighbors(&self) -> bool {
+        let parts = [self.radii, self.uncapped, self.fields, self.normals];
+        parts.contains(&true) || self.shading.is_some() || self.dropped_outliers.is_some()
+    }
+
+    /// The cap of radii for this cloud.
+    pub fn radius_cap_of(&self, cloud: &Cloud) -> f32 {
+        let prepared = cloud.prepared.as_ref().map(|prepared| prepared.radius_cap);
+        self.radius_cap.or(prepared).unwrap_or(radius::DEFAULT_CAP)
+    }
+
     /// K for this cloud.
     pub fn neighbors_of(&self, cloud: &Cloud) -> usize {
         let prepared = cloud.prepared.as_ref().map(|prepared| prepared.neighbors);
         self.neighbors.or(prepared).unwrap_or(DEFAULT_NEIGHBORS)
+    }
+
+    /// True if normals are wanted that the cloud lacks.
+    pub(crate) fn lacks_normals(&self, cloud: &Cloud) -> bool {
+        let wanted = self.normals || self.shading.is_some();
+        wanted && cloud.normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO))
     }
 
     /// The definition of F for this cloud.
@@ -65,62 +136,97 @@ impl Request {
 
     /// The radii that the file has and that serve.
     fn stored_radii<'a>(&self, cloud: &'a Cloud) -> Option<&'a [f32]> {
-        let other_k = |k| k != self.neighbors_of(cloud);
         let radii = cloud.radii.as_deref();
-        radii.filter(|_| !cloud.prepared.as_ref().is_some_and(|p| p.estimated_radii && other_k(p.neighbors)))
+        radii.filter(|_| !cloud.prepared.as_ref().is_some_and(|p| p.estimated_radii && !self.has_radii_of(cloud, p)))
+    }
+
+    /// True if radii were prepared as this request wants them.
+    fn has_radii_of(&self, cloud: &Cloud, prepared: &Prepared) -> bool {
+        prepared.neighbors == self.neighbors_of(cloud) && prepared.radius_cap == self.radius_cap_of(cloud)
     }
 
     /// The field that the file has, if it is the one that is wanted.
     fn stored_field<'a>(&self, cloud: &'a Cloud) -> Option<&'a [f32]> {
         let prepared = cloud.prepared.as_ref()?;
-        let same_k = prepared.field != Field::Uncertainty || prepared.neighbors == self.neighbors_of(cloud);
-        (prepared.field == self.field_of(cloud) && same_k).then_some(&prepared.values)
+        let same_radii = prepared.field != Field::Uncertainty || self.has_radii_of(cloud, prepared);
+        (prepared.field == self.field_of(cloud) && same_radii).then_some(&prepared.values)
     }
 
     /// Warnings about prepared data that this request can't use, one sentence each.
     pub fn notes(&self, cloud: &Cloud) -> Vec<String> {
         let Some(prepared) = &cloud.prepared else { return Vec::new() };
-        let (had, wanted) = (prepared.neighbors, self.neighbors_of(cloud));
+        let difference = self.difference(cloud, prepared);
         let mut notes = Vec::new();
         if self.radii && cloud.radii.is_some() && self.stored_radii(cloud).is_none() {
-            notes.push(format!("prepared with {had} neighbors, not {wanted}: radii are computed anew"));
+            notes.push(format!("prepared with {difference}: radii are computed anew"));
         }
         if self.fields && self.stored_field(cloud).is_none() {
             let (field, asked) = (&prepared.field, self.field_of(cloud));
             notes.push(if *field == asked {
-                format!("prepared with {had} neighbors, not {wanted}: the field is computed anew")
+                format!("prepared with {difference}: the field is computed anew")
             } else {
                 format!("prepared for field {:?}, not {:?} as asked: computed anew", field.name(), asked.name())
             });
         }
         notes
     }
+
+    /// How a file was prepared and how it is wanted, as a phrase.
+    fn difference(&self, cloud: &Cloud, prepared: &Prepared) -> String {
+        let (neighbors, cap) = (self.neighbors_of(cloud), self.radius_cap_of(cloud));
+        if prepared.neighbors != neighbors {
+            return format!("{} neighbors, not {neighbors}", prepared.neighbors);
+        }
+        format!("radius_cap {}, not {cap}", prepared.radius_cap)
+    }
 }
 
-/// Computes the requested data; everything that needs neighbors shares one pass over them. Data in a prepared file is
-/// reused.
+/// Computes the requested data; radii, normals and uncertainty share one pass over the neighbors, outliers have one of their
+/// own. Data in a prepared file is reused.
 ///
 /// # Errors
 /// The cloud lacks the property of its field.
 pub fn find(cloud: &Cloud, request: &Request, progress: &Progress) -> Result<PointData, field::Error> {
-    let k = request.neighbors_of(cloud);
+    let (k, cap) = (request.neighbors_of(cloud), request.radius_cap_of(cloud));
     let mut radii = request.stored_radii(cloud).filter(|_| request.radii).map(<[f32]>::to_vec);
     let mut fields = request.stored_field(cloud).filter(|_| request.fields).map(<[f32]>::to_vec);
     let mut normals = cloud.normals.clone().filter(|_| request.normals);
     if request.fields && fields.is_none() {
         fields = request.field_of(cloud).values(cloud)?;
     }
-    let lacks_normals = request.normals && normals.as_ref().is_none_or(|normals| normals.contains(&Vec3::ZERO));
-    if lacks_normals || (request.fields && fields.is_none()) {
-        let surface = uncertainty::estimate(&cloud.positions, cloud.normals.as_deref(), k, progress);
+    let lacks_fields = request.fields && fields.is_none();
+    let (mut shading, mut uncapped) = (None, None);
+    if request.lacks_normals(cloud) || lacks_fields {
+        let look = if lacks_fields { surface::estimate } else { surface::shape };
+        let surface = look(&cloud.positions, cloud.normals.as_deref(), (k, cap), progress);
+        shading = request.shading.map(|which| shading_normals(cloud, which, &surface));
         radii = radii.or(Some(surface.radii).filter(|_| request.radii));
+        uncapped = Some(surface.uncapped).filter(|_| request.uncapped);
         fields = fields.or(Some(surface.fields).filter(|_| request.fields));
         normals = Some(surface.normals).filter(|_| request.normals);
     }
-    if request.radii && radii.is_none() {
-        radii = Some(radius::estimate(&cloud.positions, k, progress));
+    if (request.radii && radii.is_none()) || (request.uncapped && uncapped.is_none()) {
+        let found = radius::both(&cloud.positions, k, cap, progress);
+        radii = radii.or(Some(found.capped).filter(|_| request.radii));
+        uncapped = Some(found.uncapped).filter(|_| request.uncapped);
     }
-    Ok(PointData { radii, fields, normals })
+    if let (Some(fields), Some(rule)) = (&mut fields, request.soft_outliers) {
+        let marks = outliers::find(&cloud.positions, rule, progress);
+        fields.iter_mut().zip(marks).filter(|(_, mark)| *mark).for_each(|(field, _)| *field = 1.0);
+    }
+    let dropped = request.dropped_outliers.map(|rule| outliers::find(&cloud.positions, rule, progress));
+    Ok(PointData { radii, uncapped, fields, normals, shading, dropped })
+}
+
+/// The cloud's own normals, with those that are wanted in place of missing ones.
+fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surface) -> Vec<Vec3> {
+    let own = |i: usize| cloud.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[i]);
+    let one = |i: usize| match own(i) {
+        Vec3::ZERO if which == ShadingNormals::Planar && !surface.planar[i] => Vec3::ZERO,
+        Vec3::ZERO => as_estimated(surface.normals[i]),
+        own => own,
+    };
+    (0..cloud.len()).map(one).collect()
 }
 
 /// The cloud with radii and field, and with normals if they are asked for, ready for
@@ -136,6 +242,7 @@ pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Res
     let shadows = cloud.prepared.as_mut().and_then(|prepared| prepared.shadows.take()).filter(|_| same_normals);
     cloud.prepared = Some(Prepared {
         neighbors: request.neighbors_of(&cloud),
+        radius_cap: request.radius_cap_of(&cloud),
         estimated_radii: cloud.own_radii().is_none(),
         field: request.field_of(&cloud),
         values: found.fields.unwrap_or_default(),

@@ -124,6 +124,11 @@ impl Places {
         self.starts[place] as usize..self.starts[place + 1] as usize
     }
 
+    /// The place of the point of a rank.
+    pub fn place_of(&self, rank: u32) -> usize {
+        self.starts.partition_point(|start| *start <= rank) - 1
+    }
+
     /// World units in which distances are given; a power of two.
     pub fn unit(&self) -> f64 {
         self.frame.unit

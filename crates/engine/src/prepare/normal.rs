@@ -9,15 +9,25 @@ const LEAST_GAP: f64 = 1e-9;
 /// Sweeps of Jacobi's method at most; it converges quadratically, after four or five.
 const SWEEPS: usize = 16;
 
-/// The direction in which some points around the origin vary least, as a unit vector whose last coordinate that is not 0
-/// is positive.
-///
-/// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two directions in
-/// which they spread least.
-pub(super) fn smallest_axis(offsets: impl Iterator<Item = DVec3> + Clone) -> Vec3 {
+/// The direction in which a neighborhood varies least.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct SmallestAxis {
+    /// A unit vector whose last coordinate that is not 0 is positive.
+    ///
+    /// Zero where that is no single direction: all points in one place, on a line, or spread alike in the two directions in
+    /// which they spread least.
+    pub direction: Vec3,
+    /// True if points lie about a surface rather than scattered, as in foliage: if their planarity (σ₂−σ₃)/σ₁ exceeds their
+    /// scattering σ₃/σ₁ (Demantké et al. 2011, Dimensionality based scale selection in 3D lidar point clouds), σ being
+    /// standard deviations along the principal axes.
+    pub planar: bool,
+}
+
+/// That of points around the origin.
+pub(super) fn smallest_axis(offsets: impl Iterator<Item = DVec3> + Clone) -> SmallestAxis {
     let largest = offsets.clone().fold(0.0, |largest: f64, p| largest.max(p.abs().max_element()));
     if largest == 0.0 || !largest.is_finite() {
-        return Vec3::ZERO;
+        return SmallestAxis::default();
     }
     let unit = offsets.map(|p| p / largest);
     let (count, sum) = unit.clone().fold((0.0, DVec3::ZERO), |(count, sum), p| (count + 1.0, sum + p));
@@ -31,11 +41,12 @@ pub(super) fn smallest_axis(offsets: impl Iterator<Item = DVec3> + Clone) -> Vec
     order.sort_by(|&a, &b| variances[a].total_cmp(&variances[b]));
     let [least, middle, most] = order.map(|axis| variances[axis]);
     if middle - least <= LEAST_GAP * most {
-        return Vec3::ZERO;
+        return SmallestAxis::default();
     }
     let axis = axes.col(order[0]).normalize().as_vec3();
     let last = axis.to_array().into_iter().rfind(|x| *x != 0.0).unwrap_or_default();
-    if last < 0.0 { -axis } else { axis }
+    // σ₂ > 2σ₃, of variances.
+    SmallestAxis { direction: if last < 0.0 { -axis } else { axis }, planar: middle > 4.0 * least }
 }
 
 /// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by Jacobi's method: one rotation after the other
@@ -80,7 +91,7 @@ mod tests {
     use rand_pcg::Pcg64Mcg;
 
     fn normal(points: &[[f64; 3]]) -> Vec3 {
-        smallest_axis(points.iter().map(|p| DVec3::from(*p)))
+        smallest_axis(points.iter().map(|p| DVec3::from(*p))).direction
     }
 
     #[test]

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::morton;
 use crate::points::Points;
 
-/// Sorts the points along the Morton curve of their bounds, equal cells by the bits of position, color, opacity,
-/// radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
+/// Sorts the points that are drawn along the Morton curve of their bounds, equal cells by the bits of position, color,
+/// opacity, radius, field and normal. Points that tie in all of these are identical, so shuffled input gives the same list; they stay
 /// in the order in which they came.
 pub fn canonical(mut points: Points) -> Points {
-    let Some(bounds) = points.bounds() else { return points };
+    let Some(bounds) = points.drawn_bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
     let mut order: Vec<(u64, usize)> = codes.into_par_iter().zip(0..points.len()).collect();
     order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)).then(a.1.cmp(&b.1)));

@@ -2,35 +2,113 @@
 //!
 //! As printed, Eq. 20 takes the root of a length; scaling a cloud by 1000 must scale its radii by 1000, so the squared
 //! distance belongs under the root: r = 2·sqrt(max|pᵢ−pⱼ|² / K) = 2·max|pᵢ−pⱼ| / sqrt(K).
+//!
+//! A stray is far from everything, so that its radius by Eq. 20 is as large as it is far: one of a thousand of them covers
+//! the picture. A cap keeps each radius within a multiple of the median of its neighbors' radii.
 
 use crate::progress::Progress;
 use glam::DVec3;
+use rayon::prelude::*;
 
-use super::neighbors::Places;
+use super::neighbors::{Lists, Places};
 
-/// The radius of each finite position by Eq. 20 over its `neighbors` (K) nearest other points.
+/// Default of the cap.
+pub const DEFAULT_CAP: f32 = 4.0;
+
+/// The radius of each finite position by Eq. 20 over its `neighbors` (K) nearest other points, at most `cap` times the
+/// median of the radii by Eq. 20 of these neighbors and the point itself; a cap of 0 is none.
 ///
 /// With fewer than K other points K is their number; a single point has radius 0, and so has a point with at least K
 /// others in the same place. Distances are float64 of the positions as given. Radii beyond float32 become `f32::MAX`. The
 /// bar's length is set to the number of distinct places.
-pub fn estimate(positions: &[DVec3], neighbors: usize, progress: &Progress) -> Vec<f32> {
+pub fn estimate(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Vec<f32> {
+    both(positions, neighbors, cap, progress).capped
+}
+
+/// The radii of points, with the cap and without it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Radii {
+    /// With the cap.
+    pub capped: Vec<f32>,
+    /// Those of Eq. 20.
+    pub uncapped: Vec<f32>,
+}
+
+/// Like [`estimate`], with the radii before the cap.
+pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress) -> Radii {
     let k = neighbors.min(positions.len().saturating_sub(1));
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
-        return vec![0.0; positions.len()];
+        return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
-    let (distances, _) = places.visit(k, false, progress, |_, _, distance| distance);
-    of_distances(&places, k, &distances)
+    let (distances, lists) = places.visit(k, cap > 0.0, progress, |_, _, distance| distance);
+    let uncapped = of_distances(&places, k, &distances);
+    Radii { capped: of_distances(&places, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
+}
+
+/// The distances of the last neighbors of each place, at most `cap` times the median of those of a point's K neighbors and
+/// its own. Radii are proportional to them. A point with at least K others in its place has distance 0.
+pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, distances: Vec<f64>) -> Vec<f64> {
+    if cap == 0.0 {
+        return distances;
+    }
+    let by_rank: Vec<f64> = distances
+        .iter()
+        .enumerate()
+        .flat_map(|(place, distance)| std::iter::repeat_n(*distance, places.members(place).len()))
+        .collect();
+    let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
+        let own = distances[place];
+        if others.is_empty() {
+            return own;
+        }
+        around.clear();
+        around.extend(places.members(place).map(|_| own));
+        around.extend(others.iter().map(|&rank| by_rank[rank as usize]));
+        debug_assert_eq!(around.len(), k + 1);
+        own.min(f64::from(cap) * median(around))
+    };
+    let all = (0..places.len()).into_par_iter().with_min_len(1 << 10);
+    all.map_init(Vec::new, |around, place| lists.others(places, place, |others| one(around, place, others))).collect()
+}
+
+/// The middle one of some values, of an even number the mean of the two middle ones; 0 for none.
+pub(super) fn median(values: &mut [f64]) -> f64 {
+    let half = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    let odd = values.len() % 2 == 1;
+    let (below, middle, _) = values.select_nth_unstable_by(half, f64::total_cmp);
+    if odd { *middle } else { 0.5 * (*middle + below.iter().copied().fold(0.0, f64::max)) }
 }
 
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
 pub(super) fn of_distances(places: &Places, k: usize, distances: &[f64]) -> Vec<f32> {
-    let factor = 2.0 / (k as f64).sqrt();
     let mut radii = vec![0.0; places.order.len()];
     for (place, distance) in distances.iter().enumerate() {
-        let radius = ((factor * (distance * places.unit())) as f32).min(f32::MAX);
+        let radius = of_distance(distance * places.unit(), k);
         for &index in &places.order[places.members(place)] {
             radii[index] = radius;
         }
     }
     radii
+}
+
+/// Eq. 20: the radius of a point whose last of K neighbors is so far away.
+pub(super) fn of_distance(distance: f64, k: usize) -> f32 {
+    ((2.0 / (k as f64).sqrt() * distance) as f32).min(f32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_by_hand() {
+        assert_eq!(median(&mut []), 0.0);
+        assert_eq!(median(&mut [3.0]), 3.0);
+        assert_eq!(median(&mut [4.0, 1.0]), 2.5);
+        assert_eq!(median(&mut [9.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [5.0, 0.0, 7.0, 1.0]), 3.0);
+    }
 }

@@ -35,7 +35,7 @@ pub fn splat(points: &Points, index: usize, shape: DiscShape) -> Splat {
     Splat {
         position: points.positions[index],
         radius: f64::from(points.radii[index]),
-        normal: points.normals.as_ref().map(|normals| normals[index].as_dvec3()),
+        normal: points.own_normal(index).map(|normal| normal.as_dvec3()),
         shape: match shape {
             DiscShape::Flat => Shape::Disc,
             DiscShape::Oriented => Shape::Oriented,
@@ -98,6 +98,17 @@ pub fn composite(list: &[Fragment], colors: &[DVec3]) -> Composite {
     let depth = list.iter().find(|f| f.alpha > 0.0).map_or(f64::INFINITY, |f| f.z);
     // From zero, so that nothing drawn is 0 and not the −0 that −expm1(0) yields.
     Composite { color, alpha: 0.0 - log_transmittance.exp_m1(), depth }
+}
+
+/// The depth at which a sorted list first lets through `share` of the light or less; +inf if it never does. Of 1/2 it is the
+/// median depth; roundings make of it one between those of shares around 1/2.
+pub fn median(list: &[Fragment], share: f64) -> f64 {
+    let mut log_transmittance = 0.0f64;
+    let reached = list.iter().find(|fragment| {
+        log_transmittance += (-fragment.alpha).ln_1p();
+        log_transmittance.exp_m1() <= share - 1.0
+    });
+    reached.map_or(f64::INFINITY, |fragment| fragment.z)
 }
 
 /// The whole image. `colors` holds a color for each point, shaded and in the space that blending runs in

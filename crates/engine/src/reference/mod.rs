@@ -7,6 +7,7 @@ pub mod abuffer;
 pub mod approximate;
 pub mod coverage;
 pub mod dealing;
+pub mod edl;
 pub mod field;
 pub mod image_space;
 pub mod one_layer;

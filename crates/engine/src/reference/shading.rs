@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::camera::{Camera, Projection};
 use crate::color::encode_srgb_f64;
 use crate::points::Points;
-use crate::scene::{ColorSpace, Light, Shading, ShadingModel};
+use crate::scene::{ColorSpace, Formula, Light, Shading};
 
 /// A color for each point: shaded on linear color, then encoded if blending runs on encoded values.
 pub fn shade(points: &Points, camera: &Camera, shading: &Shading, space: ColorSpace) -> Vec<DVec3> {
@@ -29,7 +29,7 @@ pub fn shade_lit(points: &Points, camera: &Camera, shading: &Shading, space: Col
 /// r = 2(n·l)n − l, on the lit side (n·l > 0). The normal is turned toward the viewer first. Without a normal the light
 /// counts as coming along it, scaled to the brightness of the unlit color: in full light the color is unchanged.
 fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec3, color: DVec3, m: f64) -> DVec3 {
-    if shading.model == ShadingModel::None {
+    if shading.model.formula() == Formula::None {
         return color;
     }
     let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
@@ -49,13 +49,13 @@ fn shade_point(camera: &Camera, shading: &Shading, position: DVec3, normal: DVec
     let normal = if normal.dot(to_viewer) < 0.0 { -normal } else { normal };
     let cos_light = normal.dot(to_light);
     let lambert = color * (ambient + m * diffuse * cos_light.max(0.0));
-    match shading.model {
-        ShadingModel::None | ShadingModel::Lambert => lambert,
-        ShadingModel::Phong if cos_light > 0.0 => {
+    match shading.model.formula() {
+        Formula::None | Formula::Lambert => lambert,
+        Formula::Phong if cos_light > 0.0 => {
             let reflected = 2.0 * cos_light * normal - to_light;
             let highlight = reflected.dot(to_viewer).max(0.0).powf(f64::from(shading.shininess));
             lambert + DVec3::splat(m * f64::from(shading.specular) * highlight)
         }
-        ShadingModel::Phong => lambert,
+        Formula::Phong => lambert,
     }
 }

@@ -134,7 +134,7 @@ fn clearances(camera: &Camera, resolution: u32, points: &Points, distance: f64) 
     let clearance = |index: usize| {
         let covered = footprint(camera, [resolution, resolution], &splat(points, index));
         let pixel = covered.first()?;
-        let normal = points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
+        let normal = points.own_normal(index).and_then(|normal| normal.as_dvec3().try_normalize());
         let cos = normal.map_or(1.0, |n| n.dot(camera.forward).abs().max(LEAST_COS));
         let reference = depths[pixel.y as usize * resolution as usize + pixel.x as usize];
         Some(reference + distance / cos - pixel.z)

@@ -43,7 +43,7 @@ pub fn splat(
     Splat {
         position,
         radius: (f64::from(points.radii[index]) * f64::from(settings.size)).min(most),
-        normal: points.normals.as_ref().map(|normals| normals[index].as_dvec3()),
+        normal: points.own_normal(index).map(|normal| normal.as_dvec3()),
         shape,
         max_pixel_radius: f64::INFINITY,
     }

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use super::error::{Error, Place};
 use super::framing::{self, Extent, Spheres, Subject};
 use super::settings::{CameraSettings, Scene};
+use super::view::Vertical;
 use crate::camera::path::{Defaults, Pose, Turntable};
 use crate::camera::{Camera, Projection};
 use crate::cloud::UpAxis;
@@ -15,7 +16,8 @@ use crate::points::Points;
 pub struct Course<'a> {
     scene: &'a Scene,
     subject: Subject<'a>,
-    vertical: UpAxis,
+    /// That of the clouds.
+    up: UpAxis,
 }
 
 impl<'a> Course<'a> {
@@ -25,13 +27,15 @@ impl<'a> Course<'a> {
     /// No points, coordinates too large for a camera.
     pub fn new(scene: &'a Scene, points: &'a Points, up: UpAxis) -> Result<Self, Error> {
         let subject = framing::subject(scene, points)?;
-        let vertical = scene.camera.up.and_then(framing::nearest_axis).unwrap_or(up);
-        Ok(Self { scene, subject, vertical })
+        Ok(Self { scene, subject, up })
     }
 
     /// Values for keys that leave them open: `[camera] up`, or else the vertical, and the scene's lens.
     pub fn defaults(&self) -> Defaults {
-        path_defaults(&self.scene.camera, self.vertical)
+        let settings = &self.scene.camera;
+        let vertical = framing::vertical_of(settings, self.up);
+        let settings = framing::with_height(settings, &self.subject, self.scene.image.size, vertical);
+        path_defaults(&settings, self.up)
     }
 
     /// The camera of a pose: its depths are the pose's, else those of `[camera]`, else from the scene's bounds as
@@ -67,11 +71,13 @@ impl<'a> Course<'a> {
     /// Those of [`super::camera`].
     pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
         let settings = &self.scene.camera;
-        let (start, warnings) = framing::camera(self.scene, self.subject.points, self.vertical)?;
+        let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.points, self.up)?;
         // A view asked for replaces them.
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
-        let axis = settings.up.filter(|_| own).unwrap_or_else(|| framing::axis(self.vertical)).normalize();
+        let axis = settings.up.filter(|_| own);
+        let axis = axis.unwrap_or_else(|| framing::vertical_of(settings, self.up).up()).normalize();
+        let start = if settings.ortho && settings.height.is_none() { self.widened(start, center, axis) } else { start };
         if settings.eye.is_some() && own {
             let eye =
                 if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
@@ -83,6 +89,15 @@ impl<'a> Course<'a> {
         }
         let eye = self.eye(&start, center, axis, settings.target.is_some() && own);
         Ok((Turntable::new(&Camera { eye, ..start }, center, axis), warnings))
+    }
+
+    /// An orthographic camera that shows everything during the whole turn.
+    fn widened(&self, start: Camera, center: DVec3, axis: DVec3) -> Camera {
+        let spheres = Spheres { points: self.subject.points, center, axes: [start.right, start.up, start.forward] };
+        let extent = turned_extent(&spheres, DVec2::ZERO, axis);
+        let centered = self.scene.camera.eye.is_some() || self.scene.camera.target.is_some();
+        let height = framing::height_of(&extent, centered, self.scene.image.size, &self.subject);
+        Camera { projection: Projection::Orthographic { height }, ..start }
     }
 
     /// True if moving back would bring nothing new into the image: everything is in it during the whole turn, or the
@@ -117,8 +132,8 @@ impl<'a> Course<'a> {
 }
 
 /// Values for keys that leave them open, in a scene with this `[camera]` whose clouds have this vertical.
-pub fn path_defaults(camera: &CameraSettings, vertical: UpAxis) -> Defaults {
-    let up = camera.up.unwrap_or_else(|| framing::axis(vertical));
+pub fn path_defaults(camera: &CameraSettings, up: UpAxis) -> Defaults {
+    let up = camera.up.unwrap_or_else(|| Vertical::from(up).up());
     Defaults { up, projection: framing::projection(camera) }
 }
 
@@ -142,8 +157,8 @@ fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent 
     ];
     let nearest = most(-forward);
     let mut extent = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
-    for (position, own) in spheres.points.positions.iter().zip(&spheres.points.radii) {
-        let (p, own) = (*position - spheres.center, f64::from(*own));
+    for (position, own) in spheres.points.spheres() {
+        let (p, own) = (*position - spheres.center, f64::from(own));
         let height = p.dot(axis);
         let radius = (p - axis * height).length();
         let [x, y, minus_x, minus_y] = planes.each_ref().map(|plane| plane(height, radius));

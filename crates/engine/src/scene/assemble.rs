@@ -2,10 +2,17 @@
 
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
+use super::classes::{self, Rules};
+use super::clip::Clips;
+use super::coloring::Coloring;
 use super::error::Error;
+use super::legend::Legend;
 use super::procedural::Generated;
-use super::settings::{CloudSettings, Scene};
+use super::seen::{leave_out, seen};
+use super::settings::{CloudSettings, Outliers, Scene};
+use super::surface_opacity::Opacity;
 use crate::cloud::shadow_texture::ShadowTexture;
 use crate::cloud::{Cloud, UpAxis};
 use crate::points::Points;
@@ -42,16 +49,19 @@ pub fn take_generated(scene: &Scene, generated: &Generated) -> Result<Vec<Cloud>
 
 /// The vertical of most clouds; Z in a draw, since surveys are what other things are put into.
 pub fn up_axis(clouds: &[Cloud]) -> UpAxis {
-    let surveys = clouds.iter().filter(|cloud| cloud.up == UpAxis::Z).count();
-    if surveys > 0 && 2 * surveys >= clouds.len() { UpAxis::Z } else { UpAxis::Y }
+    let count = |up: UpAxis| clouds.iter().filter(|cloud| cloud.up == up).count();
+    // The last one of those that are most.
+    let most = [UpAxis::NegativeY, UpAxis::Y, UpAxis::Z].into_iter().max_by_key(|up| count(*up));
+    most.filter(|_| !clouds.is_empty()).unwrap_or_default()
 }
 
 /// Warnings about data of prepared clouds that the scene can't use, one sentence each.
 pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> {
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
-        let notes = request(settings, needs_radii, scene.method.needs_field()).notes(cloud);
-        notes.into_iter().map(move |note| format!("{path}: {note}"))
+        let notes = request(scene, settings, needs_radii, scene.method.needs_field()).notes(cloud);
+        let idle = classes::note(settings, cloud);
+        notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
 }
@@ -70,6 +80,8 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
         "stored for this cloud by itself".to_owned()
     } else if settings.scale != 1.0 || settings.translate != DVec3::ZERO {
         "stored for the cloud where it is in its file".to_owned()
+    } else if scene.hides_points() || settings.strays.outliers == Outliers::Drop {
+        "stored for all points of the cloud".to_owned()
     } else if wanted.is_none() || !other.is_empty() {
         format!("stored for other settings ({})", other.join(", "))
     } else {
@@ -79,34 +91,49 @@ pub fn shadow_texture(scene: &Scene, clouds: &[Cloud], seed: u64) -> (Option<Sha
 }
 
 /// The data that a scene needs of a cloud's points.
-pub(super) fn request(settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
+pub(super) fn request(scene: &Scene, settings: &CloudSettings, radii: bool, fields: bool) -> prepare::Request {
     prepare::Request {
         neighbors: settings.neighbors,
+        radius_cap: settings.strays.radius_cap,
         field: settings.field.as_ref().map(|field| field.in_file_units(settings.scale, settings.translate)),
         radii: radii && settings.radius.is_none(),
+        uncapped: settings.surface_opacity.is_some() && scene.method.is_made_of_discs(),
+        soft_outliers: settings.strays.rule(Outliers::Soft).filter(|_| fields),
+        dropped_outliers: settings.strays.rule(Outliers::Drop),
         fields,
         normals: false,
+        shading: scene.shading_normals(),
     }
 }
 
 /// All points of the scene. `clouds` are those of `scene.clouds`, in that order.
 ///
-/// Positions become scale·p + translate in float64; non-finite results are dropped. Colors stay linear, whatever the
-/// scene's color space; clouds without color are white. A radius is the scene's, else the file's times `scale`, else,
+/// Positions become scale·p + translate in float64; non-finite results are dropped, and so are outliers if they are to be.
+/// Colors stay linear, whatever the scene's color space; clouds without `color` are colored by `color_by`. Points that a class
+/// hides or a clip cuts off are set apart ([`Points::unseen`]) once everything is computed. A radius is the scene's, else the file's times `scale`, else,
 /// only if `needs_radii`, that of Eq. 20 over its own cloud times `scale`, else 0; `radius_factor` multiplies all of
 /// them. F is included if the method needs it. Neighbors and fields are computed in the cloud's own coordinates, before
 /// `scale` and `translate` round them, because a prepared file stores those values.
 ///
 /// # Errors
-/// No point is left, or a cloud lacks the property of its field.
+/// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
 pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: &Progress) -> Result<Points, Error> {
-    let mut points = Points::default();
-    for (settings, cloud) in scene.clouds.iter().zip(clouds) {
-        let request = request(settings, needs_radii, scene.method.needs_field());
-        points.append(transformed(settings, cloud, &request, progress)?);
+    merged(scene, clouds, needs_radii, progress, None)
+}
+
+fn merged(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    needs_radii: bool,
+    progress: &Progress,
+    mut legend: Option<&mut Legend>,
+) -> Result<Points, Error> {
+    let (mut points, clips) = (Points::default(), Clips::load(&scene.clips)?);
+    for (index, cloud) in clouds.into_iter().enumerate() {
+        points.append(transformed(scene, &clips, index, cloud, needs_radii, progress, legend.as_deref_mut())?);
     }
     if points.is_empty() {
-        return Err(no_points(scene));
+        return Err(no_points(scene, &points));
     }
     Ok(prepare::order::canonical(points))
 }
@@ -117,63 +144,105 @@ pub fn assemble(scene: &Scene, clouds: Vec<Cloud>, needs_radii: bool, progress: 
 /// # Errors
 /// Those of [`assemble`].
 pub fn arrange(scene: &Scene, clouds: Vec<Cloud>, seed: u64, progress: &Progress) -> Result<Arranged, Error> {
+    arrange_explained(scene, clouds, seed, progress, None)
+}
+
+/// Like [`arrange`], and what the colors of the points mean, which takes some more time.
+///
+/// # Errors
+/// Those of [`assemble`].
+pub fn arrange_with_legend(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    seed: u64,
+    progress: &Progress,
+) -> Result<(Arranged, Legend), Error> {
+    let mut legend = Legend::default();
+    let arranged = arrange_explained(scene, clouds, seed, progress, Some(&mut legend))?;
+    Ok((arranged, legend))
+}
+
+fn arrange_explained(
+    scene: &Scene,
+    clouds: Vec<Cloud>,
+    seed: u64,
+    progress: &Progress,
+    mut legend: Option<&mut Legend>,
+) -> Result<Arranged, Error> {
     if !scene.method.is_dealt() {
-        return assemble(scene, clouds, scene.method.needs_radii(), progress).map(Arranged::Canonical);
+        return merged(scene, clouds, scene.method.needs_radii(), progress, legend).map(Arranged::Canonical);
     }
-    let each = scene.clouds.iter().zip(clouds);
-    let placed = each.map(|(settings, cloud)| transformed(settings, cloud, &request(settings, false, false), progress));
+    let (each, clips) = (clouds.into_iter().enumerate(), Clips::load(&scene.clips)?);
+    let placed =
+        each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress, legend.as_deref_mut()));
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
     progress.reset();
     progress.set_message("dealing points to ensembles");
     let dealt = ensembles::deal(placed, seed, progress);
-    if dealt.points.is_empty() { Err(no_points(scene)) } else { Ok(Arranged::Dealt(dealt)) }
+    if dealt.points.is_empty() { Err(no_points(scene, &dealt.points)) } else { Ok(Arranged::Dealt(dealt)) }
 }
 
-pub(super) fn no_points(scene: &Scene) -> Error {
+pub(super) fn no_points(scene: &Scene, points: &Points) -> Error {
     let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-    Error::NoPoints { clouds: clouds.join(", ") }
+    Error::NoPoints { clouds: clouds.join(", "), hidden: points.unseen.positions.len() }
 }
 
-/// A cloud with its settings applied.
+/// The cloud at a place in the scene, with its settings applied. F is there if the method needs it. What its colors mean goes
+/// to the legend.
 fn transformed(
-    settings: &CloudSettings,
+    scene: &Scene,
+    clips: &Clips,
+    index: usize,
     mut cloud: Cloud,
-    request: &prepare::Request,
+    needs_radii: bool,
     progress: &Progress,
+    legend: Option<&mut Legend>,
 ) -> Result<Points, Error> {
-    if request.radii || request.fields {
+    let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
+    let coloring = Coloring::of(scene, index, &cloud);
+    let request = request(scene, settings, needs_radii, needs_field || coloring.needs_field());
+    if request.needs_neighbors() {
         progress.reset();
         progress.set_message("finding neighbors");
     }
-    let found = prepare::find(&cloud, request, progress);
+    let found = prepare::find(&cloud, &request, progress);
     let found = found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
     let count = cloud.len();
-    let radii = match found.radii.or(cloud.radii) {
+    let colors = coloring.colors(found.fields.as_deref())?;
+    if let Some(legend) = legend {
+        legend.add(&coloring, clips, found.fields.as_deref())?;
+    }
+    let mut colors = colors.into_list(cloud.colors.take(), count);
+    let rules = Rules::of(settings, &cloud)?;
+    rules.paint(&mut colors);
+    let visible = rules.visible_points(count);
+    let radii: Vec<f32> = match found.radii.as_deref().or(cloud.radii.as_deref()) {
         Some(radii) => radii.iter().map(|own| radius(settings, Some(*own))).collect(),
         None => vec![radius(settings, None); count],
     };
-    let colors = match (settings.color, cloud.colors) {
-        (None, Some(colors)) => colors,
-        _ => vec![color(settings, None); count],
-    };
-    let opacities = match cloud.alphas {
-        Some(alphas) => alphas.iter().map(|alpha| opacity(settings, Some(*alpha))).collect(),
-        None => vec![opacity(settings, None); count],
-    };
+    let base = Opacity { settings, estimated: found.uncapped.as_deref(), neighbors: request.neighbors_of(&cloud) };
+    let one = |i: usize| opacity(base, &rules, &cloud, i, radii[i]);
+    let opacities = (0..count).into_par_iter().map(one).collect();
     for position in &mut cloud.positions {
         *position = placed(settings, *position);
     }
+    let seen = seen(visible, clips, &cloud.positions);
     let mut points = Points {
         positions: cloud.positions,
         colors,
         opacities,
         radii,
-        normals: cloud.normals,
-        file_order: Vec::new(),
-        fields: found.fields.unwrap_or_default(),
+        normals: shown(found.shading.or(cloud.normals)),
+        fields: found.fields.filter(|_| needs_field).unwrap_or_default(),
+        ..Points::default()
     };
-    drop_non_finite(&mut points);
+    leave_out(&mut points, seen.as_deref(), found.dropped.as_deref());
     Ok(points)
+}
+
+/// Normals, unless no point has one.
+pub(super) fn shown(normals: Option<Vec<Vec3>>) -> Option<Vec<Vec3>> {
+    normals.filter(|normals| normals.iter().any(|normal| *normal != Vec3::ZERO))
 }
 
 /// The position of a cloud's point in the scene.
@@ -181,14 +250,10 @@ pub(super) fn placed(settings: &CloudSettings, position: DVec3) -> DVec3 {
     settings.scale * position + settings.translate
 }
 
-/// The color of a point, with or without a color of its own.
-pub(super) fn color(settings: &CloudSettings, own: Option<Vec3>) -> Vec3 {
-    settings.color.or(own).unwrap_or(Vec3::ONE)
-}
-
-/// The opacity of a point, with or without an alpha.
-pub(super) fn opacity(settings: &CloudSettings, alpha: Option<f32>) -> f32 {
-    alpha.map_or(settings.opacity, |alpha| alpha * settings.opacity)
+/// The opacity of a point of this radius: that of its class, else the cloud's, times its alpha if it has one.
+pub(super) fn opacity(base: Opacity<'_>, rules: &Rules<'_>, cloud: &Cloud, i: usize, radius: f32) -> f32 {
+    let opacity = rules.opacity(i).unwrap_or_else(|| base.of(i, radius));
+    cloud.alphas.as_ref().map_or(opacity, |alphas| alphas[i] * opacity)
 }
 
 /// The radius of a point, with or without a radius of its own, in the cloud's units.
@@ -204,26 +269,4 @@ pub(super) fn radius(settings: &CloudSettings, own: Option<f32>) -> f32 {
 /// A radius times the cloud's scale; one beyond float32 is as large as float32 can say.
 fn scaled(radius: f32, scale: f64) -> f32 {
     ((f64::from(radius) * scale) as f32).min(f32::MAX)
-}
-
-/// Drops points that a huge `scale` or `translate` moved out of float64. Which are left; `None`: all.
-pub(super) fn drop_non_finite(points: &mut Points) -> Option<Vec<bool>> {
-    let keep: Vec<_> = points.positions.iter().map(|position: &DVec3| position.is_finite()).collect();
-    if keep.iter().all(|keep| *keep) {
-        return None;
-    }
-    retain(&mut points.positions, &keep);
-    retain(&mut points.colors, &keep);
-    retain(&mut points.opacities, &keep);
-    retain(&mut points.radii, &keep);
-    retain(&mut points.fields, &keep);
-    if let Some(normals) = &mut points.normals {
-        retain(normals, &keep);
-    }
-    Some(keep)
-}
-
-fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    column.retain(|_| keep.next().copied().unwrap_or(false));
 }

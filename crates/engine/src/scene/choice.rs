@@ -1,7 +1,7 @@
 //! The method requested by a scene: a method, or `auto`.
 
 use super::error::Error;
-use super::methods::{AUTO, Method};
+use super::methods::{AUTO, Family, Method};
 use super::schema::{Key, Settings};
 use super::settings::Discs;
 use super::table::Table;
@@ -81,6 +81,16 @@ impl MethodChoice {
         self.representative().needs_radii()
     }
 
+    /// Like [`Method::scales_by_normals`].
+    pub fn scales_by_normals(&self) -> bool {
+        self.representative().scales_by_normals()
+    }
+
+    /// True for methods that blend discs.
+    pub fn is_made_of_discs(&self) -> bool {
+        self.representative().family() == Family::Discs
+    }
+
     /// Like [`Method::needs_field`].
     pub fn needs_field(&self) -> bool {
         self.representative().needs_field()
@@ -94,5 +104,10 @@ impl MethodChoice {
     /// True if `[shadows]` may apply: to `auto` it does if every point turns out to be opaque.
     pub fn may_take_shadows(&self) -> bool {
         self.fixed().is_none_or(Method::takes_shadows)
+    }
+
+    /// True if `edl` of `[shading]` may apply, as with shadows.
+    pub fn may_take_edl(&self) -> bool {
+        self.fixed().is_none_or(Method::takes_edl)
     }
 }

@@ -261,7 +261,7 @@ impl Setting {
 
 /// A value with the files in it moved. `keys` lead to it.
 fn to_toml(node: &Node, keys: &[&str], moved: &dyn Fn(&Path) -> Result<String, Error>) -> Result<toml::Value, Error> {
-    let is_file = matches!(keys, ["cloud", "path"] | ["cloud", "photo", "heights"]);
+    let is_file = matches!(keys, ["cloud", "path"] | ["cloud", "photo", "heights"] | ["clip", "polygon"]);
     Ok(match &node.value {
         Value::Table(entries) => {
             let entry = |(key, (_, node)): (&String, &(Place, Node))| {
@@ -295,6 +295,8 @@ mod tests {
         opacity = 0.25
         [[cloud]]
         path = '/data/b.ply'
+        [[clip]]
+        polygon = 'area.geojson'
         [method]
         name = 'sorted'
         shape = 'flat'
@@ -313,7 +315,8 @@ mod tests {
             assert_eq!(plain(again.scene().unwrap()), plain(document.scene().unwrap()), "{text}");
         }
         assert!(document.to_toml(Path::new("/scans")).unwrap().contains("path = \"a.ply\""));
-        assert!(document.to_toml(Path::new("/else")).unwrap().contains("path = \"/scans/a.ply\""));
+        let moved = document.to_toml(Path::new("/else")).unwrap();
+        assert!(moved.contains("path = \"/scans/a.ply\"") && moved.contains("polygon = \"/scans/area.geojson\""));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::procedural;
 use crate::cloud::field;
+use crate::io;
 
 /// The position of a key or value.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -100,11 +101,13 @@ pub enum Error {
     /// A built-in scene can't be made as asked.
     #[error(transparent)]
     Procedural(#[from] procedural::Error),
-    /// No finite point is left after `translate` and `scale`.
-    #[error("{clouds}: no finite point is left to draw after `translate` and `scale`")]
+    /// No finite point is left after `translate` and `scale`, or none that may be seen.
+    #[error("{clouds}: {}", no_points(*.hidden))]
     NoPoints {
         /// The clouds' paths.
         clouds: String,
+        /// Points that are hidden or cut off.
+        hidden: usize,
     },
     /// A cloud lacks what its field is made of.
     #[error("{path}: {source}", path = path.display())]
@@ -114,6 +117,33 @@ pub enum Error {
         /// The missing property.
         source: field::Error,
     },
+    /// A cloud lacks what its colors are to show.
+    #[error("{path}: color_by = {by:?}, but the file has no {lacking}; {there}", path = path.display())]
+    Color {
+        /// The cloud.
+        path: PathBuf,
+        /// The coloring.
+        by: String,
+        /// The missing property.
+        lacking: String,
+        /// The existing properties, as a phrase.
+        there: String,
+    },
+    /// No scalar has the name that a key gives.
+    #[error("{path}: no scalar `{name}` for {key}{hint}", path = path.display())]
+    NoScalar {
+        /// The cloud.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The key.
+        key: &'static str,
+        /// The nearest name or the list of them, as a phrase that follows.
+        hint: String,
+    },
+    /// The polygons of a clip can't be read.
+    #[error(transparent)]
+    Polygon(#[from] io::Error),
     /// Coordinates beyond what the camera can be computed for.
     #[error("the scene reaches from {min} to {max}: too far apart or too far out for a camera in float64; use `scale`")]
     Extent {
@@ -124,6 +154,13 @@ pub enum Error {
     },
 }
 
+fn no_points(hidden: usize) -> String {
+    match hidden {
+        0 => "no finite point is left to draw after `translate` and `scale`".to_owned(),
+        count => format!("no point is left to draw: all {count} are hidden by `class` or cut off by `clip`"),
+    }
+}
+
 impl Error {
     /// 2 for a wrong scene file or option; 1 for an input that is missing, empty or can't be drawn.
     pub fn exit_status(&self) -> u8 {
@@ -132,6 +169,9 @@ impl Error {
             | Self::Empty { .. }
             | Self::NoPoints { .. }
             | Self::Field { .. }
+            | Self::Color { .. }
+            | Self::NoScalar { .. }
+            | Self::Polygon(_)
             | Self::Extent { .. } => 1,
             Self::Procedural(procedural::Error::TooLarge { .. }) => 1,
             _ => 2,

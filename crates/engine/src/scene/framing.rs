@@ -5,6 +5,8 @@ use glam::{DVec2, DVec3};
 use super::error::Error;
 use super::schema::MAX_COORDINATE;
 use super::settings::{CameraSettings, Scene};
+use super::surroundings;
+use super::view::Vertical;
 use crate::camera::{Camera, Projection};
 use crate::cloud::{Bounds, UpAxis};
 use crate::points::Points;
@@ -22,18 +24,30 @@ const CLEARANCE: f64 = 0.1;
 ///
 /// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above), from the
 /// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
-/// overrides `eye`, `target` and `up`, but `up` still defines the vertical axis; the clouds' vertical (the argument
-/// `up`) only counts without it. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
+/// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
+/// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
+/// unless anything is said of eye, target or view. Default depths: far = 1.001·(z_max + r_max), near = max(0.999·(z_min − r_max),
 /// far·10⁻⁵), z over the corners of the scene's bounds.
 ///
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
+    let inside = surroundings::inside(&scene.camera, points, vertical_of(&scene.camera, up));
+    camera_of(scene, &inside.unwrap_or(scene.camera), points, up)
+}
+
+/// The camera of these settings in a scene, from outside if they don't say from where.
+pub(super) fn camera_of(
+    scene: &Scene,
+    settings: &CameraSettings,
+    points: &Points,
+    up: UpAxis,
+) -> Result<(Camera, Vec<String>), Error> {
     let subject = subject(scene, points)?;
     let Subject { bounds, radius, .. } = subject;
-    let settings = &scene.camera;
-    let up = settings.up.and_then(nearest_axis).unwrap_or(up);
-    let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, up);
+    let vertical = vertical_of(settings, up);
+    let settings = &with_height(settings, &subject, scene.image.size, vertical);
+    let pose = Pose::new(settings, &subject, projection(settings), scene.image.size, vertical);
     let Some(camera) = placed(settings, &pose, &bounds, radius) else {
         let problem = format!("{} points along the view {}; leave it out or turn it", pose.up, pose.forward);
         return Err(Error::Conflict { place: super::Place::Option("camera.up".into()), problem });
@@ -43,8 +57,8 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
     let mut warnings = Vec::new();
-    if settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some() || settings.up.is_some()) {
-        warnings.push("the view asked for replaces `eye`, `target` and `up` of [camera]".to_owned());
+    if settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some()) {
+        warnings.push("the view asked for replaces `eye` and `target` of [camera]".to_owned());
     }
     if !sees_anything(&camera, points, scene.image.size) {
         warnings.push(format!(
@@ -57,9 +71,12 @@ pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec
 }
 
 /// The camera of settings that give its eye, target and up, and no view: the one that [`camera`] finds in a scene of these
-/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if `up` points
+/// `bounds` and this largest `radius`, without a look at its points. `None` if something of it is missing, if points decide its height, if `up` points
 /// along the view, or if coordinates are too large.
 pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Option<Camera> {
+    if settings.ortho && settings.height.is_none() {
+        return None;
+    }
     let (eye, target, up) = (settings.eye?, settings.target?, settings.up?);
     let pose = Pose { eye, forward: (target - eye).try_normalize()?, up };
     let camera = placed(settings, &pose, bounds, radius)?;
@@ -71,9 +88,9 @@ pub fn camera_at(settings: &CameraSettings, bounds: &Bounds, radius: f64) -> Opt
 pub(super) fn subject<'a>(scene: &Scene, points: &'a Points) -> Result<Subject<'a>, Error> {
     let Some(bounds) = points.bounds() else {
         let clouds: Vec<_> = scene.clouds.iter().map(|cloud| cloud.path.display().to_string()).collect();
-        return Err(Error::NoPoints { clouds: clouds.join(", ") });
+        return Err(Error::NoPoints { clouds: clouds.join(", "), hidden: 0 });
     };
-    let radius = points.radii.iter().fold(0.0, |max: f64, r| max.max(f64::from(*r)));
+    let radius = points.largest_radius();
     if bounds.min.abs().max(bounds.max.abs()).max_element() > MAX_COORDINATE {
         return Err(Error::Extent { min: bounds.min, max: bounds.max });
     }
@@ -97,14 +114,57 @@ fn placed(settings: &CameraSettings, pose: &Pose, bounds: &Bounds, radius: f64) 
     Some(Camera { eye: pose.eye, near, far, ..axes })
 }
 
-/// The vertical axis that a camera's `up` stands for; `None` if it lies between the axes or along X.
-pub(super) fn nearest_axis(up: DVec3) -> Option<UpAxis> {
-    let length = up.abs();
-    match length.max_element() {
-        max if length.y == max && length.y > length.z => Some(UpAxis::Y),
-        max if length.z == max && length.z > length.y => Some(UpAxis::Z),
-        _ => None,
+/// The vertical that a camera's `up` stands for, else that of the clouds.
+pub(super) fn vertical_of(settings: &CameraSettings, up: UpAxis) -> Vertical {
+    settings.up.and_then(Vertical::nearest).unwrap_or(up.into())
+}
+
+/// Settings in which `ortho` has become the `height` that shows the whole subject from the direction of view.
+pub(super) fn with_height(
+    settings: &CameraSettings,
+    subject: &Subject<'_>,
+    size: [u32; 2],
+    vertical: Vertical,
+) -> CameraSettings {
+    if !settings.ortho || settings.height.is_some() {
+        return *settings;
     }
+    let (forward, image_up, center) = direction(settings, subject, vertical);
+    let [right, up] = image_axes(forward, image_up);
+    let extent = Spheres { points: subject.points, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
+    // A picture that isn't shifted has both sides alike.
+    let centered = !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some());
+    CameraSettings { height: Some(height_of(&extent, centered, size, subject)), ..*settings }
+}
+
+/// World units over the height of an orthographic image that shows an extent with the margin of all automatic cameras.
+pub(super) fn height_of(extent: &Extent, centered: bool, [width, height]: [u32; 2], subject: &Subject<'_>) -> f64 {
+    let size = if centered { 2.0 * extent.upper.max(-extent.lower) } else { extent.upper - extent.lower };
+    let needed = size.y.max(size.x * f64::from(height) / f64::from(width)) / FILL;
+    // Seen along a line of points, or of one point, any height works.
+    [needed, subject.bounds.diagonal()].into_iter().find(|length| *length > 0.0).unwrap_or(1.0)
+}
+
+/// The direction of view, what points to the image's top, and the point in the middle of the picture.
+fn direction(settings: &CameraSettings, subject: &Subject<'_>, vertical: Vertical) -> (DVec3, DVec3, DVec3) {
+    let center = subject.bounds.center();
+    let (forward, image_up) = settings.view.axes(vertical);
+    if settings.view.is_given() {
+        return (forward, image_up, center);
+    }
+    let target = settings.target.unwrap_or(center);
+    let forward = match settings.eye {
+        // An eye in the middle of the scene has no direction to it.
+        Some(eye) => (target - eye).try_normalize().unwrap_or(forward),
+        None => forward,
+    };
+    (forward, settings.up.unwrap_or_else(|| upright(forward, vertical)), settings.eye.unwrap_or(target))
+}
+
+/// Unit vectors to the image's right and top.
+fn image_axes(forward: DVec3, up: DVec3) -> [DVec3; 2] {
+    let right = forward.cross(up).normalize_or(DVec3::X);
+    [right, right.cross(forward)]
 }
 
 /// The points to frame.
@@ -128,42 +188,21 @@ impl Pose {
         subject: &Subject<'_>,
         projection: Projection,
         size: [u32; 2],
-        up: UpAxis,
+        vertical: Vertical,
     ) -> Self {
-        let (forward, image_up) = settings.view.axes(up);
-        if settings.view.is_given() {
-            return Self { eye: framed(subject, projection, size, forward, image_up, None), forward, up: image_up };
-        }
-        let center = subject.bounds.center();
-        let direction = match settings.eye {
-            // An eye in the middle of the scene has no direction to it.
-            Some(eye) => (settings.target.unwrap_or(center) - eye).try_normalize().unwrap_or(forward),
-            None => forward,
-        };
-        let image_up = settings.up.unwrap_or_else(|| vertical(direction, up));
-        let eye =
-            settings.eye.unwrap_or_else(|| framed(subject, projection, size, direction, image_up, settings.target));
-        Self { eye, forward: direction, up: image_up }
+        let (forward, up, _) = direction(settings, subject, vertical);
+        let given = settings.view.is_given();
+        let eye = settings.eye.filter(|_| !given);
+        let target = settings.target.filter(|_| !given);
+        let eye = eye.unwrap_or_else(|| framed(subject, projection, size, forward, up, target));
+        Self { eye, forward, up }
     }
 }
 
-/// The unit vector of a vertical.
-pub(super) fn axis(up: UpAxis) -> DVec3 {
-    match up {
-        UpAxis::Z => DVec3::Z,
-        UpAxis::Y => DVec3::Y,
-    }
-}
-
-/// The file's vertical, or, where that is along the view, the axis that a map has at its top.
-fn vertical(forward: DVec3, up: UpAxis) -> DVec3 {
-    let vertical = axis(up);
-    let other = match up {
-        UpAxis::Z => DVec3::Y,
-        UpAxis::Y => -DVec3::Z,
-    };
+/// The vertical, or, where that is along the view, the axis that a map has at its top.
+fn upright(forward: DVec3, vertical: Vertical) -> DVec3 {
     // Within a thousandth of a radian the image's up would follow rounding rather than the scene.
-    if forward.cross(vertical).length() < 1e-3 { other } else { vertical }
+    if forward.cross(vertical.up()).length() < 1e-3 { -vertical.front() } else { vertical.up() }
 }
 
 /// The eye from which the subject fits; the image's centre shows `target` if one is given.
@@ -176,8 +215,7 @@ fn framed(
     target: Option<DVec3>,
 ) -> DVec3 {
     let center = target.unwrap_or_else(|| subject.bounds.center());
-    let right = forward.cross(up).normalize_or(DVec3::X);
-    let up = right.cross(forward);
+    let [right, up] = image_axes(forward, up);
     let tangents = tangents(projection, size);
     let spheres = Spheres { points: subject.points, center, axes: [right, up, forward] };
     let extent = spheres.extent(tangents);
@@ -232,9 +270,9 @@ impl Spheres<'_> {
     /// Offset, depth, radius.
     fn iter(&self) -> impl Iterator<Item = (DVec2, f64, f64)> {
         let [right, up, forward] = self.axes;
-        self.points.positions.iter().zip(&self.points.radii).map(move |(position, radius)| {
+        self.points.spheres().map(move |(position, radius)| {
             let p = *position - self.center;
-            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(*radius))
+            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(radius))
         })
     }
 

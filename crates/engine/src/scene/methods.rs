@@ -136,6 +136,13 @@ methods! {
     "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles;
 }
 
+/// The methods that eye-dome lighting applies to, as the rest of a message about one to which it doesn't.
+pub fn edl_methods() -> String {
+    let names: Vec<_> =
+        Method::all().into_iter().filter(Method::takes_edl).map(|method| format!("\"{}\"", method.name())).collect();
+    format!("{} have one", names.join(", "))
+}
+
 /// Methods that draw the same things, each in its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -167,6 +174,14 @@ impl Family {
             Self::Soft => "soft spheres",
             Self::OneLayer => "one transparent layer",
             Self::Ensembles => "ensembles of points",
+        }
+    }
+
+    /// True if its pictures let through more light the lower the opacity of points is.
+    pub fn has_opacity(self) -> bool {
+        match self {
+            Self::Surfaces | Self::Discs | Self::Ensembles => true,
+            Self::Opaque | Self::Soft | Self::OneLayer => false,
         }
     }
 

@@ -6,38 +6,51 @@
 mod along;
 mod assemble;
 mod choice;
+mod classes;
+mod clip;
+mod coloring;
 mod document;
 mod error;
 mod framing;
 mod keys;
 mod layers;
+pub mod legend;
 mod method;
 mod methods;
 mod open;
 mod overrides;
+mod overview;
 mod parse;
 mod photo;
 pub mod procedural;
 #[cfg(test)]
 mod reference;
 mod schema;
+mod seen;
 mod settings;
+mod surface_opacity;
+mod surroundings;
 mod table;
 pub mod tracked;
 mod tree;
 mod view;
 
 pub use along::{Course, path_defaults};
-pub use assemble::{arrange, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis};
+pub use assemble::{
+    arrange, arrange_with_legend, assemble, load_clouds, notes, shadow_texture, take_generated, up_axis,
+};
 pub use choice::MethodChoice;
+pub use coloring::colorings;
 pub use document::{Change, Document, Setting};
 pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{KeyTable, all_method_keys, method_keys, tables};
 pub use layers::note_of_layers;
-pub use methods::{Family, METHODS, Method};
+pub use methods::{Family, METHODS, Method, edl_methods};
 pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;
+pub use overview::{Overview, overview};
 pub use schema::{Key, Kind, Ladder, Range, Slider, Word, rounded};
 pub use settings::*;
-pub use view::{View, ViewName};
+pub use surroundings::camera_notes;
+pub use view::{Vertical, View, ViewName};

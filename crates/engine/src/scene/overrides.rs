@@ -12,7 +12,16 @@ const MAX_SEGMENTS: usize = 32;
 /// Keys given by options, in the order in which they win over the file and over each other.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    entries: Vec<(Vec<String>, Node)>,
+    entries: Vec<Entry>,
+}
+
+/// A key and its value.
+#[derive(Debug, Clone)]
+struct Entry {
+    path: Vec<String>,
+    node: Node,
+    /// True if the value becomes the last one of an array.
+    appended: bool,
 }
 
 impl Overrides {
@@ -23,7 +32,19 @@ impl Overrides {
     /// # Errors
     /// A key with an empty segment, or with very many.
     pub fn set(&mut self, option: impl Into<String>, key: &str, text: &str) -> Result<(), Error> {
-        let place = Place::Option(option.into());
+        self.add(option.into(), key, text, false)
+    }
+
+    /// Like [`Overrides::set`], but the value becomes the last one of the array that the key has.
+    ///
+    /// # Errors
+    /// Those of [`Overrides::set`].
+    pub fn append(&mut self, option: impl Into<String>, key: &str, text: &str) -> Result<(), Error> {
+        self.add(option.into(), key, text, true)
+    }
+
+    fn add(&mut self, option: String, key: &str, text: &str, appended: bool) -> Result<(), Error> {
+        let place = Place::Option(option);
         let path: Vec<_> = key.split('.').map(|segment| segment.trim().to_owned()).collect();
         if path.len() > MAX_SEGMENTS {
             let problem = format!("a key of {} segments (at most {MAX_SEGMENTS})", path.len());
@@ -33,13 +54,13 @@ impl Overrides {
             let problem = format!("{key:?} is no key; write it as in method.shape or cloud.0.opacity");
             return Err(Error::Conflict { place, problem });
         }
-        self.entries.push((path, tree::parse_value(text, &place)?));
+        self.entries.push(Entry { path, node: tree::parse_value(text, &place)?, appended });
         Ok(())
     }
 
     /// Sets a dotted key to a value.
     pub(super) fn put(&mut self, key: &str, value: Node) {
-        self.entries.push((key.split('.').map(str::to_owned).collect(), value));
+        self.entries.push(Entry { path: key.split('.').map(str::to_owned).collect(), node: value, appended: false });
     }
 
     /// Like [`Overrides::set`], from `KEY=VALUE`.
@@ -57,34 +78,51 @@ impl Overrides {
     }
 
     pub(super) fn apply(&self, root: &mut Node) -> Result<(), Error> {
-        self.entries.iter().try_for_each(|(path, node)| {
-            drop_rival(root, path);
-            insert(root, path, path, node)
+        self.entries.iter().try_for_each(|entry| {
+            drop_rival(root, &entry.path);
+            insert(root, &entry.path, entry)
         })
     }
 }
 
 /// Takes out the file's key that excludes the one an option gives: the option wins.
 fn drop_rival(root: &mut Node, path: &[String]) {
-    let [table, key] = path else { return };
-    for [owner, own, rival] in keys::rivals() {
-        if table == owner
-            && key == own
-            && let Value::Table(entries) = &mut root.value
-            && let Some((_, Node { value: Value::Table(entries), .. })) = entries.get_mut(owner)
-            && matches!(entries.get(rival), Some((Place::File { .. }, _)))
-        {
-            entries.remove(rival);
+    let Some((key, table)) = path.split_last() else { return };
+    let numbered = |segment: &String| segment.parse::<usize>().is_ok();
+    let owner: Vec<&str> = table.iter().map(|segment| if numbered(segment) { "*" } else { segment.as_str() }).collect();
+    for [of, own, rival] in keys::rivals() {
+        if owner.join(".") == of && key == own {
+            remove(root, table, rival);
         }
     }
 }
 
-fn insert(at: &mut Node, path: &[String], rest: &[String], node: &Node) -> Result<(), Error> {
+/// Takes a key of the file out of the tables at a path.
+fn remove(at: &mut Node, path: &[String], key: &str) {
+    match (&mut at.value, path.split_first()) {
+        (Value::Table(entries), None) => {
+            if matches!(entries.get(key), Some((Place::File { .. }, _))) {
+                entries.remove(key);
+            }
+        }
+        (Value::Table(entries), Some((segment, rest))) => {
+            entries.get_mut(segment).into_iter().for_each(|(_, child)| remove(child, rest, key));
+        }
+        (Value::Array(items), Some((segment, rest))) => {
+            let picked = |index: usize| segment == "*" || segment.parse() == Ok(index);
+            items.iter_mut().enumerate().filter(|(i, _)| picked(*i)).for_each(|(_, item)| remove(item, rest, key));
+        }
+        _ => {}
+    }
+}
+
+fn insert(at: &mut Node, rest: &[String], entry: &Entry) -> Result<(), Error> {
+    let node = &entry.node;
     let Some((segment, rest)) = rest.split_first() else {
-        *at = node.clone();
+        put(at, entry);
         return Ok(());
     };
-    let key = path.join(".");
+    let key = entry.path.join(".");
     match &mut at.value {
         Value::Table(entries) => {
             let new = || (node.place.clone(), Node { place: node.place.clone(), value: Value::Table(Entries::new()) });
@@ -92,13 +130,13 @@ fn insert(at: &mut Node, path: &[String], rest: &[String], node: &Node) -> Resul
             if rest.is_empty() {
                 *place = node.place.clone();
             }
-            insert(child, path, rest, node)
+            insert(child, rest, entry)
         }
-        Value::Array(items) if segment == "*" => items.iter_mut().try_for_each(|item| insert(item, path, rest, node)),
+        Value::Array(items) if segment == "*" => items.iter_mut().try_for_each(|item| insert(item, rest, entry)),
         Value::Array(items) => {
             let count = items.len();
             match segment.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
-                Some(item) => insert(item, path, rest, node),
+                Some(item) => insert(item, rest, entry),
                 None => {
                     let problem =
                         format!("needs a number below {count} in place of `{segment}` (or * for all of them)");
@@ -110,5 +148,15 @@ fn insert(at: &mut Node, path: &[String], rest: &[String], node: &Node) -> Resul
             let problem = format!("goes through {}, which holds no keys", other.describe());
             Err(Error::Value { place: node.place.clone(), key, problem })
         }
+    }
+}
+
+/// Puts a value in place of another, or behind those of an array. What is neither an array nor new stays, for the reader to refuse.
+fn put(at: &mut Node, entry: &Entry) {
+    match &mut at.value {
+        _ if !entry.appended => *at = entry.node.clone(),
+        Value::Array(items) => items.push(entry.node.clone()),
+        Value::Table(entries) if entries.is_empty() => at.value = Value::Array(vec![entry.node.clone()]),
+        _ => {}
     }
 }

@@ -7,6 +7,7 @@ use super::document::Document;
 use super::error::{Error, Place};
 use super::keys::owners;
 use super::method;
+use super::methods::edl_methods;
 use super::overrides::Overrides;
 use super::schema::{Key, Settings, Value};
 use super::settings::*;
@@ -79,24 +80,26 @@ pub(super) fn read_text(path: &Path) -> Result<String, Error> {
 pub(super) fn read_scene(root: &Node, folder: Option<&Path>) -> Result<Scene, Error> {
     let context = Context { folder, ..Context::default() };
     let table = Table::root(root, &context)?;
-    table.refuse_unknown(&["image", "camera", "shading", "cloud", "method", "shadows"])?;
+    table.refuse_unknown(&["image", "camera", "shading", "cloud", "clip", "method", "shadows"])?;
     let image = read(&table.table("image")?)?;
     let camera = read(&table.table("camera")?)?;
     let shading: Shading = read(&table.table("shading")?)?;
     let clouds = table.tables("cloud")?;
     let settings: Vec<_> = clouds.iter().map(cloud).collect::<Result<_, _>>()?;
+    let clips = table.tables("clip")?.iter().map(Clip::read).collect::<Result<_, _>>()?;
     let method = method::read(&table.table("method")?)?;
     if !method.needs_field() {
         clouds.iter().for_each(|cloud| warn_of_fields(cloud, &method));
     }
     let shadows = shadows(&table, &shading, &method)?;
+    check_edl(&table, &shading, &method)?;
     if settings.is_empty() {
         let problem = "there is no cloud: add [[cloud]] with path = \"FILE\"".into();
         return Err(Error::Conflict { place: table.place, problem });
     }
     let warnings = context.warnings.take();
     let json = root.value.to_json().to_string();
-    Ok(Scene { image, camera, shading, clouds: settings, method, shadows, warnings, settings: json })
+    Ok(Scene { image, camera, shading, clouds: settings, clips, method, shadows, warnings, settings: json })
 }
 
 /// Settings with what a table gives.
@@ -123,6 +126,11 @@ fn cloud(table: &Table<'_>) -> Result<CloudSettings, Error> {
         return Err(Error::Conflict { place: table.place.clone(), problem });
     }
     cloud.read(table)?;
+    if let (Some(node), Some(_)) = (table.get("surface_opacity"), table.get("opacity")) {
+        let problem =
+            "`opacity` (of a splat) and `surface_opacity` (of all that cover a place) are both given: keep one".into();
+        return Err(Error::Conflict { place: node.place.clone(), problem });
+    }
     Ok(cloud)
 }
 
@@ -131,6 +139,20 @@ fn warn_of_fields(cloud: &Table<'_>, method: &MethodChoice) {
         let (name, owners) = (method.name(), owners("threshold").join(", "));
         cloud.warn(format!("{place}: method {name:?} does not use `{key}` (a key for {owners})"));
     }
+}
+
+/// Refuses eye-dome lighting of a method whose pixels have no depth of a surface. The method that `auto` becomes is only known
+/// once the points are.
+fn check_edl(root: &Table<'_>, shading: &Shading, method: &MethodChoice) -> Result<(), Error> {
+    let Some(method) = method.fixed().filter(|method| shading.edl.edl && !method.takes_edl()) else { return Ok(()) };
+    let table = root.table("shading")?;
+    let place = table.get("edl").map_or(&table.place, |node| &node.place).clone();
+    let problem = format!(
+        "`shading.edl` shades by the depth of a surface, and method {:?} has none: {}",
+        method.name(),
+        edl_methods()
+    );
+    Err(Error::Conflict { place, problem })
 }
 
 /// `[shadows]`; a method that can't have shadows leaves a warning. The method that `auto` becomes is only known once

@@ -1,4 +1,4 @@
-//! The reference of the scene file and README's table of methods, written from the table of keys. The tests here fail where a
+//! The reference of the scene file and the table of methods, written from the table of keys. The tests here fail where a
 //! document is stale, and rewrite it where `PELLUCID_UPDATE` is 1.
 
 use std::fmt::Write as _;
@@ -46,6 +46,10 @@ fn scene_file() -> String {
             "image" => "The picture.",
             "camera" => "All of it is optional: by default the whole scene is in view.",
             "cloud.*" => "One or more. Positions become scale · p + translate, in float64.",
+            "clip.*" => {
+                "Any number of them. A point is drawn if each keeps its centre; borders are kept. Points that are cut off still \
+                 count for bounds, percentiles, radii and normals."
+            }
             "shading" => "Points without normals are not shaded.",
             _ => "Opaque points and surfaces take shadows of a light with a direction or a position.",
         };
@@ -98,7 +102,7 @@ fn keys_table(rows: &[(Key, String)], methods: bool) -> String {
 
 /// The description of a key, and of each of its words.
 fn about(key: &Key) -> String {
-    let words = if let Kind::Words(words) = key.kind { words } else { &[] };
+    let words = if let Kind::Words(words) | Kind::WordsOr(words, _) = key.kind { words } else { &[] };
     let words = words.iter().map(|word| format!("<br>`{}`: {}", word.name, word.about));
     std::iter::once(key.about.to_owned()).chain(words).collect()
 }
@@ -133,11 +137,12 @@ fn the_reference_of_the_scene_file_is_that_of_the_keys() {
 }
 
 #[test]
-fn the_table_of_methods_in_the_readme_is_that_of_the_methods() {
+fn the_table_of_methods_is_that_of_the_methods() {
     let (begin, end) = ("<!-- methods: generated -->\n", "<!-- methods: end -->");
-    check("README.md", |found| {
-        let (before, rest) = found.split_once(begin).expect("README.md has a marker where its table of methods begins");
-        let (_, after) = rest.split_once(end).expect("README.md has a marker where its table of methods ends");
+    check("docs/methods.md", |found| {
+        let (before, rest) =
+            found.split_once(begin).expect("docs/methods.md has a marker where its table of methods begins");
+        let (_, after) = rest.split_once(end).expect("docs/methods.md has a marker where its table of methods ends");
         format!("{before}{begin}{}{end}{after}", methods_table())
     });
 }

@@ -1,31 +1,40 @@
 //! The content of a scene file, with every default applied and every range checked.
 
 mod camera;
+mod classes;
+mod clip;
 mod cloud;
+mod coloring;
 mod discs;
 mod ensembles;
 mod image;
 mod shading;
 mod soft;
 mod splats;
+mod strays;
 mod surfaces;
 
 pub use crate::light::Light;
 pub use camera::CameraSettings;
+pub use classes::{ClassSettings, Selection};
+pub use clip::{Clip, ClipShape};
 pub use cloud::CloudSettings;
 pub(super) use cloud::FIELD_KEYS;
+pub use coloring::{ColorBy, ColorSettings, ColormapName};
 pub use discs::{
     DiscShape, Discs, Falloff, Hybrid, LongLists, MAX_K, MAX_LAYERS, MAX_SAMPLES, Peel, Raster, Stochastic,
 };
 pub use ensembles::{Brightness, MAX_ENSEMBLES, Spbr, SpbrSimplified};
 pub use image::{ColorSpace, ImageSettings};
-pub use shading::{MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
+pub use shading::{Edl, Formula, MAX_SHADOW_SAMPLES, Shading, ShadingModel, ShadowMethod, Shadows};
 pub use soft::{Density, MAX_SHELLS, OneLayer, Shells, Soft, SoftLayout};
 pub use splats::{BlendedSplats, Interpolated, ScreenSplats, SplatShape};
+pub use strays::{Outliers, Strays};
 pub use surfaces::{ImageSpace, MAX_ITERATIONS, MAX_POINT_LAYERS, PeelLayers};
 
 use super::choice::MethodChoice;
 use super::methods::{Family, Method};
+use crate::prepare::ShadingNormals;
 
 /// A scene: everything a frame is made of but the points themselves.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +47,8 @@ pub struct Scene {
     pub shading: Shading,
     /// `[[cloud]]`, at least one.
     pub clouds: Vec<CloudSettings>,
+    /// `[[clip]]`: points are drawn where all of them keep the centre.
+    pub clips: Vec<Clip>,
     /// `[method]`.
     pub method: MethodChoice,
     /// `[shadows]`, if they were asked for and can be: with a light of its own place or direction, shading and an opaque method.
@@ -46,6 +57,24 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// The keys that were given, those of options included, as one JSON object: the image's `pellucid:settings`.
     pub settings: String,
+}
+
+impl Scene {
+    /// The normals that are estimated where a cloud has none: those that shading or the method needs.
+    pub fn shading_normals(&self) -> Option<ShadingNormals> {
+        match self.shading.model {
+            _ if self.method.scales_by_normals() => Some(ShadingNormals::All),
+            ShadingModel::None => None,
+            ShadingModel::Lambert | ShadingModel::Phong => Some(ShadingNormals::All),
+            ShadingModel::Auto => Some(ShadingNormals::Planar),
+        }
+    }
+
+    /// True if some points may not be drawn.
+    pub fn hides_points(&self) -> bool {
+        let hides = |entry: &ClassSettings| entry.visible == Some(false);
+        !self.clips.is_empty() || self.clouds.iter().flat_map(|cloud| &cloud.class).any(hides)
+    }
 }
 
 /// The displacement of an opaque splat's fragments toward the viewer, in drawn radii, at the distance ρ from its
@@ -149,6 +178,11 @@ impl Method {
         self.threshold().is_some()
     }
 
+    /// True if the share of points that is drawn depends on their normals.
+    pub fn scales_by_normals(&self) -> bool {
+        matches!(self, Self::Spbr(Spbr { cos_theta: false, .. }))
+    }
+
     /// True if the image depends on the points' radii, so that missing ones must be estimated.
     pub fn needs_radii(&self) -> bool {
         match self.family() {
@@ -168,6 +202,17 @@ impl Method {
         match self.family() {
             Family::Opaque | Family::Surfaces => true,
             Family::Discs | Family::Soft | Family::OneLayer | Family::Ensembles => false,
+        }
+    }
+
+    /// True if `edl` of `[shading]` applies to it: if the depth of a pixel is that of one surface, or the one at which half of the
+    /// light is left can be found.
+    pub fn takes_edl(&self) -> bool {
+        match self.family() {
+            Family::Opaque => true,
+            Family::Surfaces => matches!(self, Self::ImageSpace(_)),
+            Family::Discs => matches!(self, Self::ABuffer(_) | Self::LinkedList(_)),
+            Family::Soft | Family::OneLayer | Family::Ensembles => false,
         }
     }
 

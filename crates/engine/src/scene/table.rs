@@ -211,6 +211,25 @@ impl<'a> Table<'a> {
         Ok(Some(DVec3::new(number(x)?, number(y)?, number(z)?)))
     }
 
+    /// Two numbers.
+    pub fn pair(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        let [a, b] = self.items(key, node, "numbers")?;
+        let number = |node| self.number_at(key, node, Range::ANY);
+        Ok(Some([number(a)?, number(b)?]))
+    }
+
+    /// Two numbers, the second at least the first.
+    pub fn range(&self, key: &str) -> Result<Option<[f64; 2]>, Error> {
+        let pair = self.pair(key)?;
+        match (pair, self.get(key)) {
+            (Some([low, high]), Some(node)) if low > high => {
+                Err(self.error(key, node, format!("must go from low to high, found [{low:?}, {high:?}]")))
+            }
+            _ => Ok(pair),
+        }
+    }
+
     /// A vector with a direction: not zero, and short enough to be normalised.
     pub fn direction(&self, key: &str) -> Result<Option<DVec3>, Error> {
         let vector = self.vector(key)?;
@@ -222,9 +241,15 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Linear RGB, each from 0 to 1.
+    /// Linear RGB, each from 0 to 1; or a color of CSS in a text, which is sRGB.
     pub fn color(&self, key: &str) -> Result<Option<Vec3>, Error> {
         let Some(node) = self.get(key) else { return Ok(None) };
+        if let Value::String(text) = &node.value {
+            let wanted = "must be [r, g, b] in linear light, or a color such as \"white\" or \"#80c0ff\"";
+            let color =
+                crate::color::named(text).ok_or_else(|| self.error(key, node, format!("{wanted}, found {text:?}")));
+            return color.map(Some);
+        }
         let [r, g, b] = self.items(key, node, "numbers from 0 to 1")?;
         let number = |node| self.number32_at(key, node, Range::UNIT);
         Ok(Some(Vec3::new(number(r)?, number(g)?, number(b)?)))

@@ -12,7 +12,9 @@ use pellucid_engine::prepare;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
 use pellucid_engine::reference::range::{PictureRange, ROUNDING};
-use pellucid_engine::scene::{self, ColorSpace, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel};
+use pellucid_engine::scene::{
+    self, ColorSpace, Edl, ImageSpace, Light, Method, Overrides, Scene, Shading, ShadingModel,
+};
 use pellucid_testing::*;
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -41,6 +43,7 @@ const SHADED: Shading = Shading {
     specular: 0.3,
     shininess: 8.0,
     light: Light::Direction(DVec3::new(0.3, -1.0, -0.8)),
+    edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
 };
 
 /// A shaded color has fewer than fifty roundings behind it, of numbers up to 1, and the curve of sRGB is 12.92 times as steep
@@ -58,7 +61,7 @@ fn images_equal_the_reference() {
         let size = [96, 72];
         let default = ImageSpace::default();
         let cases = [
-            (default, Shading::default(), ColorSpace::Linear),
+            (default, Shading::NONE, ColorSpace::Linear),
             (ImageSpace { fill: 3, occlusion: 3, smooth: 3, cull: false, ..NONE }, SHADED, ColorSpace::Encoded),
             (ImageSpace { fill: 2, antialias: true, antialias_threshold: 0.0, ..NONE }, SHADED, ColorSpace::Linear),
             (
@@ -72,7 +75,7 @@ fn images_equal_the_reference() {
                 Shading { model: ShadingModel::Lambert, light: Light::Position(DVec3::new(3.0, 2.0, 5.0)), ..SHADED },
                 ColorSpace::Linear,
             ),
-            (ImageSpace { smooth: 1, ..NONE }, Shading::default(), ColorSpace::Linear),
+            (ImageSpace { smooth: 1, ..NONE }, Shading::NONE, ColorSpace::Linear),
         ];
         for camera in [perspective(), orthographic()] {
             // Sparse ones, which leave holes, and enough for most pixels.
@@ -418,7 +421,7 @@ fn assert_scan(device: &Device, path: PathBuf, size: [u32; 2], enough: usize) {
     let (camera, _) = scene::camera(&scene, &all, up).expect("a camera");
     let distance = prepare::layer_distance::suggest(&all).expect("a surface") as f32;
     let filters = ImageSpace { fill: 2, min_layer_distance: Some(distance), ..ImageSpace::default() };
-    let points = clear_of(&all, &camera, size, &Shading::default());
+    let points = clear_of(&all, &camera, size, &Shading::NONE);
     let frame = frame(camera, size, Method::ImageSpace(filters));
     let wanted = reference_of(&points, &camera, &frame, &filters);
     let image = render_both(device, &points, &frame).image;

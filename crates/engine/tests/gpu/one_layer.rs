@@ -25,8 +25,8 @@ fn fielded(points: &[P], fields: &[f32]) -> Points {
         opacities: points.iter().map(|p| p.opacity).collect(),
         radii: points.iter().map(|p| p.radius).collect(),
         normals: normals.iter().any(|n| *n != Vec3::ZERO).then_some(normals),
-        file_order: Vec::new(),
         fields: fields.to_vec(),
+        ..Points::default()
     })
 }
 

@@ -62,15 +62,15 @@ fn layers_equal_the_reference() {
         let size = [80, 60];
         let shaded = Shading { model: ShadingModel::Phong, specular: 0.3, ..Shading::default() };
         let cases = [
-            (layers(NONE, 4), Shading::default(), ColorSpace::Linear),
+            (layers(NONE, 4), Shading::NONE, ColorSpace::Linear),
             (PeelLayers::default(), shaded, ColorSpace::Encoded),
             (
                 layers(ImageSpace { fill: 2, occlusion: 2, smooth: 1, cull: true, ..NONE }, 9),
                 shaded,
                 ColorSpace::Linear,
             ),
-            (layers(ImageSpace { occlusion: 1, antialias: true, ..NONE }, 3), Shading::default(), ColorSpace::Linear),
-            (layers(ImageSpace { fill: 1, occlusion: 1, ..NONE }, 1), Shading::default(), ColorSpace::Linear),
+            (layers(ImageSpace { occlusion: 1, antialias: true, ..NONE }, 3), Shading::NONE, ColorSpace::Linear),
+            (layers(ImageSpace { fill: 1, occlusion: 1, ..NONE }, 1), Shading::NONE, ColorSpace::Linear),
         ];
         for camera in [perspective(), orthographic()] {
             for (settings, shading, color) in cases {
@@ -90,7 +90,7 @@ fn layers_equal_the_reference() {
 fn the_comparison_notices_other_settings() {
     with_device(|device| {
         let (camera, size) = (perspective(), [80, 60]);
-        let points = clear_points(&soup(18, 8000, 0.0..0.1, 0.1..0.9, false), &camera, size, &Shading::default());
+        let points = clear_points(&soup(18, 8000, 0.0..0.1, 0.1..0.9, false), &camera, size, &Shading::NONE);
         let filters = ImageSpace { min_layer_distance: Some(0.3), cull: false, ..ImageSpace::default() };
         let settings = layers(filters, 4);
         let frame = frame(camera, size, Method::PeelLayers(settings));

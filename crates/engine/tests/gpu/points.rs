@@ -33,7 +33,7 @@ fn shadings() -> Vec<Shading> {
     let lights = [Light::Headlight, Light::Direction(DVec3::new(0.3, -1.0, -0.2)), Light::Position(DVec3::ONE)];
     let models = [ShadingModel::Lambert, ShadingModel::Phong];
     let all = models.iter().flat_map(|m| lights.iter().map(|l| shading(*m, *l)));
-    [Shading::default()].into_iter().chain(all).collect()
+    [Shading::NONE].into_iter().chain(all).collect()
 }
 
 #[test]

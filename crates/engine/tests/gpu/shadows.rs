@@ -522,7 +522,7 @@ fn all_opaque_methods_take_shadows() {
             assert!(method.takes_shadows());
             let cast = Frame { method, ..lit_frame(camera(size, 70.0), size, DOWN, hard(128, 5.0)) };
             let shown = render(device, &scene(&points), &cast);
-            let wanted = render(device, &scene(&dark), &Frame { shading: Shading::default(), shadows: None, ..cast });
+            let wanted = render(device, &scene(&dark), &Frame { shading: Shading::NONE, shadows: None, ..cast });
             assert!(shown.depth == wanted.depth, "{method:?}");
             for (pixel, (a, b)) in shown.rgba.iter().zip(&wanted.rgba).enumerate() {
                 assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5), "{method:?}: pixel {pixel}, {a:?} {b:?}");
@@ -544,6 +544,7 @@ fn what_is_dark_keeps_its_ambient_light() {
             specular: 0.4,
             shininess: 3.0,
             light: Light::Direction(slanted(20.0, 90.0)),
+            ..Shading::default()
         };
         let cast = Frame { shading, ..lit_frame(camera(size, 70.0), size, DOWN, hard(128, 5.0)) };
         let image = render(device, &points, &cast);

@@ -41,9 +41,8 @@ fn cloud(spheres: &[S]) -> Points {
         colors: spheres.iter().map(|s| s.color).collect(),
         opacities: vec![0.3; spheres.len()],
         radii: spheres.iter().map(|s| s.radius).collect(),
-        normals: None,
-        file_order: Vec::new(),
         fields: spheres.iter().map(|s| s.field).collect(),
+        ..Points::default()
     })
 }
 

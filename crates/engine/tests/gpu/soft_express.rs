@@ -34,9 +34,8 @@ fn with_fields(points: &[(P, f32)]) -> Points {
         colors: points.iter().map(|(p, _)| p.color).collect(),
         opacities: points.iter().map(|(p, _)| p.opacity).collect(),
         radii: points.iter().map(|(p, _)| p.radius).collect(),
-        normals: None,
-        file_order: Vec::new(),
         fields: points.iter().map(|(_, f)| *f).collect(),
+        ..Points::default()
     })
 }
 

@@ -283,7 +283,7 @@ fn the_bytes_do_not_depend_on_atomics_windows_and_rounds() {
         let list = mixture(4);
         let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
         let mut all = Vec::new();
-        for (shading, color) in [(Shading::default(), ColorSpace::Linear), (lambert, ColorSpace::Encoded)] {
+        for (shading, color) in [(Shading::NONE, ColorSpace::Linear), (lambert, ColorSpace::Encoded)] {
             for camera in [camera(2.2, true), camera(4.0, false)] {
                 let spbr = Method::Spbr(Spbr { ensembles: 20, cos_theta: false, brighten: false });
                 let mut seen: Option<Vec<u32>> = None;
@@ -341,7 +341,7 @@ fn points_that_go_through_the_device_bit_by_bit_give_the_same_bytes() {
             (&[(100_000, 40.0)], 9, 1.1..8.0),
             (&[(70_000, 0.2), (1000, 1.6), (40_000, 2.4)], 60, 0.5..15.0),
         ] {
-            for (normals, shading, distance) in [(true, lambert, 4.0), (false, Shading::default(), 2.2)] {
+            for (normals, shading, distance) in [(true, lambert, 4.0), (false, Shading::NONE, 2.2)] {
                 let list = planes(11, counts, normals);
                 let spbr = Method::Spbr(Spbr { ensembles, cos_theta: false, brighten: false });
                 let all = Frame { shading, ..frame(camera(distance, true), SIZE, spbr) };
@@ -550,7 +550,7 @@ fn the_plan_lists_the_passes_that_run() {
         let mut renderer = Renderer::new(device).expect("a renderer");
         let list = mixture(7);
         let lambert = Shading { model: ShadingModel::Lambert, light: Light::Headlight, ..Shading::default() };
-        for (shading, distance) in [(Shading::default(), 2.2), (lambert, 2.2), (Shading::default(), 20.0)] {
+        for (shading, distance) in [(Shading::NONE, 2.2), (lambert, 2.2), (Shading::NONE, 20.0)] {
             let frame = Frame { shading, ..frame(camera(distance, true), SIZE, method(9)) };
             let mut cloud = renderer.upload_dealt(&list).expect("fits");
             let surveyed = renderer.survey(&mut cloud, &frame).expect("surveyed");

@@ -79,9 +79,7 @@ fn equal_the_reference_where_coverage_is_safe() {
                     colors: clear.iter().map(|i| all.colors[*i]).collect(),
                     opacities: clear.iter().map(|i| all.opacities[*i]).collect(),
                     radii: clear.iter().map(|i| all.radii[*i]).collect(),
-                    normals: None,
-                    file_order: Vec::new(),
-                    fields: Vec::new(),
+                    ..Points::default()
                 };
                 assert!(points.len() > 1000);
                 let colors: Vec<DVec3> = points.colors.iter().map(|c| c.as_dvec3()).collect();

@@ -1,8 +1,13 @@
 //! Tests without a device: files, scenes, points, camera paths, images and the float64 references.
 
 mod camera_paths;
+mod classes;
+mod clips;
+mod coloring;
+mod edl;
 mod ensembles;
 mod io;
+mod legend;
 mod metrics;
 mod output;
 mod photo;
@@ -11,4 +16,7 @@ mod procedural;
 mod reference;
 mod rooms;
 mod scene;
+mod shading_normals;
+mod strays;
+mod surface_opacity;
 mod tracked;

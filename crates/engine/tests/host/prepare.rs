@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::points::Points;
-use pellucid_engine::prepare::uncertainty::{self, Surface};
+use pellucid_engine::prepare::surface::{self, Surface};
 use pellucid_engine::prepare::{order, radius};
 use pellucid_engine::progress::Progress;
 use pellucid_engine::reference;
@@ -10,8 +10,13 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+/// Eq. 20 by itself.
 fn estimate(positions: &[DVec3], neighbors: usize) -> Vec<f32> {
-    radius::estimate(positions, neighbors, &Progress::hidden())
+    capped(positions, neighbors, 0.0)
+}
+
+fn capped(positions: &[DVec3], neighbors: usize, cap: f32) -> Vec<f32> {
+    radius::estimate(positions, neighbors, cap, &Progress::hidden())
 }
 
 /// Eq. 20 as its definition says: all distances, sorted.
@@ -140,8 +145,8 @@ fn reordered(points: &Points, order: &[usize]) -> Points {
         opacities: order.iter().map(|&i| points.opacities[i]).collect(),
         radii: order.iter().map(|&i| points.radii[i]).collect(),
         normals: points.normals.as_ref().map(|n| order.iter().map(|&i| n[i]).collect()),
-        file_order: Vec::new(),
         fields: order.iter().map(|&i| points.fields[i]).collect(),
+        ..Points::default()
     }
 }
 
@@ -187,9 +192,7 @@ fn neighbors_in_the_order_are_near() {
         colors: vec![Vec3::ONE; count],
         opacities: vec![1.0; count],
         radii: vec![0.0; count],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     });
     let step: f64 = ordered.positions.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>() / (count - 1) as f64;
     // Random order has a mean step of 0.66 (mean distance in a unit cube); 20 000 points are about 0.037 apart.
@@ -205,9 +208,7 @@ fn no_points_one_point_and_equal_points() {
             colors: vec![Vec3::ONE; count],
             opacities: vec![1.0; count],
             radii: vec![0.0; count],
-            normals: None,
-            file_order: Vec::new(),
-            fields: Vec::new(),
+            ..Points::default()
         };
         let ordered = order::canonical(points.clone());
         assert_eq!(Points { file_order: Vec::new(), ..ordered }, points);
@@ -215,7 +216,11 @@ fn no_points_one_point_and_equal_points() {
 }
 
 fn surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize) -> Surface {
-    uncertainty::estimate(positions, normals, neighbors, &Progress::hidden())
+    capped_surface(positions, normals, (neighbors, 0.0))
+}
+
+fn capped_surface(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32)) -> Surface {
+    surface::estimate(positions, normals, around, &Progress::hidden())
 }
 
 /// Unit normals from a few directions, and none for every fifth point, so that neighbors tie in them too.
@@ -225,13 +230,19 @@ fn some_normals(count: usize, seed: u64) -> Vec<Vec3> {
     (0..count).map(|i| if i % 5 == 0 { Vec3::ZERO } else { pick() }).collect()
 }
 
-fn assert_surface(positions: &[DVec3], normals: Option<&[Vec3]>, neighbors: usize, what: &str) {
-    let got = surface(positions, normals, neighbors);
+fn assert_surface(positions: &[DVec3], normals: Option<&[Vec3]>, (neighbors, cap): (usize, f32), what: &str) {
+    let got = capped_surface(positions, normals, (neighbors, cap));
     let given: Vec<DVec3> =
         normals.map_or(vec![DVec3::ZERO; positions.len()], |n| n.iter().map(|n| n.as_dvec3()).collect());
-    let wanted = reference::field::surface(positions, &given, neighbors);
+    let wanted = reference::field::surface(positions, &given, neighbors, cap.into());
     assert_close(&got.radii, &wanted.radii, what);
-    assert_eq!(got.radii, estimate(positions, neighbors), "{what}: the two ways to radii, to the bit");
+    assert_close(&got.uncapped, &wanted.uncapped, what);
+    for (i, (planar, margin)) in got.planar.iter().zip(&wanted.planarity).enumerate() {
+        let estimated = given[i] == DVec3::ZERO && got.normals[i] != Vec3::ZERO;
+        let undecided = margin.abs() < 1e-6;
+        assert!(undecided || *planar == (estimated && *margin > 0.0), "{what}, point {i}: {planar}, {margin}");
+    }
+    assert_eq!(got.radii, capped(positions, neighbors, cap), "{what}: the two ways to radii, to the bit");
     for (i, (n, m)) in got.normals.iter().zip(&wanted.normals).enumerate() {
         // Estimated normals are rounded to float32; their sign is open.
         let off = (n.as_dvec3() - *m).length().min((n.as_dvec3() + *m).length());
@@ -251,9 +262,10 @@ fn the_field_equals_brute_force() {
     let line: Vec<_> = cloud.iter().map(|p| DVec3::new(3.0, p.y, -1.0)).collect();
     for (name, cloud) in [("soup", cloud), ("grid with copies", grid), ("plane", plane), ("line", line)] {
         let normals = some_normals(cloud.len(), 10);
-        for neighbors in [1, 3, 24, 1000] {
-            assert_surface(&cloud, None, neighbors, &format!("{name}, K = {neighbors}"));
-            assert_surface(&cloud, Some(&normals), neighbors, &format!("{name} with normals, K = {neighbors}"));
+        // Caps of less than 1 cut most radii, so that every median counts; an odd K has an even number of radii.
+        for around in [(1, 0.0), (3, 0.75), (4, 1.0), (24, 0.0), (24, 0.5), (1000, 4.0)] {
+            assert_surface(&cloud, None, around, &format!("{name}, K and cap {around:?}"));
+            assert_surface(&cloud, Some(&normals), around, &format!("{name} with normals, K and cap {around:?}"));
         }
     }
 }
@@ -263,7 +275,7 @@ fn the_comparison_with_brute_force_can_fail() {
     let cloud = soup(50, 11);
     let wrong = std::panic::catch_unwind(|| {
         let got = surface(&cloud, None, 6);
-        let wanted = reference::field::surface(&cloud, &[DVec3::ZERO; 50], 7);
+        let wanted = reference::field::surface(&cloud, &[DVec3::ZERO; 50], 7, 0.0);
         assert_close(&got.fields, &wanted.fields, "another K");
     });
     assert!(wrong.is_err());
@@ -353,7 +365,13 @@ fn fields_of_few_and_equal_points() {
     assert_eq!(surface(&[p], None, 24).fields, [0.0]);
     assert_eq!(
         surface(&[p, p + DVec3::X], None, 24),
-        Surface { radii: vec![2.0; 2], normals: vec![Vec3::ZERO; 2], fields: vec![0.0; 2] }
+        Surface {
+            radii: vec![2.0; 2],
+            uncapped: vec![2.0; 2],
+            normals: vec![Vec3::ZERO; 2],
+            planar: vec![false; 2],
+            fields: vec![0.0; 2]
+        }
     );
     let equal = surface(&vec![p; 10_000], None, 24);
     assert_eq!((equal.fields, equal.radii), (vec![0.0; 10_000], vec![0.0; 10_000]));

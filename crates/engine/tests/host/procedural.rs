@@ -114,7 +114,7 @@ fn scene_files_name_their_clouds_and_known_keys_only() {
         ("image", vec!["size", "background"]),
         ("camera", vec!["eye", "target", "up", "fov_y", "height", "near", "far"]),
         ("shading", vec!["model", "ambient", "diffuse", "specular", "shininess"]),
-        ("cloud", vec!["path", "opacity", "radius"]),
+        ("cloud", vec!["path", "color_by", "opacity", "radius"]),
         ("method", vec!["name", "shape", "falloff"]),
     ];
     for builtin in BUILTINS {

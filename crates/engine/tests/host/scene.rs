@@ -305,8 +305,8 @@ fn shadows_without_effect_warn() {
     let lambert = "[shading]\nmodel = \"lambert\"\n";
     let down = format!("{lambert}light = [0, -1, 0]\n");
     for (head, line, why) in [
-        ("", 1, "without shading there are no shadows"),
-        ("[shading]\nlight = [0, -1, 0]\n", 3, "without shading there are no shadows"),
+        ("", 1, "a headlight casts no shadows"),
+        ("[shading]\nmodel = \"none\"\nlight = [0, -1, 0]\n", 4, "without shading there are no shadows"),
         (lambert, 3, "a headlight casts no shadows"),
         (&format!("{down}[method]\nname = \"abuffer\"\n"), 6, "method \"abuffer\" takes no shadows"),
         (&format!("{down}[method]\nname = \"spbr\"\n"), 6, "method \"spbr\" takes no shadows"),
@@ -426,7 +426,7 @@ fn settings_apply_to_points() {
     };
     let bare = Cloud { positions: vec![DVec3::new(7.0, 7.0, 7.0)], ..Cloud::default() };
     let text = "[[cloud]]\npath = \"a\"\nopacity = 0.5\ntranslate = [500000, 4500000, 100]\nscale = 2\n\
-                [[cloud]]\npath = \"b\"\nradius = 3.0\n";
+                [[cloud]]\npath = \"b\"\nradius = 3.0\ncolor_by = \"uniform\"\n";
     let points = assembled(text, vec![own.clone(), bare.clone()], true);
     let moved = DVec3::new(500_002.0, 4_500_000.0, 100.0);
     // Alpha 0.5·0.5; the file's radius 0.25 times scale 2.
@@ -437,7 +437,7 @@ fn settings_apply_to_points() {
     let points = assembled("[[cloud]]\npath = \"a\"\nradius = 3.0\nscale = 2\ncolor = [1, 0, 0]", vec![own], true);
     // A radius of the scene is not scaled, its color wins.
     assert_eq!(at(&points, DVec3::new(2.0, 0.0, 0.0)), (Vec3::X, 0.5, 3.0, Some(Vec3::Z)));
-    let points = assembled("[[cloud]]\npath = \"b\"", vec![bare], false);
+    let points = assembled("[[cloud]]\npath = \"b\"\ncolor_by = \"uniform\"", vec![bare], false);
     assert_eq!(at(&points, DVec3::splat(7.0)), (Vec3::ONE, 1.0, 0.0, None));
 }
 
@@ -588,9 +588,7 @@ fn points(positions: &[DVec3], radius: f32) -> Points {
         colors: vec![Vec3::ONE; positions.len()],
         opacities: vec![1.0; positions.len()],
         radii: vec![radius; positions.len()],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
@@ -771,7 +769,53 @@ fn the_up_of_the_file_says_which_axis_views_take_as_the_vertical() {
     let up = |text, axis| camera_of(text, &cube, axis, front).0.up;
     assert_eq!(up("[camera]\nup = [0, 0.1, 1]", UpAxis::Y), DVec3::Z);
     assert_eq!(up("[camera]\nup = [0, 2, 0]", UpAxis::Z), DVec3::Y);
-    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::Z, "no vertical: the clouds' own");
+    assert_eq!(up("[camera]\nup = [0, -1, 0.5]", UpAxis::Z), -DVec3::Y);
+    assert_eq!(up("[camera]\nup = [1, 0, 0]", UpAxis::Z), DVec3::X);
+    assert_eq!(up("[camera]\nup = [1, 1, 0]", UpAxis::Z), DVec3::Z, "between two axes: the clouds' own");
+    let (_, warnings) = camera_of("[camera]\nup = [1, 0, 0]", &cube, UpAxis::Z, front);
+    assert_eq!(warnings, [""; 0], "a view heeds it");
+}
+
+#[test]
+fn an_orthographic_camera_shows_the_whole_scene() {
+    // 6 wide and 4 high from the front, 2 deep.
+    let flat = points(&[DVec3::new(-3.0, -2.0, -1.0), DVec3::new(3.0, 2.0, 1.0)], 0.0);
+    let front = View { name: Some(ViewName::Front), ..View::default() };
+    let of = |text: &str, size: [u32; 2], view| {
+        let text = format!("[image]\nsize = {size:?}\n[camera]\northo = true\n{text}");
+        let (camera, _) = camera_of(&text, &flat, UpAxis::Y, view);
+        let Projection::Orthographic { height } = camera.projection else { panic!("{camera:?}") };
+        (camera, height)
+    };
+    // The width decides in a square and in a high image, the height in a wide one.
+    for (size, wanted) in [([100, 100], 6.0), ([100, 200], 12.0), ([400, 100], 4.0)] {
+        let (camera, height) = of("", size, front);
+        assert!((height - wanted / 0.95).abs() < 1e-12, "{size:?}: {height}");
+        assert_frames(&camera, &flat, size);
+        assert_frames(&of("", size, View::default()).0, &flat, size);
+    }
+    assert_eq!(of("height = 5", [100, 100], front).1, 5.0);
+    // Around a point of the left edge: the right edge is 6 away, on both sides of the image.
+    let aside = "eye = [-3, 0, 9]\ntarget = [-3, 0, 0]\nup = [0, 1, 0]";
+    assert!((of(aside, [100, 100], View::default()).1 - 12.0 / 0.95).abs() < 1e-12);
+    let refused = Scene::from_toml(&format!("[camera]\northo = true\nfov_y = 30\n{CLOUD}"), "s.toml".as_ref());
+    assert!(refused.unwrap_err().to_string().contains("keep one"));
+}
+
+#[test]
+fn a_printed_camera_gives_its_picture_again() {
+    let cloud = points(&[DVec3::new(5e5, 4.5e6, 100.0), DVec3::new(5e5 + 7.0, 4.5e6 + 3.0, 104.0)], 0.25);
+    for text in ["", "[camera]\nfov_y = 33.3", "[camera]\northo = true"] {
+        let (camera, _) = camera_of(text, &cloud, UpAxis::Z, View::default());
+        let (again, warnings) = camera_of(&camera.to_toml(9.0), &cloud, UpAxis::Z, View::default());
+        assert_eq!(warnings, [""; 0]);
+        for position in &cloud.positions {
+            let [(pixel, z), (wanted, depth)] = [again, camera].map(|camera| camera.project(*position, [1000, 1000]));
+            // A target 9 away at 4.5e6 is rounded to 1e-10 of its distance.
+            assert!((pixel - wanted).length() < 1e-6 && (z - depth).abs() < 1e-8, "{text}: {pixel}, not {wanted}");
+        }
+        assert_eq!((again.near, again.far), (camera.near, camera.far));
+    }
 }
 
 #[test]

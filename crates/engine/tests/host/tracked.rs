@@ -7,7 +7,9 @@ use pellucid_engine::points::{Changes, Points};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
-use pellucid_engine::scene::{self, Discs, Method, Scene, Soft, Spbr, SpbrSimplified};
+use pellucid_engine::scene::{
+    self, ClassSettings, Clip, ClipShape, ColorBy, Discs, Method, Scene, Selection, Soft, Spbr, SpbrSimplified,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -66,7 +68,25 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
     ];
     let index = r.random_range(0..scene.clouds.len());
     let cloud = &mut scene.clouds[index];
-    match r.random_range(0..26) {
+    let colorings = [
+        ColorBy::Auto,
+        ColorBy::Height,
+        ColorBy::Classification,
+        ColorBy::Uniform,
+        ColorBy::Field,
+        ColorBy::Cloud,
+        ColorBy::Scalar("height".into()),
+    ];
+    let selections =
+        [Selection::Class(1), Selection::Class(2), Selection::Scalar { name: "height".into(), range: [0.25, 0.5] }];
+    let entry = |r: &mut Pcg64| ClassSettings {
+        points: one_of(r, &selections),
+        opacity: one_of(r, &[None, Some(0.125)]),
+        color: one_of(r, &[None, Some(Vec3::Y)]),
+        visible: one_of(r, &[None, Some(false), Some(true)]),
+    };
+    let slab = |max| Clip { shape: ClipShape::Slab { axis: 0, min: None, max: Some(max) }, invert: false };
+    match r.random_range(0..34) {
         0..4 => cloud.opacity = one_of(r, &[0.0, 0.25, 0.5, 1.0]),
         4..8 => cloud.color = one_of(r, &[None, Some(Vec3::ONE), Some(Vec3::new(0.2, 0.9, 0.0))]),
         8..11 => cloud.radius = one_of(r, &[None, Some(0.1), Some(0.0)]),
@@ -76,6 +96,10 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         20 => cloud.translate = one_of(r, &[DVec3::ZERO, DVec3::X, DVec3::splat(1e308)]),
         // Positions beyond float64 are dropped.
         21 => cloud.scale = one_of(r, &[1.0, 2.0, 1.7e308]),
+        22..25 => cloud.coloring.color_by = one_of(r, &colorings),
+        25 => cloud.coloring.range = one_of(r, &[None, Some([0.25, 0.5])]),
+        26..28 => cloud.class = (0..r.random_range(0..3)).map(|_| entry(r)).collect(),
+        28 => scene.clips = one_of(r, &[vec![], vec![slab(1.0)], vec![slab(0.5)]]),
         _ => scene.method = one_of(r, &methods).into(),
     }
 }
@@ -89,6 +113,7 @@ fn differences(before: &Points, after: &Points) -> Changes {
         radii: bits(&before.radii) != bits(&after.radii),
         fields: bits(&before.fields) != bits(&after.fields),
         order: before.file_order != after.file_order || before.normals != after.normals,
+        unseen: before.unseen != after.unseen,
     }
 }
 
@@ -99,6 +124,7 @@ struct Met {
     traded: [usize; 2],
     anew: usize,
     dropped: usize,
+    unseen: usize,
     without_points: usize,
 }
 
@@ -131,6 +157,7 @@ fn run(seed: u64, steps: usize, met: &mut Met) {
                 let said = |column: bool, seen: bool| order || column == seen;
                 assert!(said(changes.colors, seen.colors) && said(changes.opacities, seen.opacities), "{what}");
                 assert!(said(changes.radii, seen.radii) && said(changes.fields, seen.fields), "{what}");
+                assert_eq!(changes.unseen, seen.unseen, "{what}");
                 assert!(order || !seen.order, "{what}: normals and origins stay");
                 met.followed += 1;
                 met.traded[usize::from(scene.method.is_dealt())] += usize::from(order);
@@ -143,6 +170,7 @@ fn run(seed: u64, steps: usize, met: &mut Met) {
         let tracked = tracked.as_ref().expect("there is one by now");
         assert!(*tracked.arranged() == wanted, "{what}");
         met.dropped += usize::from(wanted.points().len() < all);
+        met.unseen += usize::from(!wanted.points().unseen.radii.is_empty());
     }
 }
 
@@ -153,7 +181,7 @@ fn settings_one_after_the_other_are_as_good_as_from_scratch() {
         run(seed, 60, &mut met);
     }
     // All of it happened, and often.
-    assert!(met.followed > 500 && met.anew > 50 && met.dropped > 50, "{met:?}");
+    assert!(met.followed > 500 && met.anew > 50 && met.dropped > 50 && met.unseen > 50, "{met:?}");
     assert!(met.traded[0] > 50 && met.traded[1] > 10, "{met:?}");
 }
 

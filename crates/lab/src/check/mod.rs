@@ -5,6 +5,8 @@
 
 mod approximate;
 mod cameras;
+mod clipped;
+mod colored;
 mod cuts;
 mod discs;
 mod lists;
@@ -64,6 +66,8 @@ pub fn cases() -> Vec<Case> {
         cameras::cases(),
         sizes::cases(),
         prepared::cases(),
+        colored::cases(),
+        clipped::cases(),
         cuts::cases(),
         machinery::cases(),
     ];

@@ -13,7 +13,7 @@ use super::{Case, Finding, Stage, naive, one};
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::image::Image;
 use pellucid_engine::io;
-use pellucid_engine::prepare::{radius, uncertainty};
+use pellucid_engine::prepare::{radius, surface};
 use pellucid_engine::scene::{self, Discs, Method, Scene};
 
 type CaseResult = Result<Finding, Trouble>;
@@ -33,16 +33,16 @@ pub(super) fn cases() -> Vec<Case> {
     ]
 }
 
-/// A scene of one cloud as its file would be.
-fn scene() -> Result<Scene, Trouble> {
-    let text = "[method]\nname = \"abuffer\"\n[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\n";
-    Ok(Scene::from_toml(text, Path::new("check"))?)
+/// A scene of one cloud as its file would be, with what its colors show.
+fn scene(color_by: &str) -> Result<Scene, Trouble> {
+    let cloud = format!("[[cloud]]\npath = \"cloud.ply\"\nopacity = 0.01\ncolor_by = \"{color_by}\"\n");
+    Ok(Scene::from_toml(&format!("[method]\nname = \"abuffer\"\n{cloud}"), Path::new("check"))?)
 }
 
 fn all_equal(stage: &mut Stage) -> CaseResult {
     let dot = dot(8.0, Vec3::ONE, 0.01);
     let cloud = Cloud { positions: vec![dot.position; 500], ..Cloud::default() };
-    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
+    let points = scene::assemble(&scene("uniform")?, vec![cloud], true, &Progress::hidden())?;
     let frame = frame(pixels([1, 1]), [1, 1], Method::ABuffer(Discs::default()));
     let found = stage.render(&points, &frame)?.image.rgba[0];
     let wanted = composed(&vec![dot; 500]);
@@ -60,7 +60,7 @@ fn in_a_row() -> Vec<DVec3> {
 }
 
 fn radii(positions: &[DVec3]) -> Vec<f32> {
-    radius::estimate(positions, 24, &Progress::hidden())
+    radius::estimate(positions, 24, radius::DEFAULT_CAP, &Progress::hidden())
 }
 
 /// Eq. 20 in float32 for the middle point, with its twelve neighbors on each side.
@@ -88,14 +88,14 @@ fn plane() -> CaseResult {
     let grid = |i: u32| DVec3::new(f64::from(i % 20) / 16.0, f64::from(i / 20) / 16.0, 0.0);
     let away = DVec3::new(500_000.0, 4_500_000.0, 100.0);
     let positions: Vec<DVec3> = (0..400).map(|i| grid(i) + away).collect();
-    let surface = uncertainty::estimate(&positions, None, 24, &Progress::hidden());
+    let surface = surface::estimate(&positions, None, (24, radius::DEFAULT_CAP), &Progress::hidden());
     let off = |normal: &Vec3| f64::from(normal.x.abs().max(normal.y.abs()).max((normal.z.abs() - 1.0).abs()));
     let most =
         |normals: &[Vec3]| normals.iter().map(off).fold(0.0, |most: f64, d| if d.is_nan() { 1.0 } else { most.max(d) });
     let error = most(&surface.normals);
     // In float32 the rows of the grid coincide: the plane becomes a line, whose normal may be anything across it.
     let rounded: Vec<DVec3> = positions.iter().map(|p| p.as_vec3().as_dvec3()).collect();
-    let naive = most(&uncertainty::estimate(&rounded, None, 24, &Progress::hidden()).normals);
+    let naive = most(&surface::estimate(&rounded, None, (24, radius::DEFAULT_CAP), &Progress::hidden()).normals);
     Ok(Finding { error, bound: 4.0 * HALF_ULP, naive: Computed(naive) })
 }
 
@@ -142,7 +142,7 @@ fn picture(stage: &mut Stage, rows: &[&str]) -> Result<Image, Trouble> {
     let mut file = tempfile::Builder::new().prefix(".pellucid-").suffix(".ply").tempfile().map_err(failed)?;
     file.write_all(ply(rows).as_bytes()).map_err(failed)?;
     let cloud = io::load(file.path(), &Progress::hidden())?;
-    let points = scene::assemble(&scene()?, vec![cloud], true, &Progress::hidden())?;
+    let points = scene::assemble(&scene("rgb")?, vec![cloud], true, &Progress::hidden())?;
     Ok(stage.render(&points, &frame(pixels([8, 1]), [8, 1], Method::ABuffer(Discs::default())))?.image)
 }
 

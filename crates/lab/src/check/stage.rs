@@ -86,8 +86,8 @@ pub fn cloud(dots: &[Dot]) -> Points {
         opacities: dots.iter().map(|dot| dot.opacity).collect(),
         radii: dots.iter().map(|dot| dot.radius).collect(),
         normals: normals.iter().any(|normal| *normal != Vec3::ZERO).then_some(normals),
-        file_order: Vec::new(),
         fields: if fields.iter().any(|field| *field != 0.0) { fields } else { Vec::new() },
+        ..Points::default()
     })
 }
 
@@ -116,7 +116,7 @@ pub fn frame(camera: Camera, size: [u32; 2], method: Method) -> Frame {
     Frame {
         camera,
         size,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         shadows: None,
         color: ColorSpace::Linear,
         method,

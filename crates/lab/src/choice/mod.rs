@@ -13,6 +13,7 @@
 //! few more frames.
 
 mod climb;
+mod table;
 mod trials;
 
 use glam::Vec3;
@@ -26,6 +27,7 @@ use pellucid_engine::methods::{self, Frame};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{self, Method};
+pub use table::Row;
 use trials::Trials;
 
 /// RMSE up to this is rounding: settings below it count as equally accurate, and the fastest of them wins.
@@ -82,6 +84,8 @@ pub struct Choice {
     pub wish: Wish,
     /// The unfulfilled part of the wish, in words.
     pub warning: Option<String>,
+    /// The best settings of those measured, the best one first.
+    pub best: Vec<Row>,
     /// The number of settings with measurements.
     pub known: usize,
     /// Frames that were rendered to choose; 0 if all was known before.
@@ -132,10 +136,11 @@ pub fn choose(
     }
     trials.store();
     let (setting, figures) = found.ok_or_else(|| none(subject.only, trials.refusal.take()))?;
-    let warning = unfulfilled(wish, figures);
+    let warning = unfulfilled(wish, figures, subject.frame.size);
+    let best = table::best(trials.rows(&all), wish);
     let Setting { method, text, .. } = setting;
     let (known, frames) = (trials.known(), trials.frames);
-    Ok(Choice { method, setting: text, figures, wish, warning, known, frames })
+    Ok(Choice { method, setting: text, figures, wish, warning, best, known, frames })
 }
 
 /// Why nothing could be chosen.
@@ -145,11 +150,11 @@ fn none(only: Option<&str>, refusal: Option<methods::Error>) -> pellucid_engine:
     refusal.map_or_else(|| unknown().into(), Into::into)
 }
 
-/// The limits that the chosen setting misses.
-fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures) -> Option<String> {
+/// The limits that the chosen setting misses, and what would help.
+fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures, size: [u32; 2]) -> Option<String> {
     let error = wish.max_error.filter(|most| rmse > *most);
     let time = wish.budget_ms.filter(|most| gpu_ms > *most);
-    match (error, time, wish.max_error) {
+    let missed = match (error, time, wish.max_error) {
         (Some(most), _, _) => {
             Some(format!("no setting has an RMSE of at most {most}: the most accurate one is taken, with {rmse:.1e}"))
         }
@@ -160,7 +165,9 @@ fn unfulfilled(wish: Wish, Figures { rmse, gpu_ms }: Figures) -> Option<String> 
             Some(format!("no setting takes at most {most} ms: the fastest one is taken, with {gpu_ms:.1} ms"))
         }
         (None, None, _) => None,
-    }
+    }?;
+    let advice = time.and_then(|most| table::smaller(size, gpu_ms, most));
+    Some([Some(missed), table::no_picture(rmse), advice].into_iter().flatten().collect::<Vec<_>>().join("; "))
 }
 
 #[cfg(test)]
@@ -170,10 +177,12 @@ mod tests {
     #[test]
     fn what_is_missed_is_said() {
         let figures = Figures { rmse: 0.01, gpu_ms: 20.0 };
-        let said = |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures).unwrap_or_default();
+        let said =
+            |max_error, budget_ms| unfulfilled(Wish { max_error, budget_ms }, figures, [40, 30]).unwrap_or_default();
         assert_eq!(said(Some(0.01), Some(20.0)), "");
         assert!(said(Some(0.001), Some(1.0)).contains("the most accurate one"));
         assert!(said(None, Some(1.0)).contains("the fastest one"));
+        assert!(said(None, Some(5.0)).ends_with("; about 20x15 pixels, or 1 point of 4, would do"));
         assert!(said(Some(0.1), Some(1.0)).contains("takes at most 1 ms"));
     }
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use pellucid_engine::progress::Progress;
 use serde::{Deserialize, Serialize};
 
+use super::table::Row;
 use super::{Figures, Subject};
 use crate::report::tradeoff::renderers::Renderers;
 use crate::report::tradeoff::settings::{Formation, Occasion, Setting, formation};
@@ -27,6 +28,10 @@ const CLOSE: f64 = 1.4;
 /// Folder of the cache.
 const KIND: &str = "choices";
 
+/// Spread of times of a setting above which a busy machine is to be suspected: the slowest frame took half as long again as the
+/// fastest one.
+const BUSY: f64 = 0.5;
+
 /// Measurements of one setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Record {
@@ -41,6 +46,12 @@ impl Record {
     fn figures(&self) -> Figures {
         let gpu_ms = if self.is_settled() { median(self.gpu_ms.clone()) } else { self.least() };
         Figures { rmse: self.rmse, gpu_ms }
+    }
+
+    /// How far apart its times are, relative to the fastest frame; `None` for a single one.
+    fn spread(&self) -> Option<f64> {
+        let most = self.gpu_ms.iter().copied().fold(0.0, f64::max);
+        (self.gpu_ms.len() > 1).then(|| most / self.least() - 1.0)
     }
 
     fn least(&self) -> f64 {
@@ -150,6 +161,17 @@ impl<'a> Trials<'a> {
     /// The number of settings with measurements.
     pub fn known(&self) -> usize {
         self.known.records.len()
+    }
+
+    /// A row for each setting that was measured.
+    pub fn rows(&self, all: &[Setting]) -> Vec<Row> {
+        let row = |setting: &Setting| {
+            let record = self.known.records.get(&setting.key())?;
+            let name = format!("{} {}", setting.method.name(), setting.text).trim_end().to_owned();
+            let spread = record.spread();
+            Some(Row { name, figures: record.figures(), spread, busy: spread.is_some_and(|spread| spread > BUSY) })
+        };
+        all.iter().filter_map(row).collect()
     }
 
     /// The figures of a setting that was measured.

@@ -17,7 +17,7 @@ pub fn cloud(
     let mut entry = entry(&key, extent)?;
     if let Presence::Optional { on, without } = &mut entry.presence {
         match key.name {
-            "color" => "the file's".clone_into(without),
+            "color" => cloud.coloring.color_by.word().clone_into(without),
             "radius" => (if own_radii { "the file's" } else { "estimated" }).clone_into(without),
             "neighbors" => {
                 let default = prepared.unwrap_or(DEFAULT_NEIGHBORS);

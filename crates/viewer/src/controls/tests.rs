@@ -119,7 +119,9 @@ fn every_key_of_shading_and_shadows_has_a_control() {
 #[test]
 fn clouds_have_their_controls() {
     let document = document("soft-base");
-    for key in ["opacity", "radius_factor", "color", "radius", "neighbors"] {
+    let keys =
+        ["opacity", "radius_factor", "color", "color_by", "colormap", "radius", "neighbors", "radius_cap", "outliers"];
+    for key in keys {
         for target in ["cloud.0", "cloud.*"] {
             let dotted = format!("{target}.{key}");
             let entry = |scene: &Scene| cloud(&scene.clouds[0], key, false, Some(12), EXTENT).expect(key);

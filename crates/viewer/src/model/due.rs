@@ -35,8 +35,8 @@ impl Model {
         self.picture_state = PictureState::Requested(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
-        let (scene, pose, serial) = (Arc::new(scene), self.pose, self.serial);
-        Some(Task::Show(Box::new(Request { scene, pose, effort, serial })))
+        let (scene, pose, serial, legend) = (Arc::new(scene), self.pose, self.serial, self.shows.legend);
+        Some(Task::Show(Box::new(Request { scene, pose, effort, serial, legend })))
     }
 
     /// The effort the next picture may take, if one is due, and its refinement count.

@@ -89,6 +89,7 @@ impl Model {
         if let Some(camera) = shown {
             document.remove("camera", "fov_y");
             document.remove("camera", "height");
+            document.remove("camera", "ortho");
             let given = [("eye", camera.eye), ("target", camera.target), ("up", camera.up)];
             for (key, vector) in given.into_iter().filter_map(|(key, vector)| Some((key, vector?))) {
                 document.put(&format!("camera.{key}"), Setting::Numbers(vector.to_array().to_vec()))?;

@@ -61,6 +61,7 @@ fn picture(request: &Request, whole: bool) -> News {
         facts: Facts::default(),
         plan: Vec::new(),
         field: None,
+        legend: None,
     }))
 }
 

@@ -5,10 +5,11 @@ use egui::{Grid, ScrollArea, Ui};
 
 use super::field;
 use super::row::{name as row_name, note, row};
-use crate::census::{Census, class_name};
+use crate::census::Census;
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
+use pellucid_engine::color::classes;
 use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
 
 /// Clouds that are listed among the other controls; longer lists scroll on their own.
@@ -97,16 +98,21 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let field = census.field(settings);
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
-    let keys = [("color", true), ("radius", method.needs_radii()), ("neighbors", estimated || uncertain)];
+    let by = &settings.coloring.color_by;
+    let around = estimated || uncertain;
+    let keys = [
+        ("color", true),
+        ("color_by", settings.color.is_none()),
+        ("colormap", settings.color.is_none() && by.is_mapped()),
+        ("radius", method.needs_radii()),
+        ("neighbors", around),
+        ("radius_cap", around),
+        ("outliers", true),
+    ];
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
-        if let Some(mut entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
-            if let (controls::Presence::Optional { without, .. }, "color", false) =
-                (&mut entry.presence, key, census.colors)
-            {
-                "white".clone_into(without);
-            }
-            row(ui, model, &format!("cloud.{i}.{key}"), key, entry);
+        if let Some(entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
+            row(ui, model, &format!("cloud.{i}.{key}"), &controls::label(key), entry);
         }
     }
     // A single cloud has its own section for this.
@@ -114,7 +120,7 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
         field::chooser(ui, model, &i.to_string(), &[i]);
     }
     if !census.classes.is_empty() {
-        ui.collapsing(format!("{} classes", census.classes.len()), |ui| classes(ui, i, census));
+        ui.collapsing(format!("{} classes", census.classes.len()), |ui| class_table(ui, i, census));
     }
 }
 
@@ -129,12 +135,12 @@ fn facts(census: &Census) -> String {
 }
 
 /// Points of each class.
-fn classes(ui: &mut Ui, i: usize, census: &Census) {
+fn class_table(ui: &mut Ui, i: usize, census: &Census) {
     ScrollArea::vertical().id_salt(("classes", i)).max_height(180.0).show(ui, |ui| {
         Grid::new(("classes", i)).num_columns(3).show(ui, |ui| {
             for (code, count) in &census.classes {
                 ui.label(code.to_string());
-                ui.label(class_name(*code).unwrap_or("—"));
+                ui.label(classes::name(*code).unwrap_or("—"));
                 ui.label(super::grouped(*count as u64));
                 ui.end_row();
             }

@@ -6,10 +6,11 @@ use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Plot, VLine};
 
 use super::row::{choice, name, note, takes_out, vector};
-use crate::census::{BINS, FieldFacts, class_name};
+use crate::census::{BINS, FieldFacts};
 use crate::hints::hint;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
+use pellucid_engine::color::classes;
 use pellucid_engine::scene::{Change, Setting, rounded};
 
 /// The classes that a choice of classes begins with: vegetation.
@@ -97,7 +98,7 @@ fn classes(ui: &mut Ui, model: &mut Model, target: &str, fields: &[Field], count
     ScrollArea::vertical().id_salt(&key).max_height(220.0).auto_shrink([false, true]).show(ui, |ui| {
         for (code, count) in counts {
             let mut on = chosen.contains(code);
-            let name = class_name(*code).map_or_else(|| code.to_string(), |name| format!("{code} {name}"));
+            let name = classes::name(*code).map_or_else(|| code.to_string(), |name| format!("{code} {name}"));
             ui.horizontal(|ui| {
                 let response = ui.checkbox(&mut on, name).on_hover_text(hint(&key));
                 note(ui, model, &format!("{key}.{code}"), &response);

@@ -15,6 +15,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
     }
     ui.checkbox(&mut model.shows.passes, "times of the passes (T)");
+    let mut legend = model.shows.legend;
+    let hint = "what the colors mean, and a scale bar where the camera is orthographic; `render --legend` draws it into a picture";
+    if ui.checkbox(&mut legend, "legend").on_hover_text(hint).changed() {
+        model.show_legend(legend);
+    }
     if let Some(picture) = model.picture() {
         let [width, height] = picture.size;
         let points = picture.facts.points;

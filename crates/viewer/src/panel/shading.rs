@@ -7,7 +7,7 @@ use super::row::{choice, name, note, row, takes_out, vector};
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
-use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, View, rounded};
+use pellucid_engine::scene::{Change, Light, Scene, Setting, ShadingModel, Shadows, Vertical, View, rounded};
 
 /// From where a light comes that had no direction: left of the front, half-way up.
 const FROM: [f64; 2] = [-50.0, 45.0];
@@ -18,16 +18,17 @@ const STEEPEST: f64 = 89.9;
 /// Draws the section on shading.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let shading = model.scene().shading;
-    let census = model.census();
-    if !census.is_empty() && census.iter().all(|cloud| !cloud.normals) {
-        ui.weak("no cloud has normals: nothing is shaded");
-    }
-    let keys: &[&str] = match shading.model {
+    let of_model: &[&str] = match shading.model {
         ShadingModel::None => &["model"],
-        ShadingModel::Lambert => &["model", "ambient", "diffuse"],
+        ShadingModel::Lambert | ShadingModel::Auto => &["model", "ambient", "diffuse"],
         ShadingModel::Phong => &["model", "ambient", "diffuse", "specular", "shininess"],
     };
-    for key in keys {
+    let of_depth: &[&str] = match (shading.edl.edl, model.scene().method.may_take_edl()) {
+        (true, _) => &["edl", "edl_strength", "edl_radius"],
+        (false, true) => &["edl"],
+        (false, false) => &[],
+    };
+    for key in of_model.iter().chain(of_depth) {
         if let Some(entry) = controls::find(shading.keys(), key).and_then(|key| controls::entry(&key, model.extent())) {
             row(ui, model, &format!("shading.{key}"), key, entry);
         }
@@ -135,14 +136,11 @@ fn direction([azimuth, elevation]: [f64; 2], up: UpAxis) -> DVec3 {
 /// Azimuth, from −180 to 180, and elevation in degrees from where light along a direction comes.
 fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
     let from = -travels.normalize_or_zero();
-    let (front, vertical) = match up {
-        UpAxis::Z => (-DVec3::Y, DVec3::Z),
-        UpAxis::Y => (DVec3::Z, DVec3::Y),
-    };
-    let [x, y] = [from.x, from.dot(front)];
+    let vertical = Vertical::from(up);
+    let [x, y] = [from.dot(vertical.right()), from.dot(vertical.front())];
     // A vertical direction has no azimuth, and the sign of a zero would make it 180.
     let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
-    [azimuth, from.dot(vertical).clamp(-1.0, 1.0).asin().to_degrees()]
+    [azimuth, from.dot(vertical.up()).clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
 /// True if the scene has a section on shadows.

@@ -14,6 +14,7 @@ use pellucid_engine::camera::Camera;
 use pellucid_engine::camera::import::Source;
 use pellucid_engine::methods::{Facts, FrameProfile};
 use pellucid_engine::plan::Step;
+use pellucid_engine::scene::legend::Legend;
 use pellucid_engine::scene::{Document, Scene};
 
 /// A picture that is wanted.
@@ -27,6 +28,8 @@ pub struct Request {
     pub effort: Effort,
     /// Increases with each request.
     pub serial: u64,
+    /// True if the meaning of its colors is wanted, too.
+    pub legend: bool,
 }
 
 /// A request to the thread.
@@ -76,6 +79,8 @@ pub struct Picture {
     pub plan: Vec<Step>,
     /// The distribution of F over the points, if the method uses it.
     pub field: Option<FieldFacts>,
+    /// The meaning of its colors, if that was asked for.
+    pub legend: Option<Arc<Legend>>,
 }
 
 /// News from the thread.

@@ -35,7 +35,7 @@ fn a_picture_that_a_later_one_replaces_is_not_rendered() {
     let scene = Arc::new(scene);
     let show = |serial| {
         let effort = Effort::Whole;
-        Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, effort, serial }))
+        Task::Show(Box::new(Request { scene: scene.clone(), pose: Pose::Scene, effort, serial, legend: false }))
     };
     let (sender, waiting) = mpsc::channel();
     for task in [show(2), show(3), Task::Open(Vec::new()), show(4), show(5)] {
@@ -90,7 +90,7 @@ fn news(worker: &Worker, mut meanwhile: impl FnMut()) -> News {
 
 fn whole(document: &Document, pose: Pose, serial: u64) -> Task {
     let scene = Arc::new(document.scene().unwrap());
-    Task::Show(Box::new(Request { scene, pose, effort: Effort::Whole, serial }))
+    Task::Show(Box::new(Request { scene, pose, effort: Effort::Whole, serial, legend: false }))
 }
 
 /// A stop request may be late and hit the next task.

@@ -5,8 +5,9 @@ use las::PointDataBuilder;
 use rayon::prelude::*;
 
 use super::header::Header;
-use crate::cloud::{Cloud, UpAxis};
+use crate::cloud::{Cloud, GPS_TIME, NUMBER_OF_RETURNS, POINT_SOURCE, RETURN_NUMBER, UpAxis};
 use crate::color::decode_srgb;
+use crate::io::LasColumns;
 
 /// Columns of a part of the file, before what only the whole file can tell (the range of the colors) is known.
 pub(super) struct Columns {
@@ -16,13 +17,17 @@ pub(super) struct Columns {
     classification: Vec<u8>,
     return_number: Vec<u8>,
     number_of_returns: Vec<u8>,
+    /// If it is asked for.
+    source: Option<Vec<u16>>,
+    /// If it is asked for and there, in seconds.
+    gps_time: Option<Vec<f64>>,
     extra: Vec<Vec<f32>>,
     non_finite: usize,
 }
 
 impl Columns {
     /// Empty columns.
-    pub fn new(header: &Header) -> Self {
+    pub fn new(header: &Header, asked: LasColumns) -> Self {
         Self {
             positions: Vec::new(),
             rgb: header.format.has_color.then(Vec::new),
@@ -30,6 +35,8 @@ impl Columns {
             classification: Vec::new(),
             return_number: Vec::new(),
             number_of_returns: Vec::new(),
+            source: asked.source.then(Vec::new),
+            gps_time: (asked.gps_time && header.format.has_gps_time).then(Vec::new),
             extra: header.extra.iter().map(|_| Vec::new()).collect(),
             non_finite: 0,
         }
@@ -51,6 +58,12 @@ impl Columns {
         extend(&mut self.classification, data.classification(), &keep);
         extend(&mut self.return_number, data.return_number(), &keep);
         extend(&mut self.number_of_returns, data.number_of_returns(), &keep);
+        if let Some(source) = &mut self.source {
+            extend(source, data.point_source_id(), &keep);
+        }
+        if let (Some(times), Some(new)) = (&mut self.gps_time, data.gps_time()) {
+            extend(times, new, &keep);
+        }
         if let (Some(rgb), Some(new)) = (&mut self.rgb, data.rgb()) {
             extend(rgb, new.map(|(r, g, b)| [r, g, b]), &keep);
         }
@@ -69,6 +82,12 @@ impl Columns {
         self.classification.append(&mut next.classification);
         self.return_number.append(&mut next.return_number);
         self.number_of_returns.append(&mut next.number_of_returns);
+        if let (Some(source), Some(next)) = (&mut self.source, &mut next.source) {
+            source.append(next);
+        }
+        if let (Some(times), Some(next)) = (&mut self.gps_time, &mut next.gps_time) {
+            times.append(next);
+        }
         if let (Some(rgb), Some(next)) = (&mut self.rgb, &mut next.rgb) {
             rgb.append(next);
         }
@@ -78,13 +97,19 @@ impl Columns {
         self.non_finite += next.non_finite;
     }
 
-    /// The cloud of all parts. Returns are kept if some pulse has more than one.
-    pub fn finish(self, header: &Header) -> Cloud {
+    /// The cloud of all parts. Returns are kept if some pulse has more than one, or if they are asked for.
+    pub fn finish(self, header: &Header, asked: LasColumns) -> Cloud {
         let mut scalars = Vec::new();
-        if self.number_of_returns.iter().any(|&count| count > 1) {
+        if asked.returns || self.number_of_returns.iter().any(|&count| count > 1) {
             let column = |bytes: &[u8]| bytes.iter().map(|&byte| byte.into()).collect();
-            scalars.push(("return_number".to_owned(), column(&self.return_number)));
-            scalars.push(("number_of_returns".to_owned(), column(&self.number_of_returns)));
+            scalars.push((RETURN_NUMBER.to_owned(), column(&self.return_number)));
+            scalars.push((NUMBER_OF_RETURNS.to_owned(), column(&self.number_of_returns)));
+        }
+        if let Some(source) = &self.source {
+            scalars.push((POINT_SOURCE.to_owned(), source.iter().map(|&id| id.into()).collect()));
+        }
+        if let Some(times) = &self.gps_time {
+            scalars.push((GPS_TIME.to_owned(), since_first(times)));
         }
         scalars.extend(header.extra.iter().map(|dimension| dimension.name.clone()).zip(self.extra));
         Cloud {
@@ -98,6 +123,12 @@ impl Columns {
             ..Cloud::default()
         }
     }
+}
+
+/// Times in seconds since the smallest finite one; others stay as they are.
+fn since_first(times: &[f64]) -> Vec<f32> {
+    let first = times.iter().copied().filter(|time| time.is_finite()).fold(f64::INFINITY, f64::min);
+    times.iter().map(|time| if time.is_finite() { (time - first) as f32 } else { *time as f32 }).collect()
 }
 
 fn extend<T>(column: &mut Vec<T>, new: impl Iterator<Item = T>, keep: &[bool]) {
@@ -116,6 +147,14 @@ fn linear(rgb: &[[u16; 3]]) -> Option<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_count_from_the_first() {
+        // Adjusted standard time: a float32 there is 16 seconds apart from the next one.
+        let times = since_first(&[311_862_004.25, 311_862_000.0, f64::NAN, 311_862_000.125]);
+        assert_eq!([times[0], times[1], times[3]], [4.25, 0.0, 0.125]);
+        assert!(times[2].is_nan());
+    }
 
     #[test]
     fn eight_bits_in_sixteen_are_seen_over_the_whole_file() {

@@ -13,7 +13,7 @@ use std::io::{Read, Seek, SeekFrom};
 use crate::progress::Progress;
 use rayon::prelude::*;
 
-use super::{Error, Source};
+use super::{Error, LasColumns, Source};
 use crate::cloud::Cloud;
 use chunks::Chunk;
 use columns::Columns;
@@ -22,7 +22,7 @@ use columns::Columns;
 const CHUNKS_PER_THREAD: usize = 4;
 
 /// Reads the points of a LAS or LAZ file.
-pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Error> {
+pub(super) fn read(source: &mut Source, asked: LasColumns, progress: &Progress) -> Result<Cloud, Error> {
     let header = header::read(source)?;
     progress.set_length(header.count);
     if header.count == 0 {
@@ -32,11 +32,11 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
         Some(laz) => chunks::compressed(source, &header, laz)?,
         None => chunks::plain(source, &header)?,
     };
-    let mut columns = Columns::new(&header);
+    let mut columns = Columns::new(&header, asked);
     for batch in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
         let loaded = batch.iter().map(|chunk| load(source, chunk)).collect::<Result<Vec<_>, _>>()?;
         let decode = |(chunk, bytes): (&Chunk, Vec<u8>)| {
-            let mut columns = Columns::new(&header);
+            let mut columns = Columns::new(&header, asked);
             let decoded = chunk.decode(&header, &bytes, |records| {
                 columns.push(&header, records)?;
                 progress.inc((records.len() / header.record_len) as u64);
@@ -50,7 +50,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
         let decoded = batch.par_iter().zip(loaded).map(decode).collect::<Result<Vec<_>, _>>()?;
         decoded.into_iter().for_each(|part| columns.append(part));
     }
-    Ok(columns.finish(&header))
+    Ok(columns.finish(&header, asked))
 }
 
 /// The bytes of a chunk, which lies within the file.

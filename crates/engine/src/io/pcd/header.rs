@@ -59,6 +59,8 @@ impl Field {
 pub(super) struct Header {
     pub fields: Vec<Field>,
     pub points: u64,
+    /// Columns of an organised cloud: an image, row by row.
+    pub columns: Option<u64>,
     pub encoding: Encoding,
     /// Bytes up to and including the line `DATA`.
     pub len: u64,
@@ -171,7 +173,8 @@ impl Lines {
             _ => Ok(Field { name, kind, size, count }),
         };
         let fields = fields.map(field).collect::<Result<_, _>>()?;
-        Ok(Header { fields, points, encoding: self.encoding.unwrap_or(Encoding::Ascii), len, lines })
+        let columns = self.width.filter(|_| self.height.is_some_and(|height| height > 1));
+        Ok(Header { fields, points, columns, encoding: self.encoding.unwrap_or(Encoding::Ascii), len, lines })
     }
 }
 

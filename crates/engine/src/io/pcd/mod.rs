@@ -5,6 +5,7 @@
 //! numbers becomes as many scalars, `NAME_0` and so on; fields `_` are padding. `VIEWPOINT` is not applied, because it
 //! only tells where the points were seen from. An alpha that is 0 everywhere is dropped.
 
+mod depth_image;
 mod header;
 mod lzf;
 mod row;
@@ -17,6 +18,7 @@ use super::columns::{Columns, FullScale};
 use super::number::number;
 use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::{Cloud, UpAxis};
+use depth_image::DepthImage;
 use header::{Encoding, Header};
 use row::Layout;
 
@@ -38,9 +40,15 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
         source.malformed("header", format!("no field `{missing}`, only [{}]", names.join(", ")))
     })?;
     progress.set_length(header.points);
+    let place =
+        ["x", "y", "z"].map(|name| layout.columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)));
+    let mut image = header.columns.map(DepthImage::new);
     let mut taken = 0u64;
     let take = |row: &[f64]| {
         columns.push(row);
+        if let (Some(image), [Some(x), Some(y), Some(z)]) = (&mut image, place) {
+            image.add([x, y, z].map(|at| row[at]));
+        }
         taken += 1;
         if taken.is_multiple_of(PROGRESS_STEP) {
             progress.inc(PROGRESS_STEP);
@@ -54,7 +62,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     progress.set_position(header.points);
     let mut cloud = columns.finish();
     cloud.alphas = cloud.alphas.filter(|alphas| alphas.iter().any(|&alpha| alpha > 0.0));
-    cloud.up = UpAxis::Z;
+    cloud.up = if image.is_some_and(|image| image.is_one()) { UpAxis::NegativeY } else { UpAxis::Z };
     Ok(cloud)
 }
 

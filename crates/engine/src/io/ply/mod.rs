@@ -28,7 +28,7 @@ use ply_rs_bw::ply::Encoding;
 
 use super::columns::{Column, Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source};
-use crate::cloud::Cloud;
+use crate::cloud::{Cloud, UpAxis};
 use header::{Element, Kind};
 use splats::Splats;
 pub use write::{write, write_prepared, write_to};
@@ -84,11 +84,25 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     }
     progress.set_position(vertex.count);
     let mut cloud = columns.finish();
+    cloud.up = vertical(&cloud);
     prepared::recognize(&mut cloud, &header.comments);
     if splats.is_some() {
         cloud.warnings.push(splats::NOTE.to_owned());
     }
     Ok(cloud)
+}
+
+/// Where a survey's coordinates begin that are not local ones, in its units.
+const SURVEY: f64 = 1e4;
+
+/// The vertical of a PLY file, which can't say it: Y, as of models, but Z of what stands far from the origin along X and Y alone, as
+/// surveys do whose coordinates are eastings, northings and heights.
+fn vertical(cloud: &Cloud) -> UpAxis {
+    let surveyed = cloud.bounds().is_some_and(|bounds| {
+        let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
+        center.x >= SURVEY && center.y >= SURVEY && center.z < SURVEY && diagonal < center.truncate().length()
+    });
+    if surveyed { UpAxis::Z } else { UpAxis::Y }
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.

@@ -25,6 +25,9 @@ struct Claim {
     version: u64,
     up: Up,
     neighbors: usize,
+    /// Omitted where there is none: files that were prepared before there were caps have none.
+    #[serde(default, skip_serializing_if = "is_none")]
+    radius_cap: f32,
     radius: Radius,
     field: Field,
     /// [`content`] of the points; empty while it is computed.
@@ -43,11 +46,18 @@ struct ShadowClaim {
     content: String,
 }
 
+/// True for a cap of 0, which is none.
+fn is_none(cap: &f32) -> bool {
+    *cap == 0.0
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Up {
     Y,
     Z,
+    #[serde(rename = "-y")]
+    NegativeY,
 }
 
 #[derive(Serialize, Deserialize, PartialEq)]
@@ -67,8 +77,10 @@ pub(super) fn comment(cloud: &Cloud) -> std::io::Result<Option<String>> {
         up: match cloud.up {
             UpAxis::Y => Up::Y,
             UpAxis::Z => Up::Z,
+            UpAxis::NegativeY => Up::NegativeY,
         },
         neighbors: prepared.neighbors,
+        radius_cap: prepared.radius_cap,
         radius: if prepared.estimated_radii { Radius::Estimated } else { Radius::Own },
         field: prepared.field.clone(),
         content: String::new(),
@@ -100,6 +112,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
     cloud.up = match claim.up {
         Up::Y => UpAxis::Y,
         Up::Z => UpAxis::Z,
+        Up::NegativeY => UpAxis::NegativeY,
     };
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
     let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
@@ -116,8 +129,9 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
             }
             texture
         });
-        let (neighbors, estimated_radii) = (claim.neighbors, claim.radius == Radius::Estimated);
-        cloud.prepared = Some(Prepared { neighbors, estimated_radii, field: claim.field, values, shadows });
+        let (neighbors, radius_cap) = (claim.neighbors, claim.radius_cap);
+        let estimated_radii = claim.radius == Radius::Estimated;
+        cloud.prepared = Some(Prepared { neighbors, radius_cap, estimated_radii, field: claim.field, values, shadows });
         return;
     }
     if claim.radius == Radius::Estimated {
@@ -150,6 +164,9 @@ fn read(text: &str) -> Result<Claim, String> {
     let claim: Claim = serde_json::from_value(value).map_err(unreadable)?;
     if claim.neighbors == 0 || claim.neighbors > 65_535 {
         return Err(format!("the comment `{WORD}` claims {} neighbors", claim.neighbors));
+    }
+    if !(claim.radius_cap >= 0.0 && claim.radius_cap.is_finite()) {
+        return Err(format!("the comment `{WORD}` claims a radius cap of {}", claim.radius_cap));
     }
     Ok(claim)
 }

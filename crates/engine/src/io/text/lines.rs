@@ -83,12 +83,13 @@ pub(super) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields.
+    /// The first of semicolon, comma and tab that a line has, else blanks. A tab counts if it makes three fields, a comma if
+    /// it isn't the decimal mark of fields between tabs or blanks.
     pub fn detect(line: &str) -> Self {
         let tabs = line.matches('\t').count() >= 2 && line.split('\t').all(|field| !field.trim().contains(' '));
         match line {
             _ if line.contains(';') => Self::Char(';'),
-            _ if line.contains(',') => Self::Char(','),
+            _ if line.contains(',') && !has_decimal_commas(line) => Self::Char(','),
             _ if tabs => Self::Char('\t'),
             _ => Self::Blanks,
         }
@@ -122,15 +123,31 @@ impl Delimiter {
         names.pop_if(|name| name.is_empty());
         names
     }
+}
 
-    /// The numbers of a line; an empty field is not a number.
-    pub fn numbers(self, line: &str, row: &mut Vec<f64>) -> Result<(), Fault> {
+/// The fields of a line as numbers: their separator, the columns that aren't read, and the decimal mark.
+pub(super) struct Fields {
+    pub delimiter: Delimiter,
+    /// True for a column that may hold anything.
+    skipped: Vec<bool>,
+    /// Point or comma, once a number had one.
+    mark: Option<char>,
+}
+
+impl Fields {
+    /// The fields of lines like this one. Columns that are `skipped` may hold text.
+    pub fn detect(line: &str, skipped: Vec<bool>) -> Self {
+        Self { delimiter: Delimiter::detect(line), skipped, mark: None }
+    }
+
+    /// The numbers of a line; an empty field is not a number, nor is one of a skipped column.
+    pub fn numbers(&mut self, line: &str, row: &mut Vec<f64>) -> Result<(), Fault> {
         row.clear();
         let mut last_empty = false;
-        self.each(line, |field| {
+        self.delimiter.each(line, |field| {
             last_empty = field.is_empty();
-            let value = if last_empty { Some(f64::NAN) } else { number(field) };
-            row.push(value.ok_or_else(|| fault(line, field))?);
+            let skipped = last_empty || self.skipped.get(row.len()) == Some(&true);
+            row.push(if skipped { f64::NAN } else { marked(line, field, &mut self.mark)? });
             Ok(())
         })?;
         if last_empty {
@@ -139,14 +156,14 @@ impl Delimiter {
         Ok(())
     }
 
-    /// Like [`Delimiter::numbers`], for lines that must have `columns` fields.
-    pub fn row(self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
+    /// Like [`Fields::numbers`], for lines that must have `columns` fields.
+    pub fn row(&mut self, line: &str, columns: usize, row: &mut Vec<f64>) -> Result<(), Fault> {
         self.numbers(line, row)?;
-        if row.len() + 1 == columns && matches!(self, Self::Char(c) if line.ends_with(c)) {
+        if row.len() + 1 == columns && matches!(self.delimiter, Delimiter::Char(c) if line.ends_with(c)) {
             row.push(f64::NAN);
         }
         // Blanks at the end of a line of tabs are gone, and with them the tabs of its empty fields.
-        if self == Self::Char('\t') && (3..columns).contains(&row.len()) {
+        if self.delimiter == Delimiter::Char('\t') && (3..columns).contains(&row.len()) {
             row.resize(columns, f64::NAN);
         }
         if row.len() == columns {
@@ -154,6 +171,44 @@ impl Delimiter {
         }
         Err(Fault { column: None, cause: format!("expected {columns} values, found {}", row.len()) })
     }
+}
+
+/// A number with a decimal point or comma, as all before it have: 1,500 after 0.5 may be 1500, and is refused.
+fn marked(line: &str, field: &str, mark: &mut Option<char>) -> Result<f64, Fault> {
+    let Some(value) = any_number(field) else { return Err(fault(line, field, "is not a number")) };
+    if let Some(found) = field.chars().find(|&c| c == '.' || c == ',').filter(|_| value.is_finite())
+        && *mark.get_or_insert(found) != found
+    {
+        let [has, others] = if found == ',' { ["comma", "point"] } else { ["point", "comma"] };
+        return Err(fault(
+            line,
+            field,
+            &format!("has a decimal {has}, where numbers before it have a decimal {others}"),
+        ));
+    }
+    Ok(value)
+}
+
+/// A number with a decimal point or comma.
+pub(super) fn any_number(field: &str) -> Option<f64> {
+    number(field).or_else(|| decimal_comma(field))
+}
+
+/// True for three or more numbers between blanks or tabs, at least one with a decimal comma: "1,5 2,5 3". Cut at its commas
+/// it has a field with a blank between numbers.
+fn has_decimal_commas(line: &str) -> bool {
+    let fields: Vec<&str> = line.split_ascii_whitespace().map(bare).collect();
+    let decimals = fields.iter().filter(|field| decimal_comma(field).is_some()).count();
+    let numbers = fields.iter().filter(|field| number(field).is_some()).count();
+    decimals > 0 && decimals + numbers >= 3 && line.split(',').any(|field| field.trim().contains([' ', '\t']))
+}
+
+/// A number like 1,5. Where commas separate fields, no field has one.
+fn decimal_comma(field: &str) -> Option<f64> {
+    let (whole, rest) = field.split_once(',')?;
+    let beside = |byte: Option<u8>| byte.is_some_and(|byte| byte.is_ascii_digit());
+    let decimal = beside(whole.bytes().last()) && beside(rest.bytes().next()) && !rest.contains(',');
+    decimal.then(|| field.replace(',', ".").parse().ok())?
 }
 
 /// A line with quotes as the CSV reader likes it: outside of quotes no white space after a delimiter, since a quote begins
@@ -178,11 +233,11 @@ fn bare(field: &str) -> &str {
 }
 
 /// The error about a field, which is a part of the line.
-fn fault(line: &str, field: &str) -> Fault {
+fn fault(line: &str, field: &str, cause: &str) -> Fault {
     let bytes = (field.as_ptr() as usize).saturating_sub(line.as_ptr() as usize);
     let column = line.get(..bytes).map_or(0, |before| before.chars().count()) + 1;
     let shown: String = field.chars().take(40).collect();
-    Fault { column: Some(column), cause: format!("`{shown}` is not a number") }
+    Fault { column: Some(column), cause: format!("`{shown}` {cause}") }
 }
 
 #[cfg(test)]
@@ -198,6 +253,12 @@ mod tests {
             ("1\t2\t\t4", Delimiter::Char('\t')),
             ("1, 2, 3", Delimiter::Char(',')),
             ("1;2,5;3", Delimiter::Char(';')),
+            ("1,5 2,5 3,5", Delimiter::Blanks),
+            ("P1 1,5 2 3,5", Delimiter::Blanks),
+            ("1,5\t2,5\t3,5", Delimiter::Char('\t')),
+            ("1,2,3 ", Delimiter::Char(',')),
+            ("1, 2, 3, 4", Delimiter::Char(',')),
+            ("1,5 2,5", Delimiter::Char(',')),
         ] {
             assert_eq!(Delimiter::detect(line), delimiter, "{line}");
         }
@@ -205,7 +266,7 @@ mod tests {
 
     fn numbers(line: &str, columns: usize) -> Result<String, (Option<usize>, String)> {
         let mut row = Vec::new();
-        let read = Delimiter::detect(line).row(line, columns, &mut row);
+        let read = Fields::detect(line, vec![]).row(line, columns, &mut row);
         read.map(|()| format!("{row:?}")).map_err(|fault| (fault.column, fault.cause))
     }
 
@@ -220,6 +281,36 @@ mod tests {
         assert_eq!(numbers("1,2,3,4,", 3), Err((None, "expected 3 values, found 4".into())));
         assert_eq!(numbers("µ 2 3", 3), Err((Some(1), "`µ` is not a number".into())));
         assert_eq!(numbers("1;2; 3m", 3), Err((Some(6), "`3m` is not a number".into())));
+    }
+
+    #[test]
+    fn decimal_commas() {
+        assert_eq!(numbers("1,5 -2,25 3e2", 3).unwrap(), "[1.5, -2.25, 300.0]");
+        assert_eq!(numbers("1,5\t2\t3,5", 3).unwrap(), "[1.5, 2.0, 3.5]");
+        assert_eq!(numbers("\"1,5\"; 2;3,5e1", 3).unwrap(), "[1.5, 2.0, 35.0]");
+        let mixed = "`2,500` has a decimal comma, where numbers before it have a decimal point";
+        assert_eq!(numbers("1.5;2,500;3", 3), Err((Some(5), mixed.into())));
+        let mixed = "`2.5` has a decimal point, where numbers before it have a decimal comma";
+        assert_eq!(numbers("1,5;2.5;3", 3), Err((Some(5), mixed.into())));
+        for wrong in ["1,234.5", "1,234,567", ",", "1,", ",5", "1,e5"] {
+            let cause = format!("`{wrong}` is not a number");
+            assert_eq!(numbers(&format!("1;{wrong};3"), 3), Err((Some(3), cause)));
+        }
+        // The mark is that of the file, not of a line.
+        let mut fields = Fields::detect("1;2,5;3", vec![]);
+        let mut row = Vec::new();
+        assert!(fields.numbers("1;2,5;3", &mut row).is_ok() && fields.numbers("1;2.5;3", &mut row).is_err());
+    }
+
+    #[test]
+    fn skipped_columns_hold_anything() {
+        let mut fields = Fields::detect("P1;1;2.5;3", vec![true]);
+        let mut row = Vec::new();
+        for id in ["P1", "a,b", "1,5", "1.5", ""] {
+            assert!(fields.numbers(&format!("{id};1;2.5;3"), &mut row).is_ok(), "{id}");
+            assert!(row[0].is_nan() && row[1..] == [1.0, 2.5, 3.0], "{row:?}");
+        }
+        assert!(fields.numbers("P1;P1;2.5;3", &mut row).is_err());
     }
 
     #[test]

@@ -34,6 +34,11 @@ impl ColumnNames {
     pub(super) fn as_slice(&self) -> &[String] {
         &self.0
     }
+
+    /// True for each column that is skipped, which may hold text.
+    pub(super) fn skipped(&self) -> Vec<bool> {
+        self.0.iter().map(|name| name == "-").collect()
+    }
 }
 
 /// The columns of a table that are used, and where a line has them.

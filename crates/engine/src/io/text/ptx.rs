@@ -7,7 +7,7 @@
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
 
-use super::lines::{Delimiter, Lines};
+use super::lines::{Fields, Lines};
 use super::names::{ColumnNames, Layout, of_scanners};
 use super::table::LEAST_LINE;
 use crate::cloud::Cloud;
@@ -32,7 +32,7 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
         let scan = Scan::read(&mut lines, &mut line)?;
         total += scan.cells;
         progress.set_length(total);
-        let mut fields = None;
+        let mut layout = None;
         for index in 0..scan.cells {
             if !lines.next(&mut line)? {
                 let what = format!(
@@ -41,12 +41,11 @@ pub(super) fn read(source: &mut Source, given: Option<&ColumnNames>, progress: &
                 );
                 return Err(lines.source.truncated(what));
             }
-            let delimiter = Delimiter::detect(&line);
-            let wanted = match fields {
-                Some(wanted) => wanted,
-                None => *fields.insert(count(&lines, delimiter, &line, given)?),
+            let (fields, wanted) = match &mut layout {
+                Some(layout) => layout,
+                None => layout.insert(first(&lines, &line, given)?),
             };
-            delimiter.row(&line, wanted, &mut values).map_err(|fault| lines.wrong(fault))?;
+            fields.row(&line, *wanted, &mut values).map_err(|fault| lines.wrong(fault))?;
             row.clear();
             if given.is_some() {
                 row.extend(at.iter().map(|&at| values[at]));
@@ -73,15 +72,15 @@ fn without_blank_intensity(mut cloud: Cloud) -> Cloud {
     cloud
 }
 
-/// Values of a line: as many as are named, or as a scanner writes.
-fn count(lines: &Lines, delimiter: Delimiter, line: &str, given: Option<&ColumnNames>) -> Result<usize, Error> {
+/// The fields of lines like the first one, and how many: as many as are named, or as a scanner writes.
+fn first(lines: &Lines, line: &str, given: Option<&ColumnNames>) -> Result<(Fields, usize), Error> {
     if let Some(given) = given {
-        return Ok(given.as_slice().len());
+        return Ok((Fields::detect(line, given.skipped()), given.as_slice().len()));
     }
-    let mut values = Vec::new();
-    delimiter.numbers(line, &mut values).map_err(|fault| lines.wrong(fault))?;
+    let (mut fields, mut values) = (Fields::detect(line, vec![]), Vec::new());
+    fields.numbers(line, &mut values).map_err(|fault| lines.wrong(fault))?;
     if of_scanners(values.len()).is_some() {
-        return Ok(values.len());
+        return Ok((fields, values.len()));
     }
     let expected = "x y z, then intensity, r g b, or both";
     Err(lines.malformed(format!("{} values (expected {expected}); --columns names them", values.len())))
@@ -160,6 +159,6 @@ fn size(lines: &Lines, line: &str, what: &str) -> Result<u64, Error> {
 
 fn numbers<const N: usize>(lines: &Lines, line: &str) -> Result<[f64; N], Error> {
     let mut row = Vec::new();
-    Delimiter::detect(line).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
+    Fields::detect(line, vec![]).row(line, N, &mut row).map_err(|fault| lines.wrong(fault))?;
     row.try_into().map_err(|_| lines.malformed(format!("expected {N} values")))
 }

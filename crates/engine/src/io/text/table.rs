@@ -2,11 +2,10 @@
 
 use crate::progress::Progress;
 
-use super::lines::{Delimiter, Lines, comment};
+use super::lines::{Delimiter, Fields, Lines, any_number, comment};
 use super::names::{ColumnNames, Layout, by_values, of_scanners};
 use crate::cloud::Cloud;
 use crate::io::columns::{Columns, FullScale};
-use crate::io::number::number;
 use crate::io::{Error, PROGRESS_STEP, Source};
 
 /// Bytes of the shortest line of a point: three digits, each with something behind it.
@@ -21,13 +20,13 @@ pub(super) fn read(
 ) -> Result<Cloud, Error> {
     let mut lines = Lines::new(source);
     let mut line = String::new();
-    let Some(head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
+    let Some(mut head) = Head::read(&mut lines, &mut line, given)? else { return Ok(Cloud::default()) };
     progress.set_length(lines.source.len / (line.len() as u64 + 1));
     let mut table = Table { rows: Rows::new(&lines, head.names.as_deref())?, block: head.block, points: 0 };
     let mut row = Vec::new();
     loop {
         if comment(&line).is_none() && !table.begins_block(&lines, &line)? {
-            head.delimiter.row(&line, head.columns, &mut row).map_err(|fault| lines.wrong(fault))?;
+            head.fields.row(&line, head.columns, &mut row).map_err(|fault| lines.wrong(fault))?;
             table.rows.push(&row);
             table.points += 1;
             if table.points.is_multiple_of(PROGRESS_STEP) {
@@ -48,7 +47,7 @@ pub(super) fn read(
 
 /// The lines before the first point.
 struct Head {
-    delimiter: Delimiter,
+    fields: Fields,
     columns: usize,
     names: Option<Vec<String>>,
     block: Option<Block>,
@@ -66,6 +65,7 @@ impl Head {
     /// Reads up to the first line of numbers and leaves it in `line`; `None` if the file has none.
     fn read(lines: &mut Lines, line: &mut String, given: Option<&ColumnNames>) -> Result<Option<Self>, Error> {
         let (mut remark, mut header, mut block) = (None, None, None);
+        let skipped = given.map(ColumnNames::skipped).unwrap_or_default();
         loop {
             if !lines.next(line)? {
                 return Ok(None);
@@ -74,16 +74,16 @@ impl Head {
                 remark = Some(text.to_owned());
             } else if let (None, None, Some(announced)) = (&block, &header, count(line)) {
                 block = Some(Block::new(lines, announced)?);
-            } else if header.is_none() && !is_numbers(line) {
+            } else if header.is_none() && !is_numbers(line, &skipped) {
                 header = Some((lines.number, Delimiter::detect(line).names(line)));
                 check_names(lines, header.as_ref(), given)?;
             } else {
                 break;
             }
         }
-        let delimiter = Delimiter::detect(line);
+        let mut fields = Fields::detect(line, skipped);
         let mut row = Vec::new();
-        delimiter.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
+        fields.numbers(line, &mut row).map_err(|fault| lines.wrong(fault))?;
         let columns = match (given, &header) {
             (Some(given), _) => {
                 expect(lines, row.len(), given.as_slice().len(), "names are given for", " (name a column to skip `-`)")?
@@ -98,7 +98,7 @@ impl Head {
         }
         let names = given.map(|given| given.as_slice().to_vec());
         let names = names.or(header.map(|(_, names)| names)).or_else(|| of_remark(&remark?, columns));
-        Ok(Some(Self { delimiter, columns, names, block }))
+        Ok(Some(Self { fields, columns, names, block }))
     }
 }
 
@@ -135,8 +135,8 @@ fn count(line: &str) -> Option<u64> {
     line.parse().ok()
 }
 
-fn is_numbers(line: &str) -> bool {
-    Delimiter::detect(line).numbers(line, &mut Vec::new()).is_ok()
+fn is_numbers(line: &str, skipped: &[bool]) -> bool {
+    Fields::detect(line, skipped.to_vec()).numbers(line, &mut Vec::new()).is_ok()
 }
 
 impl Block {
@@ -243,8 +243,7 @@ pub(in crate::io) fn looks_like_one(start: &[u8]) -> bool {
     let mut lines = whole.lines().map(str::trim).filter(|line| !line.is_empty() && comment(line).is_none());
     let first = lines.next().unwrap_or_default();
     let line = if count(first).is_some() { lines.next().unwrap_or_default() } else { first };
-    let delimiter = Delimiter::detect(line);
-    let fields = delimiter.names(line);
+    let fields = Delimiter::detect(line).names(line);
     // The last field of a line that goes on may be half a number.
-    fields.len() >= 3 && fields.iter().take(3).all(|field| number(field).is_some())
+    fields.len() >= 3 && fields.iter().take(3).all(|field| any_number(field).is_some())
 }

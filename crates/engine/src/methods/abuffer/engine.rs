@@ -12,7 +12,7 @@ use crate::passes::bands::{self, Budget, Window};
 use crate::passes::bin::{self, Bin, Bins, Order};
 use crate::passes::project::{DeviceCloud, Part, Projecting, Stats};
 use crate::passes::raster::{Raster, Walker};
-use crate::scene::{DiscShape, Discs, LongLists};
+use crate::scene::{DiscShape, Discs, LongLists, Method};
 
 /// Pixels of a splat's rectangle, on average, from which on an A-buffer is filled tile by tile (measured on lavapipe).
 pub const ORDERED_AREA: u64 = 32;
@@ -28,18 +28,33 @@ pub(crate) struct ListEngine {
     pub discs: Discs,
     /// True if fragments are stored in linked lists.
     pub linked: bool,
+    /// True if depths are those at which half of the light or less is left, instead of the first fragment's.
+    pub median: bool,
 }
 
 impl ListEngine {
+    /// The engine that finds the depths at which half of the light or less is left in the images of a method, for eye-dome
+    /// lighting. `None` for methods without lists.
+    pub fn of_medians(method: &Method) -> Option<Self> {
+        match *method {
+            Method::ABuffer(discs) => Some(Self { discs, linked: false, median: true }),
+            Method::LinkedList(discs) => Some(Self { discs, linked: true, median: true }),
+            _ => None,
+        }
+    }
+
     fn storing(&self) -> Storing<'static> {
         if self.linked { Storing::Links } else { Storing::Slots }
     }
 
     /// True if lists are filled tile by tile from sorted splats. Only flat discs then arrive in blending order, and it
     /// only pays for large splats.
-    fn in_order(&self, device: &Device, job: &bin::Job<'_>) -> bool {
+    fn in_order(&self, device: &Device, frame: &Frame, job: &bin::Job<'_>) -> bool {
         let visible: u64 = job.raster.stats.iter().map(|s| u64::from(s.visible)).sum();
+        // Only lists of fragments tell medians, and eye-dome lighting goes through the lists twice, in the same way.
         !self.linked
+            && !self.median
+            && !frame.shading.edl.edl
             && self.discs.shape == DiscShape::Flat
             && self.discs.long_lists == LongLists::Merge
             && job.raster.walker == Walker::Compute
@@ -65,7 +80,7 @@ impl ListEngine {
         let tiles = &buffers.tiles;
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(sorted::Stop::Exact, frame.color, 1.0);
-        let job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
+        let job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, median: false, budget };
         buffers.machines.lists.lists(device, &job, timeline)
     }
 }
@@ -95,11 +110,12 @@ impl Engine for ListEngine {
         };
         let raster = Raster { cloud, stats: &stats, tiles, walker, footprint: how.footprint, window };
         let stop = sorted::stop(frame.stop, frame.color, cloud.max_color(&how));
-        let mut job = WindowJob { raster, discs: self.discs, storing: self.storing(), stop, budget };
+        let (storing, median) = (self.storing(), self.median);
+        let mut job = WindowJob { raster, discs: self.discs, storing, stop, median, budget };
         let counted_bytes = bands::pixels(window) * PIXEL_BYTES;
         let bin = bin::Job { raster, order: Order::Depth, depth_range: frame.depth_range(), budget, counted_bytes };
         let mut ordered = 0;
-        if self.in_order(device, &bin)
+        if self.in_order(device, frame, &bin)
             && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
         {
             work.facts.note_binned(binned);

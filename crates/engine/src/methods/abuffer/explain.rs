@@ -35,7 +35,8 @@ pub(crate) fn list_group() -> PassGroup {
 
 /// The passes of lists once their lengths are known.
 pub(crate) fn list_passes() -> Vec<&'static str> {
-    let kernels = ["abuffer/resolve-ordered"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
+    let kernels =
+        ["abuffer/resolve-ordered", "abuffer/median"].into_iter().chain(BY_LENGTH).chain(CLASSES.map(|(_, name)| name));
     STORE.into_iter().chain(kernels).chain(LONG.map(|(name, _)| name)).collect()
 }
 
@@ -120,4 +121,7 @@ fn kernels(plan: &mut Plan<'_>, longest: u32, long_lists: LongLists) {
         let reason = if taken { reason.clone() } else { format!("long_lists = \"{how}\"") };
         plan.add(name, long && taken, reason);
     }
+    let lit = plan.frame.shading.edl.edl;
+    let asked = if lit { reason } else { "no eye-dome lighting asked for (shading.edl)".to_owned() };
+    plan.add("abuffer/median", long && lit, asked);
 }

@@ -110,6 +110,8 @@ pub struct WindowJob<'a> {
     pub storing: Storing<'a>,
     /// The value of `STOP` in WGSL, and the bound on colors that goes with it.
     pub stop: (u32, f32),
+    /// True if depths are those at which half of the light or less is left, instead of the first fragment's.
+    pub median: bool,
     /// The memory that may be used, without what tiles take.
     pub budget: Budget,
 }

@@ -289,6 +289,20 @@ pass! {
 }
 
 pass! {
+    /// Finds the depth at which each long list first lets through half of the light or less, for eye-dome lighting, from its
+    /// composed runs and the fragments of one.
+    pub Median = "abuffer/median" {
+        composing: Shared<ComposingGroup>,
+        work: ReadWrite<LongWork>,
+        lists: Read<LongList>,
+        runs: Read<ListRun>,
+        fragments: Read<[u32; 2]>,
+        partials: Read<Partial>,
+        depths: ReadWrite<f32>,
+    }
+}
+
+pass! {
     /// Composes the runs of each long list front to back.
     pub Combine = "abuffer/combine" {
         work: ReadWrite<LongWork>,

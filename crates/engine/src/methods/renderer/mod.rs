@@ -9,6 +9,7 @@ use crate::progress::Progress;
 use super::abuffer::{self, ListEngine, Lists};
 use super::bytes::aggregate;
 use super::cost::Load;
+use super::edl::{EyeDomeLighting, Surface};
 use super::engine::{Counts, Engine, Fragments, Switches, Work, project};
 use super::{
     Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
@@ -40,6 +41,7 @@ pub struct Renderer {
     device: Device,
     buffers: Buffers,
     target: Target,
+    eye_dome: EyeDomeLighting,
     /// An image that was given back.
     spare: Option<Image>,
     /// Counts finished pixels of a frame, and is asked before each submission if the frame may go on; hidden unless the caller
@@ -62,6 +64,7 @@ impl Renderer {
             device: device.clone(),
             buffers: Buffers::new(device)?,
             target: Target::new(),
+            eye_dome: EyeDomeLighting::new(),
             spare: None,
             progress: Progress::hidden(),
             wide_atomics: device.info().int64_atomics,
@@ -137,6 +140,12 @@ impl Renderer {
         };
         image.stderr = image.stderr.filter(|_| frame.fragments || frame.spread);
         facts.light_views = light_views;
+        if frame.shading.edl.edl {
+            let medians = self.medians_of(cloud, frame, budget, &mut timeline)?;
+            let Image { rgba, depth, .. } = &mut image;
+            let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
+            self.eye_dome.apply(&self.device, &frame.shading.edl, budget.bytes, surface, rgba, &mut timeline)?;
+        }
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
         let lengths = image.fragments.as_deref().unwrap_or_default();
@@ -246,10 +255,41 @@ impl Renderer {
     /// The lists of a frame that fits in one window and band, before sorting: for tests and inspection.
     pub fn lists(&mut self, cloud: &mut DeviceCloud, frame: &Frame, discs: Discs) -> Result<Lists, Error> {
         frame.check()?;
-        let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)) };
+        let engine = ListEngine { discs, linked: matches!(frame.method, Method::LinkedList(_)), median: false };
         let budget = self.budget(&engine, cloud, frame);
         let mut timeline = Timeline::new(&self.progress);
         engine.lists(&self.device, cloud, &mut self.buffers, (frame, budget), &mut timeline)
+    }
+
+    /// For each pixel of a frame the depth at which T first is a half or less, +inf where it never is; `None` for methods
+    /// without lists of fragments.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`].
+    pub fn medians(&mut self, cloud: &mut DeviceCloud, frame: &Frame) -> Result<Option<Vec<f32>>, Error> {
+        frame.check()?;
+        let engine = engine_of(&frame.method);
+        self.place(engine.as_ref(), cloud, frame, false)?;
+        let budget = self.budget(engine.as_ref(), cloud, frame);
+        self.medians_of(cloud, frame, budget, &mut Timeline::new(&self.progress))
+    }
+
+    /// The same, of a frame that is being rendered.
+    fn medians_of(
+        &mut self,
+        cloud: &mut DeviceCloud,
+        frame: &Frame,
+        budget: Budget,
+        timeline: &mut Timeline,
+    ) -> Result<Option<Vec<f32>>, Error> {
+        let Some(engine) = ListEngine::of_medians(&frame.method) else { return Ok(None) };
+        let frame = Frame { fragments: false, ..*frame };
+        let windows = engine.windows(&frame, budget)?;
+        self.target.reserve(&self.device, largest(&windows))?;
+        let mut image = blank(None, &engine, &frame);
+        let drawing = Drawing { engine: &engine, frame: &frame, windows: &windows, budget };
+        self.draw(cloud, &drawing, 0, &mut image, timeline)?;
+        Ok(Some(image.depth))
     }
 
     /// The expected counts of the frame, from projecting and counting alone: nothing is stored, sorted or blended.

@@ -15,7 +15,7 @@ pub use view::View;
 use self::part::{PART_MARKED, PART_SOFT, PART_SOLID};
 use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Dispatch, Error, Recorder, Run, Variant};
-use crate::scene::{ColorSpace, Shading, ShadingModel};
+use crate::scene::{ColorSpace, Formula, Shading};
 use crate::{gpu_struct, group, pass};
 
 gpu_struct! {
@@ -108,8 +108,8 @@ pub(crate) const CONSTANTS: [(&str, u32); 10] = [
     ("PART_SOLID", PART_SOLID),
     ("PART_SOFT", PART_SOFT),
     ("PART_MARKED", PART_MARKED),
-    ("SHADING_NONE", ShadingModel::None as u32),
-    ("SHADING_PHONG", ShadingModel::Phong as u32),
+    ("SHADING_NONE", Formula::None as u32),
+    ("SHADING_PHONG", Formula::Phong as u32),
 ];
 
 /// How splats are made from points.
@@ -235,5 +235,5 @@ pub fn shaders() -> Vec<Shader> {
 /// True if the buffer of normals is read, for the normals of a cloud that has some or for shares of light.
 fn used_normals(how: &Projecting, normals: bool) -> bool {
     let oriented = how.footprint == Footprint::Oriented;
-    how.lit || (normals && (how.shading.model != ShadingModel::None || oriented))
+    how.lit || (normals && (how.shading.model.formula() != Formula::None || oriented))
 }

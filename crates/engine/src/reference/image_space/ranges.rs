@@ -65,7 +65,7 @@ pub fn nearest(
 ) -> LayerRange {
     let mut candidates: Vec<Vec<(Home, usize)>> = vec![Vec::new(); from.len()];
     for index in 0..points.len() {
-        let normal = points.normals.as_ref().map_or(DVec3::ZERO, |normals| normals[index].as_dvec3());
+        let normal = points.own_normal(index).map_or(DVec3::ZERO, |normal| normal.as_dvec3());
         if cull && facing(camera, points.positions[index], normal).is_some_and(|cos| cos <= 0.0) {
             continue;
         }

@@ -49,7 +49,7 @@ fn depths(camera: &Camera, resolution: u32, points: &Points, distance: Range) ->
 /// a rounded axis, which leaves four roundings of the product of lengths, and the normal's own length is off by one; the
 /// quotient brings another.
 fn reach(points: &Points, index: usize, camera: &Camera, distance: Range) -> Range {
-    let normal = points.normals.as_ref().and_then(|normals| normals[index].as_dvec3().try_normalize());
+    let normal = points.own_normal(index).and_then(|normal| normal.as_dvec3().try_normalize());
     let cos = normal.map_or(Range::only(1.0), |n: DVec3| {
         let cos = Range::around(n.dot(camera.forward).abs(), 5.0 * ROUNDING);
         Range { low: cos.low.max(LEAST_COS), high: cos.high.max(LEAST_COS) }

@@ -50,6 +50,7 @@ height = 2.5
 
 [[cloud]]
 path = "plane.ply"
+color_by = "rgb"
 opacity = {opacity:?}
 radius = {radius:?}
 

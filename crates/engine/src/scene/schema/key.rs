@@ -65,6 +65,8 @@ pub enum Kind {
     Flag,
     /// One of some words.
     Words(&'static [Word]),
+    /// One of some words, or another string, described by a phrase.
+    WordsOr(&'static [Word], &'static str),
     /// A word, or else a value of another kind.
     WordOr(&'static str, &'static Kind),
     /// Linear R, G, B, each from 0 to 1.
@@ -91,12 +93,10 @@ impl std::fmt::Display for Kind {
             Self::Number(range) => write!(f, "number{}", range.describe()),
             Self::Integer(min, max) => write!(f, "integer from {min} to {max}"),
             Self::Flag => f.write_str("`true` or `false`"),
-            Self::Words(words) => {
-                let words: Vec<_> = words.iter().map(|word| format!("`\"{}\"`", word.name)).collect();
-                f.write_str(&words.join(", "))
-            }
+            Self::Words(words) => f.write_str(&listed(words)),
+            Self::WordsOr(words, other) => write!(f, "{}, or {other}", listed(words)),
             Self::WordOr(word, other) => write!(f, "`\"{word}\"` or {other}"),
-            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1"),
+            Self::Color => f.write_str("`[r, g, b]`, linear, each from 0 to 1, or a CSS color in quotes"),
             Self::Vector => f.write_str("`[x, y, z]`"),
             Self::Direction => f.write_str("`[x, y, z]`, not zero"),
             Self::Size(max) => write!(f, "`[width, height]`, integers from 1 to {max}"),
@@ -105,6 +105,12 @@ impl std::fmt::Display for Kind {
             Self::Other(text) => f.write_str(text),
         }
     }
+}
+
+/// Words as a file has them, with commas between.
+fn listed(words: &[Word]) -> String {
+    let words: Vec<_> = words.iter().map(|word| format!("`\"{}\"`", word.name)).collect();
+    words.join(", ")
 }
 
 /// A word that a key takes.

@@ -22,6 +22,9 @@ impl Range {
     /// Every coordinate that a camera can be computed for.
     pub const COORDINATE: Self = Self { min: -MAX_COORDINATE, max: MAX_COORDINATE, closed: true };
 
+    /// Every number.
+    pub const ANY: Self = Self { min: f64::NEG_INFINITY, max: f64::INFINITY, closed: true };
+
     /// Between two numbers, both excluded.
     pub const fn open(min: f64, max: f64) -> Self {
         Self { min, max, closed: false }
@@ -36,6 +39,7 @@ impl Range {
     pub fn describe(self) -> String {
         let Self { min, max, closed } = self;
         match (min.is_finite(), max.is_finite(), closed) {
+            (false, false, _) => String::new(),
             (true, false, true) => format!(" of at least {min}"),
             (true, false, false) => format!(" above {min}"),
             (_, _, true) => format!(" from {min:?} to {max:?}"),

@@ -12,15 +12,18 @@ settings! {
     #[derive(Copy)]
     pub struct CameraSettings {
         /// Where the camera stands; ignored if a view is asked for.
-        eye: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the whole scene in view";
+        eye: Option<DVec3> = None, in Vectors::Any, unit "world units",
+            without "the whole scene in view; inside a room that is scanned on all sides";
         /// The point that the camera looks at; ignored if a view is asked for.
         target: Option<DVec3> = None, in Vectors::Any, unit "world units", without "the middle of the scene";
-        /// Which direction points to the top of the image; ignored if a view is asked for.
+        /// Which direction points to the top of the image; if a view is asked for, the nearest axis is its vertical.
         up: Option<DVec3> = None, in Vectors::Directions, without "the vertical of the clouds";
         /// How wide the view is from bottom to top: a perspective camera.
         fov_y: Option<f64> = None, in Range::open(0.0, 180.0), unit "degrees", without "45", rival "height";
         /// How much of the world the image shows from bottom to top: an orthographic camera.
         height: Option<f64> = None, in Range::POSITIVE, unit "world units", without "a perspective camera", rival "fov_y";
+        /// An orthographic camera that shows the whole scene, unless `height` says how much.
+        ortho: bool = false, rival "fov_y";
         /// The nearest depth that is drawn, by the points' own depths.
         near: Option<f64> = None, in Range::POSITIVE, unit "world units", without "before the scene";
         /// The farthest depth that is drawn, by the points' own depths.
@@ -52,6 +55,12 @@ fn agree(settings: &CameraSettings, table: &Table<'_>) -> Result<(), Error> {
         return conflict(
             "height",
             "`camera.fov_y` (perspective) and `camera.height` (orthographic) are both given: keep one".into(),
+        );
+    }
+    if settings.fov_y.is_some() && settings.ortho {
+        return conflict(
+            "ortho",
+            "`camera.fov_y` (perspective) and `camera.ortho` (orthographic) are both given: keep one".into(),
         );
     }
     if let (Some(near), Some(far)) = (settings.near, settings.far)

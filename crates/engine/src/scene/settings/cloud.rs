@@ -6,11 +6,12 @@ use glam::{DVec3, Vec3};
 
 use crate::cloud::field::Field;
 use crate::io::photo::Photo;
-use crate::io::{ColumnNames, Hints};
+use crate::io::{ColumnNames, Hints, LasColumns};
 use crate::scene::Setting;
 use crate::scene::error::Error;
 use crate::scene::photo;
 use crate::scene::schema::{Key, Kind, Part, Range, Slider, Value, Vectors, settings};
+use crate::scene::settings::{ClassSettings, ColorSettings, Strays};
 use crate::scene::table::Table;
 
 settings! {
@@ -19,9 +20,15 @@ settings! {
         /// The file of the points, relative to the folder of the scene file; the name of a built-in cloud.
         path: PathBuf = PathBuf::new();
         /// One color instead of the file's.
-        color: Option<Vec3> = None, without "the file's, else white";
+        color: Option<Vec3> = None, without "by `color_by`";
+        /// How points without `color` are colored.
+        coloring: ColorSettings = ColorSettings::default();
+        /// What is different about the points of some classes, or of a range of a scalar.
+        class: Vec<ClassSettings> = Vec::new();
         /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
-        opacity: f32 = 1.0, in Range::UNIT;
+        opacity: f32 = 1.0, in Range::UNIT, rival "surface_opacity";
+        /// How much the surface hides that the points lie on, in place of `opacity`: discs are as faint as their overlap asks for.
+        surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Linear(0.0, 1.0), rival "opacity";
         /// One radius for all points, not scaled.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
             without "the file's, else estimated from neighbors", start 0.003, slider Slider::Lengths(1e-5, 0.1);
@@ -30,6 +37,8 @@ settings! {
         /// K: neighbors that radii and uncertainty are estimated from.
         neighbors: Option<usize> = None, in 1..=65_535, without "those of a prepared file, else 24", start 24.0,
             slider Slider::Count(1, 256);
+        /// Points that stand apart.
+        strays: Strays = Strays::default();
         /// A vector added to positions, after `scale`.
         translate: DVec3 = DVec3::ZERO, in Vectors::Any, unit "world units";
         /// Factor on positions and on the file's own radii.
@@ -46,7 +55,9 @@ settings! {
 impl CloudSettings {
     /// Returns the hints that the settings give about the file.
     pub fn hints(&self) -> Hints<'_> {
-        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref() }
+        let las = if self.color.is_some() { LasColumns::default() } else { self.coloring.color_by.las_columns() };
+        let las = self.class.iter().fold(las, |las, entry| las.and(entry.las_columns()));
+        Hints { photo: self.photo.as_ref(), columns: self.columns.as_ref(), las }
     }
 }
 

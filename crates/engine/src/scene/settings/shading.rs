@@ -13,8 +13,9 @@ settings! {
     /// `[shading]`.
     #[derive(Copy)]
     pub struct Shading {
-        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are.
-        model: ShadingModel = ShadingModel::None;
+        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are; auto is lambert, but shows foliage
+        /// without normals as it is.
+        model: ShadingModel = ShadingModel::Auto;
         /// Light that is everywhere, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);
         /// Light by the angle to the normal, as a factor on the color.
@@ -25,6 +26,34 @@ settings! {
         shininess: f32 = 32.0, in Range::NOT_NEGATIVE, slider Slider::Powers(1.0, 1000.0);
         /// The light: at the eye, from afar along a direction, or at a place.
         light: Light = Light::Headlight;
+        /// Eye-dome lighting.
+        edl: Edl = Edl::default();
+    }
+}
+
+impl Shading {
+    /// Colors as they are.
+    pub const NONE: Self = Self {
+        model: ShadingModel::None,
+        ambient: 0.2,
+        diffuse: 0.8,
+        specular: 0.0,
+        shininess: 32.0,
+        light: Light::Headlight,
+        edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
+    };
+}
+
+settings! {
+    /// Keys of `[shading]` about eye-dome lighting (Boucheny 2009).
+    #[derive(Copy)]
+    pub struct Edl {
+        /// Eye-dome lighting: pixels darken the farther they lie behind those around, which shows shape without normals.
+        edl: bool = false;
+        /// How dark it gets.
+        edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
+        /// How far away the pixels are that it compares with.
+        edl_radius: f32 = 1.4, in Range::open(0.0, 1000.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
     }
 }
 
@@ -37,6 +66,30 @@ words! {
         Lambert = "lambert",
         /// Lambert plus specular·max(0, r·v)^shininess.
         Phong = "phong",
+        /// Lambert, where normals are given or estimated from neighbors that lie about a surface.
+        Auto = "auto",
+    }
+}
+
+/// The formula of a shading model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formula {
+    /// c.
+    None,
+    /// c·(ambient + diffuse·max(0, n·l)).
+    Lambert,
+    /// Lambert plus specular·max(0, r·v)^shininess.
+    Phong,
+}
+
+impl ShadingModel {
+    /// Its formula where there are normals.
+    pub fn formula(self) -> Formula {
+        match self {
+            Self::None => Formula::None,
+            Self::Lambert | Self::Auto => Formula::Lambert,
+            Self::Phong => Formula::Phong,
+        }
     }
 }
 

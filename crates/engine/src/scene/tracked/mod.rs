@@ -16,16 +16,22 @@ use rayon::prelude::*;
 
 pub use derived::DerivedColumns;
 
-use super::assemble::{self, color, opacity, radius, request};
+use super::assemble::{self, opacity, radius, request};
+use super::classes::Rules;
+use super::clip::Clips;
+use super::coloring::{ColorKey, Coloring, Colors};
 use super::error::Error;
-use super::settings::{CloudSettings, Scene};
+use super::legend::Legend;
+use super::seen::{leave_out, seen};
+use super::settings::{ClassSettings, Clip, CloudSettings, Outliers, Scene, Selection};
+use super::surface_opacity::Opacity;
 use crate::cloud::Cloud;
-use crate::points::{Changes, Points};
-use crate::prepare::Arranged;
+use crate::points::{Changes, Points, Unseen};
 use crate::prepare::ensembles::{self, Trace};
 use crate::prepare::order;
+use crate::prepare::outliers::Rule;
 use crate::prepare::ties::Ties;
-use derived::{FieldKey, field_key};
+use crate::prepare::{Arranged, FieldKey, RadiusKey, ShadingNormals};
 use origins::Origins;
 
 /// The result of [`arrange`](super::arrange) for a scene, which can be updated in place to that of another scene. In
@@ -47,25 +53,40 @@ pub struct Tracked {
 #[derive(Debug, Clone, PartialEq)]
 struct PlacementKey {
     dealt: bool,
-    /// Scale and translation.
-    clouds: Vec<(u64, [u64; 3])>,
+    /// Scale, translation, and the outliers that are dropped.
+    clouds: Vec<(u64, [u64; 3], Option<Rule>)>,
+    /// Points of each cloud that are shown or hidden.
+    hidden: Vec<Vec<(Selection, bool)>>,
+    clips: Vec<Clip>,
+    /// Normals that are estimated, and K of each cloud.
+    normals: Option<(ShadingNormals, Vec<Option<usize>>)>,
 }
 
 impl PlacementKey {
     fn for_scene(scene: &Scene) -> Self {
         let bits = |translate: DVec3| translate.to_array().map(f64::to_bits);
-        let clouds = scene.clouds.iter().map(|cloud| (cloud.scale.to_bits(), bits(cloud.translate)));
-        Self { dealt: scene.method.is_dealt(), clouds: clouds.collect() }
+        let placed =
+            |cloud: &CloudSettings| (cloud.scale.to_bits(), bits(cloud.translate), cloud.strays.rule(Outliers::Drop));
+        let clouds = scene.clouds.iter().map(placed);
+        let visible = |entry: &ClassSettings| Some((entry.points.clone(), entry.visible?));
+        let hidden = scene.clouds.iter().map(|cloud| cloud.class.iter().filter_map(visible).collect());
+        let dealt = scene.method.is_dealt();
+        let neighbors = || scene.clouds.iter().map(|cloud| cloud.neighbors).collect();
+        let normals = scene.shading_normals().map(|which| (which, neighbors()));
+        Self { dealt, clouds: clouds.collect(), hidden: hidden.collect(), clips: scene.clips.clone(), normals }
     }
 }
 
 /// Everything that determines the other columns of a cloud's points; numbers by their bits.
 #[derive(Debug, Clone, PartialEq)]
 struct ColumnKey {
-    color: Option<[u32; 3]>,
+    color: ColorKey,
     opacity: u32,
-    /// Given radius, factor, and K if radii are asked for.
-    radius: (Option<u32>, u32, Option<usize>),
+    /// That of the surface, and K if it depends on neighbors.
+    surface_opacity: Option<(u32, Option<usize>)>,
+    classes: Vec<ClassSettings>,
+    /// Given radius, factor, and how radii are estimated if they are asked for.
+    radius: (Option<u32>, u32, Option<RadiusKey>),
     /// If it is asked for.
     field: Option<FieldKey>,
 }
@@ -75,24 +96,36 @@ fn bits_of(color: Vec3) -> [u32; 3] {
 }
 
 /// A cloud with the values that a scene gives it.
-#[derive(Clone, Copy)]
 struct CloudView<'a> {
     settings: &'a CloudSettings,
     cloud: &'a Cloud,
+    rules: Rules<'a>,
+    colors: &'a Colors,
     /// The file's values, used where the settings have none; access is not sequential.
-    colors: Option<&'a [Vec3]>,
-    /// Like colors.
     radii: Option<&'a [f32]>,
     fields: Option<&'a [f32]>,
+    /// Radii of Eq. 20, and K, if opacities depend on them.
+    uncapped: Option<&'a [f32]>,
+    neighbors: usize,
+    /// Those of the file, or with estimated ones.
+    normals: Option<&'a [Vec3]>,
+    /// Marks the points that are not there.
+    dropped: Option<&'a [bool]>,
 }
 
 impl CloudView<'_> {
     fn color(&self, i: usize) -> Vec3 {
-        color(self.settings, self.colors.map(|colors| colors[i]))
+        let own = || match self.colors {
+            Colors::Own => self.cloud.colors.as_ref().map_or(Vec3::ONE, |colors| colors[i]),
+            Colors::One(color) => *color,
+            Colors::Each(colors) => colors[i],
+        };
+        self.rules.color(i).unwrap_or_else(own)
     }
 
     fn opacity(&self, i: usize) -> f32 {
-        opacity(self.settings, self.cloud.alphas.as_ref().map(|alphas| alphas[i]))
+        let base = Opacity { settings: self.settings, estimated: self.uncapped, neighbors: self.neighbors };
+        opacity(base, &self.rules, self.cloud, i, self.radius(i))
     }
 
     fn radius(&self, i: usize) -> f32 {
@@ -103,8 +136,8 @@ impl CloudView<'_> {
         self.fields.map_or(0.0, |fields| fields[i])
     }
 
-    /// All points, with marks on the remaining ones if some became non-finite.
-    fn points(&self) -> (Points, Option<Vec<bool>>) {
+    /// All points, with marks on the remaining ones if some are not drawn.
+    fn points(&self, clips: &Clips) -> (Points, Option<Vec<bool>>) {
         let count = self.cloud.len();
         let all = || (0..count).into_par_iter();
         let mut points = Points {
@@ -112,11 +145,12 @@ impl CloudView<'_> {
             colors: all().map(|i| self.color(i)).collect(),
             opacities: all().map(|i| self.opacity(i)).collect(),
             radii: all().map(|i| self.radius(i)).collect(),
-            normals: self.cloud.normals.clone(),
-            file_order: Vec::new(),
+            normals: assemble::shown(self.normals.map(<[Vec3]>::to_vec)),
             fields: self.fields.map_or_else(Vec::new, <[f32]>::to_vec),
+            ..Points::default()
         };
-        let keep = assemble::drop_non_finite(&mut points);
+        let seen = seen(self.rules.visible_points(count), clips, &points.positions);
+        let keep = leave_out(&mut points, seen.as_deref(), self.dropped);
         (points, keep)
     }
 }
@@ -129,19 +163,27 @@ fn learn(
     progress: &Progress,
 ) -> Result<Vec<ColumnKey>, Error> {
     let method = &scene.method;
-    let each = scene.clouds.iter().zip(clouds).zip(derived);
-    let column_key = |((settings, cloud), derived): ((&CloudSettings, &Cloud), &mut DerivedColumns)| {
-        let request = request(settings, method.needs_radii(), method.needs_field());
-        let found = derived.learn(cloud, &request, progress);
-        found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
-        let neighbors = request.radii.then(|| request.neighbors_of(cloud));
-        Ok(ColumnKey {
-            color: settings.color.map(bits_of),
-            opacity: settings.opacity.to_bits(),
-            radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), neighbors),
-            field: request.fields.then(|| field_key(cloud, &request)),
-        })
-    };
+    let each = scene.clouds.iter().zip(clouds).zip(derived).enumerate();
+    let column_key =
+        |(index, ((settings, cloud), derived)): (usize, ((&CloudSettings, &Cloud), &mut DerivedColumns))| {
+            let coloring = Coloring::of(scene, index, cloud);
+            let request =
+                request(scene, settings, method.needs_radii(), method.needs_field() || coloring.needs_field());
+            let found = derived.learn(cloud, &request, progress);
+            found.map_err(|source| Error::Field { path: settings.path.clone(), source })?;
+            let color = coloring.key(&request);
+            derived.learn_colors(&coloring, &color)?;
+            let neighbors = request.uncapped.then(|| request.neighbors_of(cloud));
+            let estimated = request.radii.then(|| request.radius_key(cloud));
+            Ok(ColumnKey {
+                color,
+                opacity: settings.opacity.to_bits(),
+                surface_opacity: settings.surface_opacity.map(|a| (a.to_bits(), neighbors)),
+                classes: settings.class.clone(),
+                radius: (settings.radius.map(f32::to_bits), settings.radius_factor.to_bits(), estimated),
+                field: method.needs_field().then(|| request.field_key(cloud)),
+            })
+        };
     each.map(column_key).collect()
 }
 
@@ -151,16 +193,34 @@ fn views<'a>(
     clouds: &'a [Cloud],
     derived: &'a [DerivedColumns],
     column_keys: &[ColumnKey],
-) -> Vec<CloudView<'a>> {
+) -> Result<Vec<CloudView<'a>>, Error> {
     let each = scene.clouds.iter().zip(clouds).zip(derived).zip(column_keys);
     each.map(|(((settings, cloud), derived), column_key)| {
         let own = if column_key.radius.2.is_some() { derived.radii() } else { cloud.radii.as_deref() };
         let radii = own.filter(|_| settings.radius.is_none());
-        let colors = cloud.colors.as_deref().filter(|_| settings.color.is_none());
+        let colors = derived.colors();
         let fields = if column_key.field.is_some() { derived.fields() } else { None };
-        CloudView { settings, cloud, colors, radii, fields }
+        let dropped = settings.strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
+        let rules = Rules::of(settings, cloud)?;
+        let normals = scene.shading_normals().and_then(|which| derived.normals(which)).or(cloud.normals.as_deref());
+        let neighbors = column_key.surface_opacity.and_then(|(_, neighbors)| neighbors);
+        let uncapped = neighbors.and_then(|_| derived.uncapped());
+        let neighbors = neighbors.unwrap_or_default();
+        Ok(CloudView { settings, cloud, rules, colors, radii, fields, uncapped, neighbors, normals, dropped })
     })
     .collect()
+}
+
+/// What the colors of a scene's points mean; `derived` is that of the points of this scene.
+///
+/// # Errors
+/// Those of [`Tracked::new`].
+pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Result<Legend, Error> {
+    let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
+    for (index, (cloud, derived)) in clouds.iter().zip(derived).take(scene.clouds.len()).enumerate() {
+        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields())?;
+    }
+    Ok(legend)
 }
 
 impl Tracked {
@@ -168,7 +228,7 @@ impl Tracked {
     /// results.
     ///
     /// # Errors
-    /// No point is left, or a cloud lacks the property of its field.
+    /// No point is left, a cloud lacks the property of its field or its colors, or the polygons of a clip can't be read.
     pub fn new(
         scene: &Scene,
         clouds: &[Cloud],
@@ -177,9 +237,9 @@ impl Tracked {
         progress: &Progress,
     ) -> Result<Self, Error> {
         let column_keys = learn(scene, clouds, derived, progress)?;
-        let (mut placed, mut origins) = (Vec::new(), Origins::default());
-        for view in views(scene, clouds, derived, &column_keys) {
-            let (points, keep) = view.points();
+        let (mut placed, mut origins, clips) = (Vec::new(), Origins::default(), Clips::load(&scene.clips)?);
+        for view in views(scene, clouds, derived, &column_keys)? {
+            let (points, keep) = view.points(&clips);
             origins.push(points.len(), keep.as_deref());
             placed.push(points);
         }
@@ -199,7 +259,7 @@ impl Tracked {
             (Arranged::Canonical(points), Trace { origins: Vec::new(), ties })
         };
         if arranged.points().is_empty() {
-            return Err(assemble::no_points(scene));
+            return Err(assemble::no_points(scene, arranged.points()));
         }
         Ok(Self { arranged, placement, column_keys, dealt: trace.origins, ties: trace.ties, origins })
     }
@@ -234,7 +294,7 @@ impl Tracked {
         if column_keys == self.column_keys {
             return Ok(Some(Changes::default()));
         }
-        let views = views(scene, clouds, derived, &column_keys);
+        let views = views(scene, clouds, derived, &column_keys)?;
         let Self { arranged, dealt, ties, origins, .. } = self;
         let points = match arranged {
             Arranged::Canonical(points) => points,
@@ -267,16 +327,31 @@ struct ColumnUpdate<'a> {
 impl<'a> ColumnUpdate<'a> {
     /// Gives all columns their values, and returns the changed ones.
     fn all(&self, points: &mut Points) -> Changes {
-        let colors = self.changed(|column_key| column_key.color);
-        let opacities = self.changed(|column_key| column_key.opacity);
+        let colors = self.changed(|column_key| (column_key.color.clone(), column_key.classes.clone()));
+        let opacities = self.changed(|column_key| (column_key.opacity, column_key.classes.clone()));
         let radii = self.changed(|column_key| column_key.radius);
         Changes {
             colors: self.column(&mut points.colors, &colors, CloudView::color, bits_of),
             opacities: self.column(&mut points.opacities, &opacities, CloudView::opacity, f32::to_bits),
             radii: self.column(&mut points.radii, &radii, CloudView::radius, f32::to_bits),
             fields: self.fields(&mut points.fields),
+            unseen: self.unseen(&mut points.unseen, &radii),
             order: false,
         }
+    }
+
+    /// Gives points that are not drawn their radii. Returns true if any changed.
+    fn unseen(&self, unseen: &mut Arc<Unseen>, changed: &[bool]) -> bool {
+        if unseen.radii.is_empty() || !changed.contains(&true) {
+            return false;
+        }
+        let radii = self.clouds.iter().enumerate().flat_map(|(cloud, view)| {
+            let is_finite = |i: &usize| assemble::placed(view.settings, view.cloud.positions[*i]).is_finite();
+            let left_out = self.origins.left_out(cloud, view.cloud.len());
+            left_out.into_iter().filter(is_finite).map(|i| view.radius(i))
+        });
+        let before = std::mem::replace(&mut Arc::make_mut(unseen).radii, radii.collect());
+        before != unseen.radii
     }
 
     /// The method decides if the clouds have F, all or none.

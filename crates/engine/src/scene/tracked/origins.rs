@@ -26,6 +26,13 @@ impl Origins {
         let place = (number - self.starts[cloud]) as usize;
         (cloud, self.kept[cloud].as_ref().map_or(place, |kept| kept[place] as usize))
     }
+
+    /// The places of a cloud's points that are not in the scene, of `count` points.
+    pub fn left_out(&self, cloud: usize, count: usize) -> Vec<usize> {
+        let Some(kept) = &self.kept[cloud] else { return Vec::new() };
+        let mut kept = kept.iter().map(|place| *place as usize).peekable();
+        (0..count).filter(|place| kept.next_if_eq(place).is_none()).collect()
+    }
 }
 
 #[cfg(test)]
@@ -42,5 +49,6 @@ mod tests {
         origins.push(1, None);
         let all: Vec<_> = (0..5).map(|number| origins.locate(number)).collect();
         assert_eq!(all, [(0, 0), (0, 1), (2, 1), (2, 3), (4, 0)]);
+        assert_eq!([0, 2, 3].map(|cloud| origins.left_out(cloud, 5)), [vec![], vec![0, 2, 4], vec![0, 1, 2, 3, 4]]);
     }
 }

@@ -17,9 +17,7 @@ fn points(center: DVec3) -> Points {
         opacities: vec![1.0; positions.len()],
         radii: vec![0.3; positions.len()],
         positions,
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

@@ -57,9 +57,7 @@ fn points(positions: &[DVec3], radius: f32) -> Points {
         colors: vec![Vec3::ONE; positions.len()],
         opacities: vec![1.0; positions.len()],
         radii: vec![radius; positions.len()],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

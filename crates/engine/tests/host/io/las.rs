@@ -7,8 +7,10 @@ use las::point::Format;
 use las::{Builder, Color, Point, Transform, Vector, Writer};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::color::decode_srgb;
+use pellucid_engine::io::{Hints, LasColumns, load_with};
+use pellucid_engine::progress::Progress;
 
-use super::load_bytes;
+use super::{Folder, load_bytes};
 
 const OFFSET: DVec3 = DVec3::new(289_814.15, 4_320_978.61, 170.76);
 
@@ -142,4 +144,30 @@ pub fn with_extra_bytes(minor: u8, format: u8, compressed: bool, extra_bytes: u1
     builder.point_format.extra_bytes = extra_bytes;
     let point = Point { extra_bytes: vec![7; extra_bytes.into()], ..point(&Format::new(format).unwrap(), 0) };
     write(builder, [point])
+}
+
+#[test]
+fn sources_and_times_are_read_when_they_are_asked_for() {
+    // Adjusted standard time. Neighbors in float32 are 32 seconds apart there.
+    let times = [300_000_000.25, 300_000_007.5, 300_000_000.0];
+    for compressed in [false, true] {
+        let builder = builder(4, 6, compressed);
+        let format = builder.point_format;
+        let points = times.iter().zip([7, 65_535, 3]).map(|(time, source)| Point {
+            gps_time: Some(*time),
+            point_source_id: source,
+            number_of_returns: 1,
+            ..point(&format, source)
+        });
+        let folder = Folder::new();
+        let file = folder.file("any.las", write(builder, points));
+        let asked = LasColumns { returns: true, source: true, gps_time: true };
+        let load = |las| load_with(&file, Hints { las, ..Hints::default() }, &Progress::hidden()).unwrap();
+        let plain = load(LasColumns::default());
+        assert!(plain.scalars.is_empty(), "{:?}", plain.scalars);
+        let cloud = load(asked);
+        assert_eq!(cloud.scalar("point_source_id"), Some(&[7.0, 65_535.0, 3.0][..]));
+        assert_eq!(cloud.scalar("GpsTime"), Some(&[0.25, 7.5, 0.0][..]));
+        assert_eq!(cloud.scalar("return_number"), Some(&[1.0; 3][..]));
+    }
 }

@@ -203,7 +203,9 @@ fn what_is_written_is_read_back_exactly() {
     let folder = Folder::new();
     let path = folder.0.path().join("out.ply");
     let plain = Cloud { positions: vec![DVec3::new(0.1, 0.2, 0.3)], ..Cloud::default() };
-    for cloud in [full_cloud(DVec3::ZERO), full_cloud(DVec3::new(5e5, 4.5e6, 0.01)), plain] {
+    // A survey, whose vertical the file can't say, but its coordinates do.
+    let surveyed = Cloud { up: UpAxis::Z, ..full_cloud(DVec3::new(5e5, 4.5e6, 0.01)) };
+    for cloud in [full_cloud(DVec3::ZERO), surveyed, plain] {
         ply::write(&path, &cloud).unwrap();
         assert_eq!(load(&path).unwrap(), cloud);
     }
@@ -238,4 +240,22 @@ fn a_failed_write_names_the_file() {
     let path = folder.0.path().join("no/such/folder/out.ply");
     let message = ply::write(&path, &full_cloud(DVec3::ZERO)).unwrap_err().to_string();
     assert!(message.starts_with(&format!("{}: not written: ", path.display())), "{message}");
+}
+
+#[test]
+fn survey_coordinates_stand_on_z() {
+    let up = |offset: [f64; 3]| {
+        let row = |x: f64| format!("{} {} {}\n", offset[0] + x, offset[1], offset[2]);
+        vertices("double x, double y, double z", &(row(0.0) + &row(50.0))).up
+    };
+    assert_eq!(up([0.0, 0.0, 0.0]), UpAxis::Y);
+    assert_eq!(up([500_000.0, 4_500_000.0, 100.0]), UpAxis::Z);
+    assert_eq!(up([-20_000.0, 30_000.0, 0.0]), UpAxis::Z);
+    // Far along one axis only, or along all of them: no survey's eastings, northings and heights.
+    assert_eq!(up([500_000.0, 100.0, 4_500_000.0]), UpAxis::Y);
+    assert_eq!(up([500_000.0, 500_000.0, 500_000.0]), UpAxis::Y);
+    // So large that it is not far from the origin for its size: a model in small units.
+    let row = |x: f64| format!("{x} {x} 0\n");
+    let large = vertices("double x, double y, double z", &(row(0.0) + &row(90_000.0)));
+    assert_eq!(large.up, UpAxis::Y);
 }

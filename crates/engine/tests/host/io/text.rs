@@ -114,10 +114,26 @@ fn columns_that_the_user_names() {
         message.contains("line 1: 7 values, but names are given for 3 columns (name a column to skip `-`)"),
         "{message}"
     );
+    // A column to skip may hold the names of points, with or without a header, in the first line too.
+    for text in ["P1,1,2,3\nP2,4,5,6\n", "ID,X,Y,Z\nP1,1,2,3\n1.5,4,5,6\n", "# IDs\n-,1,2,3\n,4,5,6"] {
+        let cloud = named("a.csv", text, "-,x,y,z").unwrap();
+        assert_eq!(points(&cloud), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
+    }
+    let message = named("a.csv", "P1,1,2,3\nP2,4,5 m,6\n", "-,x,y,z").unwrap_err().to_string();
+    assert!(message.contains("line 2, column 6: `5 m` is not a number"), "{message}");
     // Where they mean nothing it is said.
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
     assert!(named("a.ply", ply, "x,y,z").unwrap().warnings[0].contains("names of columns have no effect"));
     assert_eq!(named("a.xyz", text, "x,y,z,-,r,g,b").unwrap().warnings, [""; 0]);
+}
+
+#[test]
+fn decimal_commas() {
+    for text in ["1,5 2,5 3,25\n", "x;y;z\n1,5;2,5;3,25\n", "X Y Z\n1,5\t2,5\t3,25\n", "\"1,5\"; \"2,5\"; \"3,25\""] {
+        assert_eq!(points(&load_bytes("a.txt", text).unwrap()), [[1.5, 2.5, 3.25]], "{text}");
+    }
+    let cloud = named("a.csv", "P1;1,5;2;3\nP2;4;5,5;6\n", "-,x,y,z").unwrap();
+    assert_eq!(points(&cloud), [[1.5, 2.0, 3.0], [4.0, 5.5, 6.0]]);
 }
 
 #[test]
@@ -135,7 +151,11 @@ fn what_is_no_number() {
         ("1 2 3\n4  5x 6\n", "line 2, column 4: `5x` is not a number"),
         ("x y z\n1 2 3\n# ü\n4 ü5 6\n", "line 4, column 3: `ü5` is not a number"),
         ("1 2\n", "line 1: expected at least 3 values (x y z), found 2"),
-        ("1,5 2,5 3,5\n", "line 1: no column `x`, only [1, 5 2, 5 3, 5]; --columns names them"),
+        ("1.5;2,5;3,5\n", "line 1: no column `x`, only [1.5, 2,5, 3,5]; --columns names them"),
+        (
+            "1.5;2;3\n4;5,000;6\n",
+            "line 2, column 3: `5,000` has a decimal comma, where numbers before it have a decimal point",
+        ),
         ("x y\n1 2\n", "line 1: no column `z`, only [x, y]"),
         ("X,Y,X\n\n0,0,0\n", "line 1: no column `z`, only [X, Y, X]"),
         ("a table of some sort\n1 2 3\n", "line 1: no column `x`"),

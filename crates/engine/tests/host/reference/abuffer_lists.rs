@@ -9,9 +9,7 @@ fn stack(depths: &[f64], opacity: f32) -> Points {
         colors: (0..depths.len()).map(|i| Vec3::splat(i as f32)).collect(),
         opacities: vec![opacity; depths.len()],
         radii: vec![0.9; depths.len()],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

@@ -85,9 +85,8 @@ fn images_of_approximations() {
         colors: vec![Vec3::ONE; 3],
         opacities: vec![0.5; 3],
         radii: vec![2.0; 3],
-        normals: None,
         file_order: vec![2, 0, 1],
-        fields: Vec::new(),
+        ..Points::default()
     };
     let discs = Discs::default();
     let of = |method| render(&orthographic(), SIZE, &points, &COLORS, &method);

@@ -54,8 +54,8 @@ fn points(positions: &[DVec3], radii: &[f32], normals: Option<Vec<Vec3>>, fields
         opacities: vec![0.1; positions.len()],
         radii: radii.to_vec(),
         normals,
-        file_order: Vec::new(),
         fields: fields.to_vec(),
+        ..Points::default()
     }
 }
 

@@ -234,8 +234,7 @@ fn points(at: &[(f64, f64, f64)], normals: Option<Vec<Vec3>>) -> Points {
         opacities: vec![0.5; at.len()],
         radii: vec![3.0; at.len()],
         normals,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

@@ -14,9 +14,7 @@ fn render_moved(positions: &[DVec3], shape: Shape, settings: ScreenSplats, relie
         colors: vec![Vec3::ONE; positions.len()],
         opacities: vec![0.1; positions.len()],
         radii: vec![2.0; positions.len()],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     let colors: Vec<DVec3> = (0..positions.len()).map(|i| DVec3::splat(1.0 + i as f64)).collect();
     opaque::render(&orthographic(), SIZE, &points, &colors, shape, &settings, relief)

@@ -21,9 +21,7 @@ fn points(at: &[(i32, i32, f64, f32, f32)]) -> (Points, Vec<DVec3>) {
         colors: at.iter().map(|p| Vec3::splat(p.3)).collect(),
         opacities: at.iter().map(|p| p.4).collect(),
         radii: vec![0.0; at.len()],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     let colors = points.colors.iter().map(|c| c.as_dvec3()).collect();
     (points, colors)

@@ -34,9 +34,7 @@ fn three() -> (Points, [DVec3; 3]) {
         colors: vec![Vec3::ONE; 3],
         opacities: vec![0.5; 3],
         radii: vec![0.9; 3],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     (points, [DVec3::X, DVec3::Y, DVec3::Z])
 }
@@ -82,8 +80,7 @@ fn crossing() -> (Points, Vec<DVec3>) {
         opacities: (0..count).map(|i| number(i, 17) as f32).collect(),
         radii: (0..count).map(|i| 6.0 * number(i, 19) as f32).collect(),
         normals: Some((0..count).map(|i| tilted(80.0 * number(i, 23)).as_vec3()).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     let colors = (0..count).map(|i| DVec3::new(number(i, 29), number(i, 31), number(i, 37))).collect();
     (points, colors)

@@ -20,8 +20,7 @@ fn points(all: &[P]) -> Points {
         opacities: all.iter().map(|p| p.opacity).collect(),
         radii: all.iter().map(|p| p.radius).collect(),
         normals: Some(all.iter().map(|p| p.normal).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 

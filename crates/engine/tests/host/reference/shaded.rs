@@ -9,6 +9,7 @@ const SHADING: Shading = Shading {
     specular: 1.0,
     shininess: 2.0,
     light: Light::Headlight,
+    edl: Edl { edl: false, edl_strength: 1.0, edl_radius: 1.4 },
 };
 /// Normals are stored in float32.
 const FROM_F32: f64 = 1e-6;
@@ -23,8 +24,7 @@ fn color(camera: &Camera, position: DVec3, normal: DVec3, shading: Shading, spac
         opacities: vec![1.0],
         radii: vec![1.0],
         normals: Some(vec![normal.as_vec3()]),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     shading::shade(&points, camera, &shading, space)[0]
 }

@@ -22,8 +22,7 @@ fn cloud(positions: Vec<DVec3>, normal: Vec3) -> Points {
         opacities: vec![1.0; count],
         radii: vec![0.0; count],
         normals: (normal != Vec3::ZERO).then(|| vec![normal; count]),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
@@ -236,6 +235,7 @@ fn unlit_points_have_ambient_light_alone() {
         specular: 1.0,
         shininess: 2.0,
         light: Light::Headlight,
+        ..Shading::default()
     };
     let points = cloud(vec![DVec3::new(0.0, 0.0, -2.0); 3], tilted(60.0).as_vec3());
     let red = |points: &Points, shading: Shading, lit: &[f64]| -> Vec<f64> {

@@ -12,9 +12,8 @@ pub(super) fn spheres(all: &[(DVec3, f32, Vec3)]) -> Points {
         colors: all.iter().map(|s| s.2).collect(),
         opacities: vec![0.1; all.len()],
         radii: all.iter().map(|s| s.1).collect(),
-        normals: None,
-        file_order: Vec::new(),
         fields: vec![1.0; all.len()],
+        ..Points::default()
     }
 }
 

@@ -12,8 +12,7 @@ fn two(depths: [f64; 2], tilts: [f64; 2], opacity: f32) -> Points {
         opacities: vec![opacity; 2],
         radii: vec![4.0; 2],
         normals: Some(tilts.iter().map(|degrees| tilted(*degrees).as_vec3()).collect()),
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     }
 }
 
@@ -65,9 +64,7 @@ fn flat_discs_equal_the_order_of_fragments() {
         colors: vec![Vec3::ONE; 5],
         opacities: vec![0.3, 0.0, 1.0, 0.5, 0.7],
         radii: vec![2.5, 1.5, 0.0, 4.0, 3.0],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Points::default()
     };
     let colors: Vec<DVec3> = (0..5).map(|i| DVec3::new(f64::from(i), 1.0, 0.5)).collect();
     for camera in [orthographic(), perspective()] {

@@ -51,8 +51,8 @@ fn cloud(number: u32, recipe: &Recipe) -> Points {
                 .map(|((_, normal), i): (_, u32)| if i % 29 == 5 { Vec3::ZERO } else { normal.as_vec3() })
                 .collect(),
         ),
-        file_order: Vec::new(),
         fields: column(&|i| part(number, i, 5) as f32),
+        ..Points::default()
     }
 }
 

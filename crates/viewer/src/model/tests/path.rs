@@ -36,9 +36,7 @@ fn a_key_is_the_camera_that_is_shown() {
         colors: vec![glam::Vec3::ONE; 2],
         opacities: vec![1.0; 2],
         radii: vec![0.1; 2],
-        normals: None,
-        file_order: Vec::new(),
-        fields: Vec::new(),
+        ..Default::default()
     };
     let course = Course::new(&scene, &points, UpAxis::Z).unwrap();
     let text = model.route.path(SIZE).to_json();

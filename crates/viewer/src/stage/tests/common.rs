@@ -87,7 +87,7 @@ pub fn assert_same_clouds(live: &mut Stage, fresh: &mut Stage, what: &str) {
         opacity_factor: 1.0,
         part: Part::All,
         relative_depth: false,
-        shading: Shading::default(),
+        shading: Shading::NONE,
         color: ColorSpace::Linear,
         lit: false,
     };

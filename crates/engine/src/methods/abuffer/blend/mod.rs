@@ -17,7 +17,7 @@ use crate::gpu::shader::{Choices, Shader};
 use crate::gpu::{Buffer, Device, Dispatch, Error, Expected, Kept, Memory, Recorder, Run, Slice, Variant};
 use crate::methods::Target;
 use crate::methods::soft::{self, LongSpheres, Spheres};
-use crate::methods::sorted::STOPS;
+use crate::methods::sorted::{STOP_EXACT, STOPS};
 use crate::passes::bands::{self, Band};
 use crate::passes::bin::OrderedTiles;
 use crate::passes::compose::{self, Composing, Cut};
@@ -125,6 +125,8 @@ impl Blender {
         self.record_classes(recorder, offsets, band)?;
         let (classes, pixels) = (self.classes.all(), self.pixels.get().all());
         let lists = Resolving { composing, offsets, classes, pixels, fragments, image, depths };
+        let stopping =
+            if job.median { median_variant(variant.clone()) } else { variant.clone().with("STOP", job.stop.0) };
         for (index, (capacity, name)) in CLASSES.into_iter().enumerate() {
             if counted.lengths.longest <= lower_bound(index) {
                 break;
@@ -135,8 +137,7 @@ impl Blender {
                 max_opacity: job.raster.cloud.max_opacity(),
                 max_color: job.stop.1,
             };
-            let kernel = resolve_variant(variant.clone().with("STOP", job.stop.0), capacity);
-            let run = self.over_class(index).label(name).variant(kernel);
+            let run = self.over_class(index).label(name).variant(resolve_variant(stopping.clone(), capacity));
             if is_network(capacity) {
                 recorder.run(&ResolveNetwork { lists }, push, &run)?;
             } else {
@@ -156,8 +157,13 @@ impl Blender {
         let (work, runs, lists) = (self.work.all(), self.runs.get().all(), self.lists.get().all());
         let partials = self.partials.get().all();
         let blend = BlendRuns { composing, work, runs, fragments: sorted, partials };
-        recorder.run(&blend, (), &self.over_runs().variant(variant))?;
-        Ok(recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?)
+        recorder.run(&blend, (), &self.over_runs().variant(variant.clone()))?;
+        recorder.run(&Combine { work, lists, partials, image, depths }, (), &self.over_lists())?;
+        if job.median {
+            let median = Median { composing, work, lists, runs, fragments: sorted, partials, depths };
+            recorder.run(&median, (), &self.over_lists().variant(variant))?;
+        }
+        Ok(())
     }
 
     /// Records the sorting and blending of events of soft spheres.
@@ -326,6 +332,11 @@ impl Blender {
     }
 }
 
+/// The variant of a kernel whose depths are those at which half of the light or less is left, from the one that composes.
+fn median_variant(compose: Variant) -> Variant {
+    compose.with("STOP", STOP_EXACT).with("MEDIAN", 1u32)
+}
+
 /// The variant of `abuffer/resolve-ordered`.
 fn ordered_variant(falloff: Falloff, stop: u32) -> Variant {
     compose::shape_variant(Footprint::Disc, falloff).with("STOP", stop).with("TAKEN", ORDERED_TAKEN)
@@ -350,7 +361,8 @@ pub(crate) const CONSTANTS: [(&str, u32); 6] = [
 
 /// The passes of sorting and blending with their variants.
 pub(super) fn shaders() -> Vec<Shader> {
-    let stopping = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
+    let stops = || compose::variants().into_iter().flat_map(|v| STOPS.map(|stop| v.clone().with("STOP", stop)));
+    let stopping = || stops().chain(compose::variants().into_iter().map(median_variant));
     let composed = |capacity: u32| stopping().map(|v| resolve_variant(v, capacity)).collect::<Vec<_>>();
     let ordered = Falloff::all().into_iter().flat_map(|falloff| STOPS.map(|stop| ordered_variant(falloff, stop)));
     vec![
@@ -367,5 +379,6 @@ pub(super) fn shaders() -> Vec<Shader> {
         Shader::plain::<MergeInPlace>(),
         Shader::new::<BlendRuns>(compose::variants()),
         Shader::plain::<Combine>(),
+        Shader::new::<Median>(compose::variants()),
     ]
 }

@@ -25,7 +25,7 @@ use crate::gpu::{Buffer, Device, Error, GpuType, Memory, Slice};
 use crate::points::Points;
 use crate::prepare::axes;
 use crate::prepare::ensembles::Dealt;
-use crate::scene::{ColorSpace, Shading, ShadingModel};
+use crate::scene::{ColorSpace, Formula, Shading};
 
 /// A cloud on the device, with room for its splats.
 ///
@@ -318,10 +318,10 @@ impl DeviceCloud {
     /// The largest color component that blending may meet, once shaded and encoded.
     pub fn max_color(&self, how: &Projecting) -> f32 {
         let Shading { model, ambient, diffuse, specular, .. } = how.shading;
-        let shaded = match model {
-            ShadingModel::None => self.max_color,
-            ShadingModel::Lambert => self.max_color * (ambient + diffuse).max(1.0),
-            ShadingModel::Phong => self.max_color * (ambient + diffuse).max(1.0) + specular,
+        let shaded = match model.formula() {
+            Formula::None => self.max_color,
+            Formula::Lambert => self.max_color * (ambient + diffuse).max(1.0),
+            Formula::Phong => self.max_color * (ambient + diffuse).max(1.0) + specular,
         };
         // Rounding up: shading and encoding round by themselves.
         1.001 * if how.color == ColorSpace::Encoded { shaded.max(1.0) } else { shaded }

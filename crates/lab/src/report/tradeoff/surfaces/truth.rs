@@ -41,7 +41,9 @@ pub(in super::super) fn supersampled(
 ) -> Result<Supersampled, Error> {
     let samples_across = samples_across(frame.size);
     let size = frame.size.map(|side| side * samples_across);
-    let fine = Frame { size, method: scaled(frame.method, samples_across), ..*frame };
+    let mut fine = Frame { size, method: scaled(frame.method, samples_across), ..*frame };
+    // Eye-dome lighting looks as far as in the smaller image.
+    fine.shading.edl.edl_radius *= samples_across as f32;
     let image = renderer.render(cloud, &fine)?.image;
     let silhouette = Silhouette::from_image(&image, samples_across);
     let image = averaged(&linear(&image, background, frame.color), samples_across);

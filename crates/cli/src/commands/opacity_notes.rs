@@ -1,0 +1,113 @@
+//! Messages about opacities: the one that `--see-through` found, and pictures that show nothing, or surfaces alone.
+
+use pellucid_engine::Result;
+use pellucid_engine::image::Image;
+use pellucid_engine::methods::see_through::{self, Found};
+use serde_json::{Value, json};
+
+use super::console::Console;
+use super::input::Resolved;
+use super::session::Session;
+
+/// A pixel that lets less light through, or covers less, looks opaque, or empty.
+const HARDLY: f32 = 0.01;
+
+/// The share of the covered pixels that all look alike.
+const NEARLY_ALL: f64 = 0.9;
+
+/// The share of light that an advice aims at.
+const ADVISED: f64 = 0.5;
+
+/// Each cloud's opacity with a factor, cut at 1.
+fn opacities(factor: f32, resolved: &Resolved) -> Vec<f32> {
+    resolved.scene.clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
+}
+
+/// `0.031`, or for clouds of several opacities `0.031 and 0.0062`, in their order.
+fn listed(opacities: &[f32]) -> String {
+    match opacities {
+        [first, rest @ ..] if rest.iter().any(|opacity| opacity != first) => {
+            let all: Vec<_> = opacities.iter().map(f32::to_string).collect();
+            format!("opacities {} of the clouds in their order", all.join(", "))
+        }
+        [first, ..] => format!("opacity {first}"),
+        [] => "no opacity".to_owned(),
+    }
+}
+
+/// Says which opacity was found for `share`.
+pub fn describe(share: f64, found: Option<Found>, resolved: &Resolved, console: Console) {
+    let Some(found) = found else {
+        console.warn(format_args!("--see-through {share}: no pixel is covered, so that no opacity was looked for"));
+        return;
+    };
+    let opacities = said(found.factor, resolved, |opacity| opacity);
+    let Found { transmittance, trials, .. } = found;
+    if found.meets(share) {
+        console.note(format_args!(
+            "see-through {share}: {opacities} (the median covered pixel lets {transmittance:.3} of the light through; {trials} trials)"
+        ));
+    } else {
+        console.warn(format_args!(
+            "--see-through {share} is out of reach: nearest comes {opacities}, where the median covered pixel lets \
+             {transmittance:.3} of the light through"
+        ));
+    }
+}
+
+/// For an image's metadata: `{factor, opacities, transmittance}`.
+pub fn json(found: &Found, resolved: &Resolved) -> Value {
+    json!({
+        "factor": found.factor,
+        "opacities": opacities(found.factor, resolved),
+        "transmittance": found.transmittance,
+    })
+}
+
+/// Says so where a picture is empty, or where nearly every covered pixel looks opaque or empty though the points don't, and
+/// which opacity to try.
+pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console: Console) -> Result<()> {
+    let alphas = image.rgba.iter().map(|pixel| pixel[3]);
+    let covered = alphas.clone().filter(|a| *a > 0.0).count();
+    let opacities = &resolved.points().opacities;
+    if covered == 0 {
+        let invisible = !opacities.is_empty() && opacities.iter().all(|opacity| *opacity <= 0.0);
+        let why = if invisible { "all points have opacity 0" } else { "no point is in view" };
+        console.warn(format_args!("the picture is empty: {why}"));
+        return Ok(());
+    }
+    let transparent = opacities.iter().any(|opacity| *opacity < 1.0) && session.frame.method.family().has_opacity();
+    // An author of a scene file knows; whoever gave one number for all may have guessed.
+    if !transparent || !resolved.opacity_given {
+        return Ok(());
+    }
+    let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
+    let opaque = nearly_all(alphas.clone().filter(|a| *a > 1.0 - HARDLY).count());
+    let faint = nearly_all(alphas.filter(|a| *a > 0.0 && *a < HARDLY).count());
+    if !opaque && !faint {
+        return Ok(());
+    }
+    let seems = if opaque { "opaque" } else { "empty" };
+    let Session { renderer, cloud, frame, .. } = session;
+    let largest = opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min).recip();
+    let found = see_through::estimate(renderer, cloud, frame, ADVISED, largest)?.filter(|found| found.meets(ADVISED));
+    let advice = found.map(|found| {
+        let tried = opacity_to_try(found.factor, resolved);
+        format!("; {tried} would let half of the light through (--see-through {ADVISED} finds it)")
+    });
+    console.note(format_args!("nearly every covered pixel looks {seems}{}", advice.unwrap_or_default()));
+    Ok(())
+}
+
+/// The opacities with a factor, to two digits.
+fn opacity_to_try(factor: f32, resolved: &Resolved) -> String {
+    said(factor, resolved, |opacity| format!("{opacity:.1e}").parse().unwrap_or(opacity))
+}
+
+/// The opacities with a factor. Where surfaces have some, each point has another one: then the factor itself.
+fn said(factor: f32, resolved: &Resolved, rounded: impl Fn(f32) -> f32) -> String {
+    if resolved.scene.clouds.iter().any(|cloud| cloud.surface_opacity.is_some()) {
+        return format!("{} times the opacity of each point", rounded(factor));
+    }
+    listed(&opacities(factor, resolved).into_iter().map(rounded).collect::<Vec<_>>())
+}

@@ -1,0 +1,193 @@
+//! Where the parts of a legend stand in a picture.
+
+use pellucid_engine::camera::Camera;
+use pellucid_engine::color::ticks::Tick;
+use pellucid_engine::scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
+
+use super::canvas::Letters;
+
+/// Pixels on the shorter side of a picture that has room for a legend.
+const LEAST_PX: u32 = 160;
+
+/// The height of letters: of the picture's shorter side, and at least so many pixels.
+const EM: (f32, f32) = (0.02, 11.0);
+
+/// The share of the picture's width that a legend may take.
+const SHARE: f32 = 1.0 / 3.0;
+
+/// Color bars in lines of text, from the best to the least.
+const BAR_LINES: [u32; 4] = [10, 8, 6, 5];
+
+/// The least single colors of an entry that are shown before the rest is only counted.
+const FEWEST: usize = 2;
+
+/// The width of words, in heights of letters, so that they don't make the panel wide.
+const WORDS: f32 = 12.0;
+
+/// A row of a legend.
+pub enum Row<'a> {
+    /// The name of a file.
+    Title(String),
+    /// Words.
+    Text(String),
+    /// A color bar with numbers beside it.
+    Bar(&'a Values, Vec<Tick>),
+    /// A color and its meaning.
+    Swatch(&'a Swatch, String),
+    /// A line of a known length, which the words below say.
+    Scale(ScaleBar, Vec<String>),
+    /// Nothing.
+    Gap,
+}
+
+/// A legend with the sizes of its parts, in pixels.
+pub struct Layout<'a> {
+    /// The rows from the top, each with its height.
+    pub rows: Vec<(Row<'a>, f32)>,
+    /// Columns and rows of the panel.
+    pub panel: [f32; 2],
+    /// The height of letters' em square.
+    pub em: f32,
+    pub letters: Letters,
+}
+
+/// Distances that depend on the size of letters.
+impl Layout<'_> {
+    /// A line of text.
+    pub fn line(em: f32) -> f32 {
+        (1.35 * em).round()
+    }
+
+    /// From the panel's edge to its content, and from the picture's edge to the panel.
+    pub fn padding(em: f32) -> f32 {
+        (0.6 * em).round()
+    }
+
+    /// The width of a color bar and of a single color.
+    pub fn swatch(em: f32) -> f32 {
+        (1.1 * em).round()
+    }
+
+    /// From a color to its words.
+    pub fn aside(em: f32) -> f32 {
+        (0.6 * em).round()
+    }
+}
+
+impl<'a> Layout<'a> {
+    /// The legend for a picture of so many columns and rows; `None` if there is nothing to show.
+    ///
+    /// # Errors
+    /// It does not fit: a sentence that says why.
+    pub fn new(legend: &'a Legend, camera: &Camera, size: [u32; 2]) -> Result<Option<Self>, String> {
+        let scale_bar = ScaleBar::of(camera, size);
+        if legend.is_empty() && scale_bar.is_none() {
+            return Ok(None);
+        }
+        let [width, height] = size;
+        let misfit = |why: &str| format!("--legend: a legend does not fit into {width} × {height} pixels: {why}");
+        let shorter = width.min(height);
+        if shorter < LEAST_PX {
+            return Err(misfit(&format!("it needs {LEAST_PX} on either side")));
+        }
+        let em = (EM.0 * shorter as f32).max(EM.1);
+        let most_swatches = legend.entries.iter().map(|entry| entry.swatches.len()).max().unwrap_or(0);
+        let whole = BAR_LINES.map(|lines| (lines, most_swatches));
+        let shortened = (FEWEST..most_swatches).rev().map(|most| (BAR_LINES[3], most));
+        for (lines, most) in whole.into_iter().chain(shortened) {
+            let room = SHARE * width as f32 - 2.0 * Self::padding(em);
+            let mut builder = Builder { letters: Letters::new(em), em, room, rows: Vec::new(), widest: 0.0 };
+            builder.build(legend, scale_bar.as_ref(), lines, most);
+            let Builder { letters, rows, widest, .. } = builder;
+            if widest > room {
+                return Err(misfit("its numbers would take more than a third of the width"));
+            }
+            let sum: f32 = rows.iter().map(|(_, height)| height).sum();
+            let panel = [widest, sum].map(|side| side.ceil() + 2.0 * Self::padding(em));
+            if panel[1] + 2.0 * Self::padding(em) <= height as f32 {
+                return Ok(Some(Self { rows, panel, em, letters }));
+            }
+        }
+        Err(misfit("it has too many lines"))
+    }
+}
+
+/// Rows that are put below each other.
+struct Builder<'a> {
+    letters: Letters,
+    em: f32,
+    /// Pixels that text may take.
+    room: f32,
+    rows: Vec<(Row<'a>, f32)>,
+    /// Pixels that the widest row takes.
+    widest: f32,
+}
+
+impl<'a> Builder<'a> {
+    fn push(&mut self, row: Row<'a>, [width, height]: [f32; 2]) {
+        self.widest = self.widest.max(width);
+        self.rows.push((row, height));
+    }
+
+    fn build(&mut self, legend: &'a Legend, scale_bar: Option<&ScaleBar>, bar_lines: u32, most_swatches: usize) {
+        for entry in &legend.entries {
+            self.gap();
+            self.entry(legend.title(entry), entry, bar_lines, most_swatches);
+        }
+        if let Some(bar) = scale_bar {
+            self.gap();
+            // In a small picture the unit stands below the number. A number is never cut off: it has to fit.
+            let lines = self.letters.wrap(&bar.label, self.room);
+            let words = bar.label.split_whitespace().map(|word| self.letters.width(word));
+            let words = lines.iter().map(|line| self.letters.width(line)).chain(words);
+            let width = words.fold(bar.length_px as f32, f32::max);
+            let height = lines.len() as f32 * Layout::line(self.em) + (0.5 * self.em).round();
+            self.push(Row::Scale(bar.clone(), lines), [width, height]);
+        }
+    }
+
+    fn gap(&mut self) {
+        if !self.rows.is_empty() {
+            self.push(Row::Gap, [0.0, (0.7 * self.em).round()]);
+        }
+    }
+
+    fn entry(&mut self, title: Option<String>, entry: &'a Entry, bar_lines: u32, most_swatches: usize) {
+        let line = Layout::line(self.em);
+        if let Some(title) = title {
+            let title = self.letters.fit(&title, self.room);
+            let width = self.letters.width(&title);
+            self.push(Row::Title(title), [width, line]);
+        }
+        self.words(entry.heading.as_deref().unwrap_or_default());
+        if let Some(values) = &entry.values {
+            self.values(values, bar_lines);
+            self.words(values.note.unwrap_or_default());
+        }
+        for swatch in entry.swatches.iter().take(most_swatches) {
+            let aside = Layout::swatch(self.em) + Layout::aside(self.em);
+            let label = self.letters.fit(&swatch.label, self.room - aside);
+            let width = aside + self.letters.width(&label);
+            self.push(Row::Swatch(swatch, label), [width, line]);
+        }
+        if let more @ 1.. = entry.swatches.len().saturating_sub(most_swatches) {
+            self.words(&format!("and {more} more"));
+        }
+    }
+
+    fn words(&mut self, words: &str) {
+        for text in self.letters.wrap(words, self.room.min(WORDS * self.em)) {
+            let width = self.letters.width(&text);
+            self.push(Row::Text(text), [width, Layout::line(self.em)]);
+        }
+    }
+
+    fn values(&mut self, values: &'a Values, bar_lines: u32) {
+        let ticks = values.scale.ticks(if bar_lines >= 8 { 6 } else { 5 }, values.whole);
+        let labels = ticks.iter().map(|tick| self.letters.width(&tick.label)).fold(0.0, f32::max);
+        let width = Layout::swatch(self.em) + Layout::aside(self.em) + labels;
+        // A value alone has one color. Half a line above and below is for the labels at the ends.
+        let lines = if ticks.len() == 1 { 1.0 } else { bar_lines as f32 + 1.0 };
+        self.push(Row::Bar(values, ticks), [width, lines * Layout::line(self.em)]);
+    }
+}

@@ -1,0 +1,171 @@
+//! `--legend`: what the colors of a picture mean and how long things are, drawn onto the pixels of a PNG.
+
+mod canvas;
+mod layout;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use pellucid_engine::Result;
+use pellucid_engine::camera::Camera;
+use pellucid_engine::color::ticks::Tick;
+use pellucid_engine::image::Image;
+use pellucid_engine::output::{self, Raster, WriteOptions};
+use pellucid_engine::scene::Error;
+use pellucid_engine::scene::legend::{Legend, ScaleBar, Values};
+
+use crate::commands::console::Console;
+use crate::commands::input::Resolved;
+use canvas::{Canvas, Ink};
+use layout::{Layout, Row};
+
+/// Linear luminance of a background from which on the panel is light: sRGB 0.5, halfway between black and white to the eye.
+const LIGHT: f32 = 0.214;
+
+/// The colors of a panel and of its text.
+#[derive(Clone, Copy)]
+struct Looks {
+    panel: Ink,
+    text: Ink,
+    title: Ink,
+}
+
+const DARK_PANEL: Looks = Looks {
+    panel: Ink { rgb: [18.0, 18.0, 22.0], cover: 0.75 },
+    text: Ink::solid([225.0, 225.0, 225.0]),
+    title: Ink::solid([255.0, 255.0, 255.0]),
+};
+
+const LIGHT_PANEL: Looks = Looks {
+    panel: Ink { rgb: [250.0, 250.0, 250.0], cover: 0.8 },
+    text: Ink::solid([40.0, 40.0, 40.0]),
+    title: Ink::solid([0.0, 0.0, 0.0]),
+};
+
+impl Looks {
+    /// Those that stand out least from a background, linear RGB.
+    fn on(background: Vec3) -> Self {
+        let luminance = background.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        if luminance > LIGHT { LIGHT_PANEL } else { DARK_PANEL }
+    }
+}
+
+/// Before anything is rendered: says if there will be no legend since there is nothing to explain.
+///
+/// # Errors
+/// The legend does not fit into the picture.
+pub fn check(resolved: &Resolved, console: Console) -> Result<()> {
+    let Some(legend) = &resolved.legend else { return Ok(()) };
+    match Layout::new(legend, &resolved.camera, resolved.scene.image.size) {
+        Ok(Some(_)) => {}
+        Ok(None) => console.note(
+            "--legend: there is nothing to explain: the colors are not those of values or classes (--color-by chooses), and a \
+             scale bar needs an orthographic camera (--ortho)",
+        ),
+        Err(misfit) => return Err(Error::Usage(misfit).into()),
+    }
+    Ok(())
+}
+
+/// Writes a picture as a PNG with its legend; without one, and a warning, where it does not fit into this frame.
+pub fn write(
+    path: &Path,
+    image: &Image,
+    options: &WriteOptions,
+    legend: &Legend,
+    camera: &Camera,
+    console: Console,
+) -> Result<()> {
+    let mut raster = output::raster(image, options);
+    // What lies behind a transparent picture is not known.
+    let looks = if options.transparent { DARK_PANEL } else { Looks::on(options.background) };
+    match Layout::new(legend, camera, raster.size) {
+        Ok(Some(layout)) => draw(&layout, looks, &mut raster),
+        Ok(None) => {}
+        Err(misfit) => console.warn(misfit),
+    }
+    Ok(output::write_raster(path, &raster, &options.metadata)?)
+}
+
+/// Draws a legend into the lower left corner.
+fn draw(layout: &Layout<'_>, looks: Looks, raster: &mut Raster) {
+    let padding = Layout::padding(layout.em);
+    let corner = [padding, raster.size[1] as f32 - padding - layout.panel[1]];
+    let mut pen = Pen { canvas: Canvas::new(raster), layout, looks };
+    pen.canvas.fill(corner, layout.panel, looks.panel);
+    let [x, mut y] = corner.map(|edge| edge + padding);
+    for (row, height) in &layout.rows {
+        pen.row(row, [x, y], *height);
+        y += height;
+    }
+}
+
+/// What rows are drawn with.
+struct Pen<'a> {
+    canvas: Canvas<'a>,
+    layout: &'a Layout<'a>,
+    looks: Looks,
+}
+
+impl Pen<'_> {
+    fn row(&mut self, row: &Row<'_>, [x, y]: [f32; 2], height: f32) {
+        let (em, middle) = (self.layout.em, y + 0.5 * height);
+        match row {
+            Row::Title(text) => self.canvas.write(&self.layout.letters, [x, middle], text, self.looks.title),
+            Row::Text(text) => self.words([x, middle], text),
+            Row::Bar(values, ticks) => self.bar(values, ticks, [x, y], height),
+            Row::Swatch(swatch, label) => {
+                let side = (0.9 * em).round();
+                self.canvas.fill([x, (middle - 0.5 * side).round()], [Layout::swatch(em), side], ink(swatch.srgb));
+                self.words([x + Layout::swatch(em) + Layout::aside(em), middle], label);
+            }
+            Row::Scale(bar, lines) => self.scale_bar(bar, lines, [x, y]),
+            Row::Gap => {}
+        }
+    }
+
+    fn words(&mut self, at: [f32; 2], words: &str) {
+        self.canvas.write(&self.layout.letters, at, words, self.looks.text);
+    }
+
+    /// A color bar, its high end at the top, with a mark at each number, and the numbers that don't touch the one before.
+    fn bar(&mut self, values: &Values, ticks: &[Tick], [x, y]: [f32; 2], height: f32) {
+        let (em, width) = (self.layout.em, Layout::swatch(self.layout.em));
+        let line = Layout::line(em);
+        let (top, tall) = if ticks.len() == 1 { (y, line) } else { (y + (0.5 * line).round(), height - line) };
+        for row in 0..tall as u32 {
+            let place = if ticks.len() == 1 { 0.0 } else { 1.0 - (f64::from(row) + 0.5) / f64::from(tall) };
+            self.canvas.fill([x, top + row as f32], [width, 1.0], ink(values.srgb(place)));
+        }
+        let mut free_above = f32::INFINITY;
+        for tick in ticks {
+            let at = if ticks.len() == 1 { top + 0.5 * tall } else { top + (1.0 - tick.place as f32) * tall };
+            self.canvas.fill([x + width, (at - 0.5).round()], [(0.3 * em).round(), 1.0], self.looks.text);
+            if at + 0.5 * em < free_above {
+                self.words([x + width + Layout::aside(em), at], &tick.label);
+                free_above = at - 0.5 * em;
+            }
+        }
+    }
+
+    /// A line between two marks, with its length below.
+    fn scale_bar(&mut self, bar: &ScaleBar, lines: &[String], [x, y]: [f32; 2]) {
+        let em = self.layout.em;
+        let (long, thick, mark) = (bar.length_px as f32, (0.12 * em).round().max(1.0), (0.5 * em).round());
+        let text = self.looks.text;
+        self.canvas.fill([x, y + mark - thick], [long, thick], text);
+        for at in [x, x + long - thick] {
+            self.canvas.fill([at, y], [thick, mark], text);
+        }
+        for (number, words) in lines.iter().enumerate() {
+            self.words([x, y + mark + 0.75 * em + number as f32 * Layout::line(em)], words);
+        }
+    }
+}
+
+/// An opaque color of sRGB values from 0 to 1.
+fn ink(srgb: DVec3) -> Ink {
+    Ink::solid(srgb.to_array().map(|value| (255.0 * value) as f32))
+}

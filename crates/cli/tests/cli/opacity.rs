@@ -1,0 +1,81 @@
+//! `--see-through`, and what is said about pictures that are empty or opaque.
+
+use serde_json::Value;
+
+use super::render::exr;
+use crate::{assert_refused, builtin, device, folder, has_device, inside, run};
+
+/// Arguments of a small picture of the built-in scene `tori`.
+fn tori<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["render", scene, "--size", "96x72"], more].concat()
+}
+
+/// Runs a command that succeeds; standard error.
+fn said(folder: &tempfile::TempDir, args: &[&str]) -> String {
+    let device = device();
+    let own: Vec<&str> = device.iter().flat_map(|device| ["--device", device.as_str()]).collect();
+    let (status, stdout, stderr) = run(folder, &[args, &own].concat());
+    assert_eq!((status, stdout.as_str()), (0, ""), "{stderr}");
+    stderr
+}
+
+#[test]
+fn the_opacity_found_is_printed_and_gives_the_same_picture() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    builtin(&folder, "tori", &["points=3000"]);
+    // A cloud without an opacity of its own.
+    let scene = "tori/outer.ply";
+    for method in ["auto", "abuffer", "stochastic"] {
+        let found =
+            said(&folder, &tori(scene, &["--up", "z", "--method", method, "--see-through", "0.5", "-o", "found.exr"]));
+        let opacity = found.strip_prefix("see-through 0.5: opacity ").expect(&found).split(' ').next().unwrap();
+        let (channels, metadata) = exr(&inside(&folder, "found.exr"));
+        let kept: Value = serde_json::from_str(&metadata["pellucid:see-through"]).unwrap();
+        let median = kept["transmittance"].as_f64().unwrap();
+        assert!((median - 0.5).abs() <= 0.005, "{kept}");
+        // The median of the picture itself.
+        let mut alphas: Vec<f32> = channels["A"].iter().copied().filter(|a| *a > 0.0).collect();
+        alphas.sort_by(f32::total_cmp);
+        let middle = f64::from(alphas[(alphas.len() - 1) / 2]) / 2.0 + f64::from(alphas[alphas.len() / 2]) / 2.0;
+        assert!((1.0 - middle - median).abs() < 1e-6, "{middle}, {kept}");
+        said(&folder, &tori(scene, &["--up", "z", "--method", method, "--opacity", opacity, "-o", "given.exr"]));
+        let (given, _) = exr(&inside(&folder, "given.exr"));
+        assert!(channels == given, "{method}: --opacity {opacity} gives the same picture");
+    }
+}
+
+#[test]
+fn empty_and_opaque_pictures_are_told() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = builtin(&folder, "tori", &["points=3000"]);
+    let with = |more: &[&str]| said(&folder, &tori(&scene, &[more, &["-o", "a.png"]].concat()));
+    assert_eq!(with(&["--opacity", "0"]), "warning: the picture is empty: all points have opacity 0\n");
+    let away = ["--set", "camera.eye=[1000, 0, 0]", "--set", "camera.target=[2000, 0, 0]"];
+    assert!(with(&away).ends_with("warning: the picture is empty: no point is in view\n"));
+    let slab = with(&["--opacity", "0.9"]);
+    assert!(slab.starts_with("nearly every covered pixel looks opaque; opacity 0."), "{slab}");
+    assert!(slab.contains("--see-through 0.5 finds it"), "{slab}");
+    let faint = with(&["--opacity", "1e-5"]);
+    assert!(faint.starts_with("nearly every covered pixel looks empty; opacity 0."), "{faint}");
+    // Nothing is said where all is as it was asked for.
+    assert_eq!(with(&["--opacity", "1"]), "");
+    assert_eq!(with(&["--method", "points"]), "");
+}
+
+#[test]
+fn what_has_no_opacity_is_refused() {
+    let folder = folder();
+    let scene = builtin(&folder, "tori", &["points=300"]);
+    for method in ["circles", "points", "soft-base"] {
+        let part = format!("--see-through 0.5: no opacity makes light pass through the pictures of method {method}");
+        assert_refused(&folder, &["render", &scene, "--method", method, "--see-through", "0.5"], 2, &[&part]);
+    }
+    assert_refused(&folder, &["render", &scene, "--see-through", "1.5"], 2, &["expected a share from 0 to 1"]);
+    assert_refused(&folder, &["render", &scene, "--see-through", "0.5", "--opacity", "1"], 2, &["--opacity"]);
+}

@@ -1,0 +1,59 @@
+// abuffer/median: the depth at which a long list first lets through half of the light or less. The runs are composed already: they
+// say in which of them that is, whose fragments are looked at once more. One invocation per list.
+// Reference: reference::abuffer::median.
+#import compose
+#import long_list
+#import dispatch
+
+@group(0) @binding(13) var<storage, read_write> work: LongWork;
+@group(0) @binding(14) var<storage, read> lists: array<LongList>;
+@group(0) @binding(15) var<storage, read> runs: array<ListRun>;
+@group(0) @binding(16) var<storage, read> fragments: array<vec2<u32>>;
+@group(0) @binding(17) var<storage, read> partials: array<Partial>;
+@group(0) @binding(18) var<storage, read_write> depths: array<f32>;
+
+// A of a run's part behind all that lies in front.
+fn joined(front: f32, part: f32) -> f32 {
+    return front + (1.0 - front) * part;
+}
+
+// The key of the fragment of a run at which A reaches a half, behind what lies in front.
+fn key_within(run: ListRun, front: f32, pixel: vec2<u32>) -> u32 {
+    let first = run.start + run.run * RUN_LENGTH;
+    let last = run.start + min((run.run + 1u) * RUN_LENGTH, run.length);
+    var sum = Composed(vec4<f32>(0.0), NOTHING);
+    for (var i = first; i < last; i++) {
+        let fragment = fragments[i];
+        sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
+        if joined(front, sum.rgba.a) >= 0.5 {
+            return fragment.x;
+        }
+    }
+    return NOTHING;
+}
+
+@compute @workgroup_size(WG_SIZE)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let item = invocation_index(workgroup, groups, local);
+    if item >= atomicLoad(&work.list_count) {
+        return;
+    }
+    let list = lists[item];
+    let width = view.window.z - view.window.x;
+    let pixel = view.window.xy + vec2<u32>(list.pixel % width, list.pixel / width);
+    var front = 0.0;
+    var key = NOTHING;
+    for (var k = list.first_run; k < list.first_run + list.runs; k++) {
+        let next = joined(front, partials[k].rgba.a);
+        if next >= 0.5 {
+            key = key_within(runs[k], front, pixel);
+            break;
+        }
+        front = next;
+    }
+    depths[list.pixel] = composed_depth(key);
+}

@@ -1,0 +1,281 @@
+//! The colors of a cloud's points by what the cloud has: `color_by` and its keys.
+
+use std::borrow::Cow;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::assemble::placed;
+use super::error::Error;
+use super::settings::{CloudSettings, ColorBy, ColorSettings, Scene};
+use super::view::Vertical;
+use crate::cloud::field;
+use crate::cloud::{Cloud, GPS_TIME, POINT_SOURCE, RETURN_NUMBER};
+use crate::color::classes;
+use crate::color::colormap::{Colormap, mid_grey};
+use crate::color::decode_srgb_f64;
+use crate::color::scale::Scale;
+
+/// Classes besides 0 and 1 that a cloud must have to be colored by them.
+const ENOUGH_CLASSES: usize = 3;
+
+/// How bright a height is where intensity is smallest.
+const DARKEST: f64 = 0.35;
+
+/// The vertical along which height is measured: the axis nearest to the camera's `up`, else that of the file's convention.
+fn vertical(scene: &Scene, cloud: &Cloud) -> Vertical {
+    scene.camera.up.and_then(Vertical::nearest).unwrap_or(cloud.up.into())
+}
+
+/// What the colors of a cloud show, once `auto` is decided.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Choice {
+    by: ColorBy,
+    /// True if heights are darker where intensity is small.
+    modulated: bool,
+    /// The reason, as a phrase.
+    why: String,
+}
+
+impl Choice {
+    /// The choice for a cloud without a `color`.
+    pub fn of(by: &ColorBy, cloud: &Cloud) -> Self {
+        let choice = |by, modulated, why: &str| Self { by, modulated, why: why.to_owned() };
+        if *by != ColorBy::Auto {
+            return choice(by.clone(), false, "it was asked for");
+        }
+        let lacks = match &cloud.colors {
+            Some(colors) if !is_blank(colors) => return choice(ColorBy::Rgb, false, "the file has colors"),
+            Some(_) => "the file's colors are all black or all white",
+            None => "the file has no colors",
+        };
+        let classes = classes_beside_0_and_1(cloud);
+        if classes >= ENOUGH_CLASSES {
+            let why = format!("{lacks}, but {classes} classes besides 0 and 1");
+            return Self { by: ColorBy::Classification, modulated: false, why };
+        }
+        let modulated = cloud.intensity.as_ref().is_some_and(|values| values.iter().any(|value| *value != 0.0));
+        choice(ColorBy::Height, modulated, &format!("{lacks} and fewer than {ENOUGH_CLASSES} classes besides 0 and 1"))
+    }
+}
+
+/// True for colors of which nothing can be seen: all black, or all white.
+fn is_blank(colors: &[Vec3]) -> bool {
+    colors.par_iter().all(|color| *color == Vec3::ZERO) || colors.par_iter().all(|color| *color == Vec3::ONE)
+}
+
+fn classes_beside_0_and_1(cloud: &Cloud) -> usize {
+    let mut seen = [false; 256];
+    cloud.classification.iter().flatten().for_each(|code| seen[usize::from(*code)] = true);
+    seen.iter().skip(2).filter(|seen| **seen).count()
+}
+
+/// Where the colors of a cloud's points come from.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Colors {
+    /// The file.
+    Own,
+    /// All points have the same.
+    One(Vec3),
+    /// Linear RGB of each point.
+    Each(Vec<Vec3>),
+}
+
+impl Colors {
+    /// The color of each point, of a cloud whose own colors are `own`.
+    pub fn into_list(self, own: Option<Vec<Vec3>>, count: usize) -> Vec<Vec3> {
+        match self {
+            Self::Own => own.unwrap_or_else(|| vec![Vec3::ONE; count]),
+            Self::One(color) => vec![color; count],
+            Self::Each(colors) => colors,
+        }
+    }
+}
+
+/// The colors of one of a scene's clouds.
+pub(super) struct Coloring<'a> {
+    pub settings: &'a CloudSettings,
+    pub cloud: &'a Cloud,
+    /// The place of the cloud in the scene.
+    pub index: usize,
+    choice: Choice,
+    vertical: Vertical,
+}
+
+/// Everything that the colors of a cloud's points depend on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ColorKey {
+    color: Option<[u32; 3]>,
+    /// `None` where `color` overrides it.
+    by: Option<(ColorSettings, Vertical)>,
+    placement: (u64, [u64; 3]),
+    /// If colors show F.
+    field: Option<crate::prepare::FieldKey>,
+}
+
+impl<'a> Coloring<'a> {
+    /// The coloring of the cloud at a place in the scene.
+    pub fn of(scene: &'a Scene, index: usize, cloud: &'a Cloud) -> Self {
+        let settings = &scene.clouds[index];
+        let choice = Choice::of(&settings.coloring.color_by, cloud);
+        Self { settings, cloud, index, choice, vertical: vertical(scene, cloud) }
+    }
+
+    /// True if F of the points must be known.
+    pub fn needs_field(&self) -> bool {
+        self.settings.color.is_none() && self.choice.by == ColorBy::Field
+    }
+
+    /// What the colors depend on. `request` is that of the cloud's data.
+    pub fn key(&self, request: &crate::prepare::Request) -> ColorKey {
+        let CloudSettings { color, scale, translate, .. } = self.settings;
+        let field = self.needs_field().then(|| request.field_key(self.cloud));
+        ColorKey {
+            color: color.map(|color| color.to_array().map(f32::to_bits)),
+            by: color.is_none().then(|| (self.settings.coloring.clone(), self.vertical)),
+            placement: (scale.to_bits(), translate.to_array().map(f64::to_bits)),
+            field,
+        }
+    }
+
+    /// The coloring and the reason for it, in a phrase.
+    pub fn describe(&self) -> String {
+        if self.settings.color.is_some() {
+            return "the scene's `color`".to_owned();
+        }
+        let Choice { by, modulated, why } = &self.choice;
+        let intensity = if *modulated { ", darker where intensity is small" } else { "" };
+        let map =
+            if by.is_mapped() { format!(" in {}", self.settings.coloring.colormap.word()) } else { String::new() };
+        format!("{}{map}{intensity}: {why}", by.word())
+    }
+
+    /// What the colors show; `None` if the scene gives one color in place of it.
+    pub fn by(&self) -> Option<&ColorBy> {
+        self.settings.color.is_none().then_some(&self.choice.by)
+    }
+
+    /// True if heights are darker where intensity is small.
+    pub fn is_modulated(&self) -> bool {
+        self.choice.modulated
+    }
+
+    /// The colors. `fields` is F of each point, if [`Coloring::needs_field`].
+    ///
+    /// # Errors
+    /// The cloud lacks what `color_by` shows.
+    pub fn colors(&self, fields: Option<&[f32]>) -> Result<Colors, Error> {
+        if let Some(color) = self.settings.color {
+            return Ok(Colors::One(color));
+        }
+        let cloud = self.cloud;
+        match &self.choice.by {
+            ColorBy::Rgb => cloud.colors.as_ref().map(|_| Colors::Own).ok_or_else(|| self.lacking("colors")),
+            ColorBy::Uniform => Ok(Colors::One(Vec3::ONE)),
+            ColorBy::Cloud => Ok(Colors::One(linear(classes::distinct(self.index)))),
+            ColorBy::Classification => {
+                let codes = cloud.classification.as_ref().ok_or_else(|| self.lacking("classes"))?;
+                let table: Vec<Vec3> = (0..=u8::MAX).map(|code| linear(classes::srgb(code))).collect();
+                Ok(Colors::Each(codes.par_iter().map(|code| table[usize::from(*code)]).collect()))
+            }
+            ColorBy::Normal => {
+                let normals = cloud.normals.as_ref();
+                let normals = normals.ok_or_else(|| self.lacking("normals; `prepare --normals` stores some"))?;
+                Ok(Colors::Each(normals.par_iter().map(|normal| of_normal(*normal)).collect()))
+            }
+            _ => {
+                let colors = self.mapped(self.values(fields)?.unwrap_or_default());
+                Ok(Colors::Each(if self.choice.modulated { self.modulated(colors) } else { colors }))
+            }
+        }
+    }
+
+    /// The value of each point that becomes a color by way of the colormap; `None` if colors come from elsewhere. `fields`
+    /// as for [`Coloring::colors`].
+    ///
+    /// # Errors
+    /// The cloud lacks what `color_by` shows.
+    pub fn values(&self, fields: Option<&[f32]>) -> Result<Option<Vec<f64>>, Error> {
+        let cloud = self.cloud;
+        let scalar = |name: &str| cloud.scalar(name).map(doubles).ok_or_else(|| self.lacking(name));
+        let values = match &self.choice.by {
+            by if self.settings.color.is_some() || !by.is_mapped() => return Ok(None),
+            ColorBy::Height => {
+                let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
+                cloud.positions.par_iter().map(height).collect()
+            }
+            ColorBy::Intensity => cloud.intensity.as_deref().map(doubles).ok_or_else(|| self.lacking("intensity"))?,
+            ColorBy::Return => scalar(RETURN_NUMBER)?,
+            ColorBy::Source => scalar(POINT_SOURCE)?,
+            ColorBy::GpsTime => scalar(GPS_TIME)?,
+            ColorBy::Field => doubles(fields.unwrap_or_default()),
+            ColorBy::Scalar(name) => match field::column(cloud, name) {
+                Some(values) => values,
+                None => scalar(name).map_err(|_| self.no_scalar(name))?,
+            },
+            by => unreachable!("{by:?} is not mapped, or was decided when the choice was made"),
+        };
+        Ok(Some(values))
+    }
+
+    fn lacking(&self, lacking: &str) -> Error {
+        Error::Color {
+            path: self.settings.path.clone(),
+            by: self.choice.by.word().to_owned(),
+            lacking: lacking.to_owned(),
+            there: field::there(self.cloud),
+        }
+    }
+
+    fn no_scalar(&self, name: &str) -> Error {
+        let names = field::names(self.cloud);
+        let mut known: Vec<&str> = ColorBy::words().collect();
+        known.extend(names.iter().map(Cow::as_ref));
+        let hint = crate::words::nearest(name, known, "there are");
+        Error::NoScalar { path: self.settings.path.clone(), name: name.to_owned(), key: "color_by", hint }
+    }
+
+    /// The scale of values.
+    pub fn scale(&self, values: &[f64]) -> Scale {
+        Scale::of(values, self.settings.coloring.range, self.settings.coloring.log)
+    }
+
+    /// Colors of heights, darker where intensity is small.
+    fn modulated(&self, colors: Vec<Vec3>) -> Vec<Vec3> {
+        let Some(intensities) = &self.cloud.intensity else { return colors };
+        let values = doubles(intensities);
+        let scale = Scale::of(&values, None, false);
+        let light = |value: f64| scale.place(value).map_or(1.0, |t| DARKEST + (1.0 - DARKEST) * t);
+        colors.into_par_iter().zip(values).map(|(color, value)| (color.as_dvec3() * light(value)).as_vec3()).collect()
+    }
+
+    /// The colors of values.
+    fn mapped(&self, values: Vec<f64>) -> Vec<Vec3> {
+        let ColorSettings { colormap, reverse, .. } = &self.settings.coloring;
+        let (map, scale) = (colormap.map(), self.scale(&values));
+        values.into_par_iter().map(|value| of_value(&map, scale.place(value), *reverse)).collect()
+    }
+}
+
+fn of_value(map: &Colormap, t: Option<f64>, reverse: bool) -> Vec3 {
+    t.map_or_else(mid_grey, |t| map.linear(if reverse { 1.0 - t } else { t }).as_vec3())
+}
+
+/// A unit vector as sRGB from 0 to 1; grey without one.
+fn of_normal(normal: Vec3) -> Vec3 {
+    linear(0.5 + 0.5 * normal.as_dvec3().clamp(DVec3::NEG_ONE, DVec3::ONE))
+}
+
+fn linear(srgb: DVec3) -> Vec3 {
+    DVec3::from(srgb.to_array().map(decode_srgb_f64)).as_vec3()
+}
+
+fn doubles(values: &[f32]) -> Vec<f64> {
+    values.par_iter().map(|value| f64::from(*value)).collect()
+}
+
+/// How the points of each cloud are colored and why, a sentence for each.
+pub fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
+    let describe = |(index, cloud)| Coloring::of(scene, index, cloud).describe();
+    clouds.iter().enumerate().map(describe).collect()
+}

@@ -1,0 +1,236 @@
+//! The keys of a `[[cloud]]` that decide the colors of its points.
+
+use crate::color::colormap::Colormap;
+use crate::io::LasColumns;
+use crate::scene::Setting;
+use crate::scene::error::Error;
+use crate::scene::schema::{Kind, Value, Word, settings, words};
+use crate::scene::table::Table;
+
+settings! {
+    /// How the points of a `[[cloud]]` without a `color` are colored.
+    pub struct ColorSettings {
+        /// The meaning of the colors.
+        color_by: ColorBy = ColorBy::Auto;
+        /// The colors of values, from the lowest to the highest.
+        colormap: ColormapName = ColormapName::Viridis;
+        /// The values that get the first and the last color; of gps-time in seconds since the first point.
+        range: Option<[f64; 2]> = None, without "percentiles 1 and 99 of the cloud's finite values";
+        /// Turns the colormap round.
+        reverse: bool = false;
+        /// Logarithmic: colors show ln of values; those that are 0 or less are grey.
+        log: bool = false;
+    }
+    check check;
+}
+
+words! {
+    /// `colormap` of a `[[cloud]]`.
+    pub enum ColormapName {
+        /// From dark blue by green to yellow, even to the eye.
+        Viridis = "viridis",
+        /// From blue to yellow; also even to eyes that see no red or no green.
+        Cividis = "cividis",
+        /// From black by purple to pale yellow.
+        Magma = "magma",
+        /// From black by red to pale yellow.
+        Inferno = "inferno",
+        /// From blue by red to yellow.
+        Plasma = "plasma",
+        /// A rainbow without false edges.
+        Turbo = "turbo",
+        /// From water by green and brown to snow.
+        Terrain = "terrain",
+        /// From black to white, even in sRGB.
+        Grey = "grey",
+    }
+}
+
+impl ColormapName {
+    /// Its table.
+    pub fn map(self) -> Colormap {
+        let Some(map) = Colormap::named(self.word()) else { unreachable!("every word names a table: a test tells") };
+        map
+    }
+}
+
+/// `color_by` of a `[[cloud]]`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ColorBy {
+    /// The best that the file has.
+    #[default]
+    Auto,
+    /// The file's colors.
+    Rgb,
+    /// The coordinate along the vertical.
+    Height,
+    /// Intensity.
+    Intensity,
+    /// The colors of classes.
+    Classification,
+    /// The number of a return within its pulse.
+    Return,
+    /// The source of a point, mostly a flight line.
+    Source,
+    /// Time in seconds since the first point.
+    GpsTime,
+    /// The normal's direction: x, y, z as red, green, blue.
+    Normal,
+    /// One color for each cloud.
+    Cloud,
+    /// One color for all: white.
+    Uniform,
+    /// The field F.
+    Field,
+    /// A scalar of the file, by its name.
+    Scalar(String),
+}
+
+const fn word(name: &'static str, about: &'static str) -> Word {
+    Word { name, about }
+}
+
+impl ColorBy {
+    /// The words; everything else is the name of a scalar.
+    const WORDS: &'static [Word] = &[
+        word(
+            "auto",
+            "The file's colors unless all are black or all white; else classes if there are three besides 0 and 1; else height.",
+        ),
+        word("rgb", "The file's colors."),
+        word("height", "The coordinate along the vertical; with auto darker where intensity is small."),
+        word("intensity", "The file's intensity."),
+        word("classification", "Classes, each with a color of its own."),
+        word("return", "The number of a return within its pulse."),
+        word("source", "The source of a point, mostly a flight line."),
+        word("gps-time", "Seconds since the first point."),
+        word("normal", "The normal's direction: x, y, z as red, green, blue."),
+        word("cloud", "One color for each cloud."),
+        word("uniform", "White for all."),
+        word("field", "The field F of `field`."),
+    ];
+
+    /// Their meanings, in the same order.
+    const MEANINGS: [Self; 12] = [
+        Self::Auto,
+        Self::Rgb,
+        Self::Height,
+        Self::Intensity,
+        Self::Classification,
+        Self::Return,
+        Self::Source,
+        Self::GpsTime,
+        Self::Normal,
+        Self::Cloud,
+        Self::Uniform,
+        Self::Field,
+    ];
+
+    fn known() -> impl Iterator<Item = (&'static str, Self)> {
+        Self::words().zip(Self::MEANINGS)
+    }
+
+    /// The words of a scene file that name no scalar.
+    pub fn words() -> impl Iterator<Item = &'static str> {
+        Self::WORDS.iter().map(|word| word.name)
+    }
+
+    /// Its word in a scene file, or the name of the scalar.
+    pub fn word(&self) -> &str {
+        match self {
+            Self::Scalar(name) => name,
+            meaning => Self::known().find(|(_, known)| known == meaning).map_or("", |(word, _)| word),
+        }
+    }
+
+    /// True if values become colors by way of the colormap; `auto` may do so.
+    pub fn is_mapped(&self) -> bool {
+        !matches!(self, Self::Rgb | Self::Classification | Self::Normal | Self::Cloud | Self::Uniform)
+    }
+
+    /// The columns of LAS files that it needs.
+    pub fn las_columns(&self) -> LasColumns {
+        match self {
+            Self::Return => LasColumns { returns: true, ..LasColumns::default() },
+            Self::Source => LasColumns { source: true, ..LasColumns::default() },
+            Self::GpsTime => LasColumns { gps_time: true, ..LasColumns::default() },
+            Self::Scalar(name) => LasColumns::named(name),
+            _ => LasColumns::default(),
+        }
+    }
+}
+
+impl Value for ColorBy {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::WordsOr(Self::WORDS, "the name of a scalar of the file")
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        let Some(given) = table.string(key)? else { return Ok(None) };
+        let known = Self::known().find(|(word, _)| *word == given);
+        Ok(Some(known.map_or_else(|| Self::Scalar(given.to_owned()), |(_, by)| by)))
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        Some(Setting::Word(self.word().to_owned()))
+    }
+}
+
+/// The lower and the upper end of a range.
+impl Value for [f64; 2] {
+    type Allowed = ();
+
+    fn kind((): ()) -> Kind {
+        Kind::Other("`[low, high]`")
+    }
+
+    fn read(table: &Table<'_>, key: &str, (): ()) -> Result<Option<Self>, Error> {
+        table.range(key)
+    }
+
+    fn setting(&self) -> Option<Setting> {
+        Some(Setting::from(*self))
+    }
+}
+
+/// Refuses a logarithm of what has none, and notes keys without effect.
+fn check(settings: &mut ColorSettings, table: &Table<'_>) -> Result<(), Error> {
+    if let (Some([low, _]), Some(node), true) = (settings.range, table.get("range"), settings.log)
+        && low <= 0.0
+    {
+        let problem = format!("must begin above 0 with log = true, found {low:?}");
+        return Err(table.error("range", node, problem));
+    }
+    if !settings.color_by.is_mapped() {
+        for key in ["colormap", "range", "reverse", "log"] {
+            if let Some(node) = table.get(key) {
+                let by = settings.color_by.word();
+                table.warn(format!("{}: `{key}` has no effect with color_by = {by:?}", node.place));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_has_its_meaning() {
+        assert_eq!(ColorBy::WORDS.len(), ColorBy::MEANINGS.len());
+        for (word, meaning) in ColorBy::known() {
+            let variant = format!("{meaning:?}").to_lowercase();
+            assert_eq!((meaning.word(), variant), (word, word.replace('-', "")));
+        }
+    }
+
+    #[test]
+    fn every_colormap_has_its_table() {
+        for (word, name) in ColormapName::ALL {
+            assert_eq!(Some(name.map()), Colormap::named(word));
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! The settings among which one was chosen.
+
+use super::{EXACT, Figures, Wish};
+
+/// Settings that are shown.
+const SHOWN: usize = 5;
+
+/// An RMSE above this is an image of something else: the levels of a gray wedge of ten steps are as far apart.
+const NO_PICTURE: f64 = 0.1;
+
+/// A setting that was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Method and setting.
+    pub name: String,
+    /// Its measurements.
+    pub figures: Figures,
+    /// By how much its slowest frame was slower than its fastest one, relative to that; `None` for a single frame.
+    pub spread: Option<f64>,
+    /// True if the spread tells of a busy machine.
+    pub busy: bool,
+}
+
+/// The best rows for a wish, the best one first: those that fulfil it, then those that come nearest.
+pub(super) fn best(mut rows: Vec<Row>, wish: Wish) -> Vec<Row> {
+    let rank = |row: &Row| {
+        let Figures { rmse, gpu_ms } = row.figures;
+        match (wish.max_error, wish.budget_ms) {
+            (Some(most), _) if rmse <= most => (0, gpu_ms, rmse),
+            (Some(_), _) => (1, rmse, gpu_ms),
+            (None, Some(most)) if gpu_ms > most => (1, gpu_ms, rmse),
+            (None, _) => (0, rmse.max(EXACT), gpu_ms),
+        }
+    };
+    rows.sort_by(|a, b| {
+        let ((class_a, first_a, second_a), (class_b, first_b, second_b)) = (rank(a), rank(b));
+        class_a.cmp(&class_b).then(first_a.total_cmp(&first_b)).then(second_a.total_cmp(&second_b))
+    });
+    rows.truncate(SHOWN);
+    rows
+}
+
+/// The advice where the fastest setting of a frame of that size takes `gpu_ms` instead of `most`: its time is taken to go with the
+/// pixels, or with the points.
+pub(super) fn smaller(size: [u32; 2], gpu_ms: f64, most: f64) -> Option<String> {
+    let share = most / gpu_ms;
+    if !(share > 0.0 && share < 1.0) {
+        return None;
+    }
+    let [width, height] = size.map(|side| (f64::from(side) * share.sqrt()).floor().max(1.0));
+    let every = (1.0 / share).ceil();
+    Some(format!("about {width}x{height} pixels, or 1 point of {every}, would do"))
+}
+
+/// A remark about an error that no picture survives.
+pub(super) fn no_picture(rmse: f64) -> Option<String> {
+    (rmse > NO_PICTURE).then(|| format!("an RMSE of {rmse:.2} is no picture of the scene"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, rmse: f64, gpu_ms: f64) -> Row {
+        Row { name: name.into(), figures: Figures { rmse, gpu_ms }, spread: None, busy: false }
+    }
+
+    fn names(wish: Wish) -> String {
+        let rows = [
+            ("a", 0.0, 90.0),
+            ("b", 0.01, 20.0),
+            ("c", 0.02, 10.0),
+            ("d", 0.2, 1.0),
+            ("e", 0.3, 2.0),
+            ("f", 0.0, 99.0),
+        ];
+        let rows = rows.map(|(name, rmse, gpu_ms)| row(name, rmse, gpu_ms));
+        best(rows.to_vec(), wish).into_iter().map(|row| row.name).collect()
+    }
+
+    #[test]
+    fn the_best_come_first() {
+        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: None }), "bafcd");
+        assert_eq!(names(Wish { max_error: Some(0.01), budget_ms: Some(1.0) }), "bafcd");
+        assert_eq!(names(Wish { max_error: None, budget_ms: Some(20.0) }), "bcdea");
+        assert_eq!(names(Wish { max_error: None, budget_ms: Some(0.5) }), "decba");
+    }
+
+    #[test]
+    fn advice() {
+        assert_eq!(smaller([1000, 500], 400.0, 100.0).unwrap(), "about 500x250 pixels, or 1 point of 4, would do");
+        assert_eq!((smaller([10, 10], 1.0, 2.0), smaller([10, 10], 1.0, 0.0)), (None, None));
+        assert_eq!(no_picture(0.14).unwrap(), "an RMSE of 0.14 is no picture of the scene");
+        assert_eq!(no_picture(0.01), None);
+    }
+}
