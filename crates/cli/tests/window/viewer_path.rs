@@ -11,7 +11,7 @@ use pellucid_engine::camera::path::CameraPath;
 use pellucid_engine::output::read_image;
 
 /// The window, high enough for the panel to show the path.
-const WINDOW: &str = "720x690";
+const WINDOW: &str = "720x890";
 
 /// Presses keys; the pointer is over the panel, lest it be seen in the picture.
 fn press(display: &Display, keys: &str) {

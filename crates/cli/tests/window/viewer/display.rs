@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use tempfile::TempDir;
 
-pub const SIZE: [usize; 2] = [1000, 700];
+pub const SIZE: [usize; 2] = [1000, 900];
 
 pub struct Display {
     server: Child,
