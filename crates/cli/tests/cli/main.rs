@@ -25,6 +25,7 @@ mod measure;
 mod opacity;
 mod prepare;
 mod presets;
+mod readme;
 mod render;
 mod sequence;
 mod shadows;
