@@ -57,7 +57,7 @@ fn the_camera_is_that_of_the_whole_scene() {
     let folder = folder();
     builtin(&folder, "garden", &["points=3000"]);
     let write = |name: &str, clouds: &[&str]| {
-        fs::write(inside(&folder, name), scene(clouds, "[camera]\nup = [0, 0, 1]\n", "points")).unwrap()
+        fs::write(inside(&folder, name), scene(clouds, "[camera]\nup = [0, 0, 1]\n", "points")).unwrap();
     };
     write("whole.toml", &["furniture", "ground"]);
     write("part.toml", &["furniture"]);
