@@ -99,7 +99,7 @@ fn each_setting_of_each_other_method_gives_the_bytes_of_a_fresh_start() {
 #[test]
 fn only_columns_that_changed_are_uploaded() {
     with_device(|device| {
-        let text = "[image]\nsize = [28, 18]\n[[cloud]]\npath = 'a.ply'\nopacity = 0.8\n[method]\nname = 'soft-base'\n";
+        let text = "[image]\nsize = [28, 18]\n[[cloud]]\npath = 'a.ply'\nopacity = 0.8\n[method]\nname = 'soft-base'\n[shading]\nmodel = 'phong'";
         let mut document = Document::from_toml(text, Path::new("/scans/s.toml"), &Overrides::default()).unwrap();
         let mut stage = stage(device, vec![cloud(1, 60)]);
         let n = 60;

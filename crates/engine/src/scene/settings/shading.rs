@@ -13,8 +13,7 @@ settings! {
     /// `[shading]`.
     #[derive(Copy)]
     pub struct Shading {
-        /// The formula: lambert is matt, phong has highlights, none shows the colors as they are; auto is lambert, but shows foliage
-        /// without normals as it is.
+        /// The formula: lambert is matt, phong has highlights, none shows colors as they are; auto is lambert, but not on foliage.
         model: ShadingModel = ShadingModel::Auto;
         /// Light that is everywhere, as a factor on the color.
         ambient: f32 = 0.2, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 1.0);

@@ -58,6 +58,7 @@ fn draft(stage: &mut Stage, scene: &Scene, work: f64) -> TakenPicture {
 fn drafts_lie_where_the_whole_picture_does() {
     with_device(|device| {
         let (mut stage, mut document) = garden(device);
+        document.put("shading.model", Setting::Word("none".into())).unwrap();
         // The least share of the work, and the drafts it yields.
         let of_pixels =
             [(0.25, "2 × 2 pixels as one", 2), (0.12, "3 × 3 pixels as one", 3), (0.07, "4 × 4 pixels as one", 4)];
