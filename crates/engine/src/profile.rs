@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::gpu::{self, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
+use crate::progress::Phase;
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -22,6 +23,8 @@ pub struct Profile {
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
+    /// The time of each phase of the command, by [`Phase::ALL`].
+    pub host: [Duration; Phase::ALL.len()],
     /// The frames.
     pub frames: Vec<FrameProfile>,
 }
@@ -37,6 +40,7 @@ impl Profile {
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
             facts: Facts::default(),
             list_histogram: Vec::new(),
+            host: Default::default(),
             frames: Vec::new(),
         }
     }
@@ -48,6 +52,24 @@ impl Profile {
         }
         self.facts = rendered.facts.clone();
         self.frames.push(rendered.profile.clone());
+    }
+
+    /// Adds the phases of a command that rendered on a device. Making pipelines happens within frames.
+    pub fn add_host(&mut self, phases: [Duration; Phase::ALL.len()], device: &Device) {
+        let compile = device.compile_time().min(phases[Phase::Frame as usize]);
+        for (sum, phase) in self.host.iter_mut().zip(phases) {
+            *sum += phase;
+        }
+        self.host[Phase::Compile as usize] += compile;
+        self.host[Phase::Frame as usize] -= compile;
+    }
+
+    /// The phases that took time, and those that every command has, with their milliseconds.
+    fn host_json(&self) -> Vec<Value> {
+        let is_shown =
+            |(phase, time): &(Phase, Duration)| !time.is_zero() || matches!(phase, Phase::Read | Phase::Frame);
+        let shown = Phase::ALL.into_iter().zip(self.host).filter(is_shown);
+        shown.map(|(phase, time)| json!({"name": phase.name(), "ms": time.as_secs_f64() * 1e3})).collect()
     }
 
     /// The profile in the form that the interface documents, version 1.
@@ -77,6 +99,7 @@ impl Profile {
                 "fragment_bytes": self.facts.fragment_bytes,
                 "bands": self.facts.bands,
             },
+            "host": self.host_json(),
             "frames": frames,
         })
     }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Somebody who watches long work. It is called from several threads, and often: once for each few thousand points or for
 /// each window of an image.
@@ -24,6 +25,60 @@ pub trait Observer: Send + Sync {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
+/// What the host is busy with, in the order of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Phase {
+    /// Reads files, or generates the built-in scene.
+    Read,
+    /// Finds radii, normals, fields, colors.
+    Prepare,
+    /// Puts points into the order of the method.
+    Order,
+    /// Opens the device and copies points to it.
+    Upload,
+    /// Makes pipelines of shaders.
+    Compile,
+    /// Renders, and waits for the device.
+    Frame,
+    /// Encodes and writes the picture.
+    Write,
+}
+
+impl Phase {
+    /// All, in order.
+    pub const ALL: [Self; 7] =
+        [Self::Read, Self::Prepare, Self::Order, Self::Upload, Self::Compile, Self::Frame, Self::Write];
+
+    /// As profiles name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Prepare => "prepare",
+            Self::Order => "order",
+            Self::Upload => "upload",
+            Self::Compile => "compile",
+            Self::Frame => "frame",
+            Self::Write => "write",
+        }
+    }
+}
+
+/// Times of phases, by their order.
+#[derive(Debug, Default)]
+struct Clock {
+    times: [Duration; Phase::ALL.len()],
+    running: Option<(Phase, Instant)>,
+}
+
+impl Clock {
+    /// Ends the phase that runs.
+    fn stop(&mut self) {
+        if let Some((phase, begin)) = self.running.take() {
+            self.times[phase as usize] += begin.elapsed();
+        }
+    }
+}
+
 /// A handle on the progress of some work; clones are of the same work.
 #[derive(Clone)]
 pub struct Progress(Arc<State>);
@@ -33,6 +88,7 @@ struct State {
     /// [`UNKNOWN`] until the length is known.
     length: AtomicU64,
     position: AtomicU64,
+    clock: Mutex<Clock>,
     observer: Option<Box<dyn Observer>>,
 }
 
@@ -51,7 +107,7 @@ impl Progress {
 
     fn with(observer: Option<Box<dyn Observer>>) -> Self {
         let (length, position) = (AtomicU64::new(UNKNOWN), AtomicU64::new(0));
-        Self(Arc::new(State { message: Mutex::default(), length, position, observer }))
+        Self(Arc::new(State { message: Mutex::default(), length, position, clock: Mutex::default(), observer }))
     }
 
     /// Asks the observer if the work may go on.
@@ -60,6 +116,23 @@ impl Progress {
     /// It should end early.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled()) { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Begins a phase and ends the one before it.
+    pub fn begin(&self, phase: Phase) {
+        let mut clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
+        clock.stop();
+        clock.running = Some((phase, Instant::now()));
+    }
+
+    /// The time spent in each phase so far, by [`Phase::ALL`]; the one that runs goes on. [`Phase::Compile`] is for those who
+    /// know a device to tell apart ([`Device::compile_time`](crate::gpu::Device::compile_time)).
+    pub fn phases(&self) -> [Duration; Phase::ALL.len()] {
+        let mut clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
+        let running = clock.running;
+        clock.stop();
+        clock.running = running.map(|(phase, _)| (phase, Instant::now()));
+        clock.times
     }
 
     /// Names the stage.
@@ -140,6 +213,24 @@ mod tests {
         fn is_cancelled(&self) -> bool {
             self.0.lock().unwrap().len() > 3
         }
+    }
+
+    #[test]
+    fn each_moment_counts_for_one_phase() {
+        let pause = || std::thread::sleep(Duration::from_millis(2));
+        let (progress, begin) = (Progress::hidden(), Instant::now());
+        for phase in [Phase::Read, Phase::Frame, Phase::Read] {
+            progress.begin(phase);
+            pause();
+        }
+        let times = progress.phases();
+        assert!(times.iter().sum::<Duration>() <= begin.elapsed());
+        assert!(times[Phase::Read as usize] >= Duration::from_millis(4), "{times:?}");
+        assert!(times[Phase::Frame as usize] >= Duration::from_millis(2), "{times:?}");
+        assert_eq!(times.iter().filter(|time| !time.is_zero()).count(), 2);
+        pause();
+        assert!(progress.phases()[Phase::Read as usize] >= times[Phase::Read as usize] + Duration::from_millis(2));
+        assert_eq!(Phase::ALL.map(|phase| Phase::ALL[phase as usize]), Phase::ALL);
     }
 
     #[test]

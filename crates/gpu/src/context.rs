@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -48,6 +49,8 @@ pub struct Context {
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
+    /// Nanoseconds that making them took.
+    compiling: AtomicU64,
     cache_key: String,
 }
 
@@ -107,8 +110,14 @@ impl Context {
             allowed: AtomicU64::new(u64::MAX),
             uploaded: AtomicU64::new(0),
             pipelines: Mutex::default(),
+            compiling: AtomicU64::new(0),
             cache_key,
         })
+    }
+
+    /// How long making pipelines took so far.
+    pub fn compile_time(&self) -> Duration {
+        Duration::from_nanos(self.compiling.load(Ordering::Relaxed))
     }
 
     /// Shaders and variants of all pipelines.
@@ -203,7 +212,9 @@ impl Context {
         if let Some(pipeline) = lock(&self.pipelines).get(&key) {
             return Ok(pipeline.clone());
         }
+        let begin = Instant::now();
         let pipeline = Arc::new(build()?);
+        self.compiling.fetch_add(begin.elapsed().as_nanos() as u64, Ordering::Relaxed);
         lock(&self.pipelines).insert(key, pipeline.clone());
         Ok(pipeline)
     }

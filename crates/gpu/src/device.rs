@@ -3,6 +3,7 @@
 use std::ffi::CStr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use ash::vk;
 
@@ -342,6 +343,11 @@ impl Device {
     /// Names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
+    }
+
+    /// How long making pipelines took so far, from WGSL to what the driver makes of it.
+    pub fn compile_time(&self) -> Duration {
+        self.0.compile_time()
     }
 
     /// Every shader that ran so far by its stem, with the variant; in no order.

@@ -44,11 +44,13 @@ impl Measured {
     }
 
     /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one without
-    /// frames.
+    /// frames, with the phases of the command.
     pub fn to_json(&self, empty: &Profile) -> Value {
         let frames: Vec<&Value> = self.0.values().filter_map(|one| one.pointer("/frames/0")).collect();
         let frames = json!(frames);
-        let mut whole = self.0.values().next_back().cloned().unwrap_or_else(|| empty.to_json());
+        let empty = empty.to_json();
+        let mut whole = self.0.values().next_back().cloned().unwrap_or_else(|| empty.clone());
+        whole["host"] = empty["host"].clone();
         whole["frames"] = frames;
         whole
     }

@@ -103,6 +103,7 @@ pub fn run(args: ProfileArgs, console: Console) -> Result<ExitCode> {
         session.renderer.recycle(rendered.image);
         progress.inc(1);
     }
+    session.add_phases(&mut profile);
     let copy_rate = profile::copy_rate(&session.device)?;
     progress.finish_and_clear();
     if !moves {

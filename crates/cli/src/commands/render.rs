@@ -346,7 +346,9 @@ fn picture(
         choice.map(|choice| ("pellucid:choice".to_owned(), choice.json().to_string())).into_iter().collect();
     own.extend(step.map(|(step, count)| ("pellucid:step".to_owned(), format!("{step} of {count}"))));
     finish(args, resolved, &mut session, &mut rendered, output, own, console)?;
-    profile.get_or_insert_with(|| session.profile()).add(&rendered);
+    let profile = profile.get_or_insert_with(|| session.profile());
+    profile.add(&rendered);
+    session.add_phases(profile);
     Ok(())
 }
 
@@ -384,6 +386,7 @@ pub fn finish(
     let counted = if args.aov { None } else { rendered.image.fragments.take() };
     rendered.image.layers = rendered.image.layers.take().filter(|_| args.aov);
     rendered.image.stderr = rendered.image.stderr.take().filter(|_| args.aov);
+    session.begin_writing();
     match &resolved.legend {
         Some(legend) => legend::write(output, &rendered.image, &options, legend, &session.frame.camera, console)?,
         None => output::write_image(output, &rendered.image, &options)?,

@@ -190,7 +190,9 @@ impl Records {
                      --profile; `pellucid profile` measures all of them along the same path"
                 ));
             }
-            journal.finish(&self.measured.to_json(&session.profile()))?;
+            let mut empty = session.profile();
+            session.add_phases(&mut empty);
+            journal.finish(&self.measured.to_json(&empty))?;
         }
         self.trace.map_or(Ok(()), |trace| args.measure.write_trace(&trace))
     }

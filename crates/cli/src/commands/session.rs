@@ -12,6 +12,7 @@ use pellucid_engine::methods::spbr;
 use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
+use pellucid_engine::progress::{Phase, Progress};
 use pellucid_engine::{Result, output, plan};
 
 use super::console::Console;
@@ -29,6 +30,8 @@ pub struct Session {
     pub why: String,
     /// The opacity that `--see-through` asked for.
     pub see_through: Option<Found>,
+    /// Of the whole command.
+    progress: Progress,
 }
 
 impl Session {
@@ -36,6 +39,7 @@ impl Session {
     pub fn open(args: &DeviceArgs, resolved: &Resolved, fragments: bool, stop: Stop, progress: &Bar) -> Result<Self> {
         let mut session = Self::upload(args, resolved, fragments, stop, progress)?;
         // On a device that was not met before, `auto` measures it first.
+        progress.begin(Phase::Frame);
         progress.stage("choosing the method");
         let Self { renderer, cloud, frame, .. } = &mut session;
         (session.frame.method, session.why) =
@@ -59,6 +63,7 @@ impl Session {
 
     /// Opens the device and uploads the points; the method is the scene's, or for `auto` one of the same image.
     pub fn upload(args: &DeviceArgs, resolved: &Resolved, fragments: bool, stop: Stop, progress: &Bar) -> Result<Self> {
+        progress.begin(Phase::Upload);
         progress.stage("uploading");
         let options = DeviceOptions { device: args.device.clone(), ..DeviceOptions::from_env() };
         let device = Device::open(&options)?;
@@ -74,7 +79,15 @@ impl Session {
         }
         let renderer = Renderer::new(&device)?;
         let cloud = renderer.upload_lit(&resolved.arranged, resolved.shadow_texture.as_ref())?;
-        Ok(Self { device, renderer, cloud, frame, why: String::new(), see_through: None })
+        Ok(Self {
+            device,
+            renderer,
+            cloud,
+            frame,
+            why: String::new(),
+            see_through: None,
+            progress: (**progress).clone(),
+        })
     }
 
     /// Reports the device, the method, and the size of the input.
@@ -127,6 +140,7 @@ impl Session {
 
     /// Renders one frame; validation messages are an error.
     pub fn render(&mut self) -> Result<Rendered> {
+        self.progress.begin(Phase::Frame);
         let rendered = self.renderer.render(&mut self.cloud, &self.frame)?;
         self.device.check_validation()?;
         Ok(rendered)
@@ -142,6 +156,16 @@ impl Session {
     /// A profile without frames.
     pub fn profile(&self) -> Profile {
         Profile::new(&self.device, &self.frame)
+    }
+
+    /// The rest of the command writes what was rendered.
+    pub fn begin_writing(&self) {
+        self.progress.begin(Phase::Write);
+    }
+
+    /// Adds the phases of the command so far to a profile.
+    pub fn add_phases(&self, profile: &mut Profile) {
+        profile.add_host(self.progress.phases(), &self.device);
     }
 }
 

@@ -25,7 +25,7 @@ fn read(folder: &TempDir, name: &str) -> Value {
 /// Asserts the shape of a profile and what must hold between its figures.
 #[track_caller]
 fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
-    assert_eq!(keys(profile), ["version", "device", "scene", "memory", "frames"]);
+    assert_eq!(keys(profile), ["version", "device", "scene", "memory", "host", "frames"]);
     assert_eq!(profile["version"], 1);
     let device = &profile["device"];
     assert_eq!(keys(device), ["name", "driver", "timestamp_period_ns"]);
@@ -49,6 +49,13 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     assert_eq!(keys(memory), ["peak_device_bytes", "fragment_bytes", "bands"]);
     let bytes = |key: &str| memory[key].as_u64().unwrap();
     assert!(bytes("peak_device_bytes") > bytes("fragment_bytes") && bytes("bands") >= 1);
+
+    let host = profile["host"].as_array().unwrap();
+    let names: Vec<&str> = host.iter().map(|phase| phase["name"].as_str().unwrap()).collect();
+    let all = ["read", "prepare", "order", "upload", "compile", "frame", "write"];
+    assert!(names.iter().all(|name| all.contains(name)) && names.is_sorted_by_key(|name| all.iter().position(|n| n == name)));
+    assert!(["read", "order", "upload", "frame"].iter().all(|name| names.contains(name)), "{names:?}");
+    assert!(host.iter().all(|phase| phase["ms"].as_f64().unwrap() >= 0.0 && keys(phase) == ["name", "ms"]), "{host:?}");
 
     let list = profile["frames"].as_array().unwrap();
     assert_eq!(list.len(), frames);
@@ -83,6 +90,7 @@ fn profiles_have_the_documented_shape() {
     done(&folder, &[&args[..], &size].concat());
     let rendered = read(&folder, "render.json");
     assert_profile(&rendered, 1, 1200);
+    assert_eq!(rendered["host"].as_array().unwrap().last().unwrap()["name"], "write");
     assert_eq!(rendered["scene"], printed["scene"]);
     assert_trace(&read(&folder, "trace.json"), &rendered);
 }

@@ -23,20 +23,26 @@ pub(super) struct SmallestAxis {
     pub planar: bool,
 }
 
-/// That of points around the origin.
-pub(super) fn smallest_axis(offsets: impl Iterator<Item = DVec3> + Clone) -> SmallestAxis {
-    let largest = offsets.clone().fold(0.0, |largest: f64, p| largest.max(p.abs().max_element()));
+/// That of points around the origin, which are scaled to size 1.
+pub(super) fn smallest_axis(offsets: &mut [DVec3]) -> SmallestAxis {
+    let largest = offsets.iter().fold(DVec3::ZERO, |largest, p| largest.max(p.abs())).max_element();
     if largest == 0.0 || !largest.is_finite() {
         return SmallestAxis::default();
     }
-    let unit = offsets.map(|p| p / largest);
-    let (count, sum) = unit.clone().fold((0.0, DVec3::ZERO), |(count, sum), p| (count + 1.0, sum + p));
-    let mean = sum / count;
-    let covariance = unit.fold(DMat3::ZERO, |sum, p| {
-        let p = p - mean;
-        sum + DMat3::from_cols(p * p.x, p * p.y, p * p.z)
-    });
-    let (variances, axes) = principal_axes(covariance);
+    let mut sum = DVec3::ZERO;
+    for p in offsets.iter_mut() {
+        *p /= largest;
+        sum += *p;
+    }
+    let mean = sum / offsets.len() as f64;
+    // Σ of x², y², z², and of yz, xz, xy.
+    let (mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO);
+    for p in offsets {
+        let p = *p - mean;
+        squares += p * p;
+        products += DVec3::new(p.y * p.z, p.x * p.z, p.x * p.y);
+    }
+    let (variances, axes) = principal_axes(squares, products);
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| variances[a].total_cmp(&variances[b]));
     let [least, middle, most] = order.map(|axis| variances[axis]);
@@ -50,38 +56,37 @@ pub(super) fn smallest_axis(offsets: impl Iterator<Item = DVec3> + Clone) -> Sma
 }
 
 /// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by Jacobi's method: one rotation after the other
-/// makes an element off the diagonal 0. As accurate for small eigenvalues as for large ones, without special cases.
-fn principal_axes(mut a: DMat3) -> ([f64; 3], DMat3) {
-    let mut axes = DMat3::IDENTITY;
+/// makes an element off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without
+/// special cases.
+///
+/// `off` are the elements off the diagonal, each by the index that neither its row nor its column has.
+fn principal_axes(diagonal: DVec3, off: DVec3) -> ([f64; 3], DMat3) {
+    let (mut values, mut off) = (diagonal.to_array(), off.to_array());
+    let mut axes = [DVec3::X, DVec3::Y, DVec3::Z];
     for _ in 0..SWEEPS {
         let mut done = true;
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let (off, scale) = (a.col(q)[p], a.col(p)[p].abs() + a.col(q)[q].abs());
-            if off.abs() <= f64::EPSILON * 0.25 * scale {
+        for (p, q, other) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+            let element = off[other];
+            if element.abs() <= f64::EPSILON * 0.25 * (values[p].abs() + values[q].abs()) {
                 continue;
             }
             done = false;
-            // tan of the angle, the smaller of two solutions (Golub, Van Loan, 8.5.2).
-            let tau = (a.col(q)[q] - a.col(p)[p]) / (2.0 * off);
-            let tan = tau.signum() / (tau.abs() + tau.hypot(1.0));
-            let cos = 1.0 / tan.hypot(1.0);
+            // tan of the angle, the smaller of two solutions; tau is at most 2/ε.
+            let tau = (values[q] - values[p]) / (2.0 * element);
+            let tan = tau.signum() / (tau.abs() + (tau * tau + 1.0).sqrt());
+            let cos = 1.0 / (tan * tan + 1.0).sqrt();
             let sin = tan * cos;
-            let mut turn = DMat3::IDENTITY;
-            turn.col_mut(p)[p] = cos;
-            turn.col_mut(q)[q] = cos;
-            turn.col_mut(q)[p] = sin;
-            turn.col_mut(p)[q] = -sin;
-            a = turn.transpose() * a * turn;
-            // Zero except for rounding.
-            a.col_mut(q)[p] = 0.0;
-            a.col_mut(p)[q] = 0.0;
-            axes *= turn;
+            values[p] -= tan * element;
+            values[q] += tan * element;
+            off[other] = 0.0;
+            (off[q], off[p]) = (cos * off[q] - sin * off[p], sin * off[q] + cos * off[p]);
+            (axes[p], axes[q]) = (cos * axes[p] - sin * axes[q], sin * axes[p] + cos * axes[q]);
         }
         if done {
             break;
         }
     }
-    ([0, 1, 2].map(|i| a.col(i)[i]), axes)
+    (values, DMat3::from_cols(axes[0], axes[1], axes[2]))
 }
 
 #[cfg(test)]
@@ -91,7 +96,7 @@ mod tests {
     use rand_pcg::Pcg64Mcg;
 
     fn normal(points: &[[f64; 3]]) -> Vec3 {
-        smallest_axis(points.iter().map(|p| DVec3::from(*p))).direction
+        smallest_axis(&mut points.iter().map(|p| DVec3::from(*p)).collect::<Vec<_>>()).direction
     }
 
     #[test]
@@ -101,7 +106,7 @@ mod tests {
             let mut number = || (rng.random::<f64>() - 0.5) * 10f64.powi(rng.random_range(-9..4));
             let [a, b, c, d, e, f] = [(); 6].map(|()| number());
             let matrix = DMat3::from_cols_array(&[a, b, c, b, d, e, c, e, f]);
-            let (values, axes) = principal_axes(matrix);
+            let (values, axes) = principal_axes(DVec3::new(a, d, f), DVec3::new(e, c, b));
             let size = values.iter().fold(0f64, |size, x| size.max(x.abs()));
             for (i, value) in values.into_iter().enumerate() {
                 let off = matrix * axes.col(i) - value * axes.col(i);

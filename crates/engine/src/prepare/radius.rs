@@ -58,7 +58,9 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
         .collect();
     let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
         let own = distances[place];
-        if others.is_empty() {
+        // More than half of the radii around are large enough, and so is their median: nearly all places.
+        let beside = others.iter().filter(|&&rank| f64::from(cap) * by_rank[rank as usize] >= own).count();
+        if others.is_empty() || beside > k / 2 + 1 {
             return own;
         }
         around.clear();

@@ -4,6 +4,7 @@
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use smallvec::{SmallVec, smallvec};
 
 use super::neighbors::{Lists, Places};
 use super::normal::{SmallestAxis, smallest_axis};
@@ -31,8 +32,8 @@ pub struct Surface {
 /// `normals` are unit vectors, or zero for points without one. A missing normal is estimated as the smallest principal
 /// axis of the point and its K neighbors. If that is not a single direction (all at one position, on a line, equal
 /// spread), the point stays without normal, which counts as perpendicular to every other: such places are no surface.
-/// With fewer than K other points K is their number. Neighbors are ordered by distance, then x, y, z, then normal, and
-/// sums follow that order, so that neither the order of the points nor the sign of a normal changes a bit.
+/// With fewer than K other points K is their number. Sums follow the Morton order of the neighbors, so that neither the order
+/// of the points nor the sign of a normal changes a bit.
 ///
 /// Takes about 4·K + 170 bytes per point; without the 4·K, and slower, if those are more than 2 GiB.
 pub fn estimate(positions: &[DVec3], normals: Option<&[Vec3]>, around: (usize, f32), progress: &Progress) -> Surface {
@@ -65,7 +66,7 @@ fn look(
             fields: no_fields,
         };
     };
-    let missing = given().contains(&Vec3::ZERO);
+    let missing = normals.is_none_or(|normals| normals.contains(&Vec3::ZERO));
     let (seen, lists) = places.visit(k, wants_fields || cap > 0.0, progress, |place, others, distance| {
         let normal = if missing { estimated_normal(&places, place, others) } else { SmallestAxis::default() };
         (distance, normal)
@@ -105,8 +106,9 @@ fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: 
 /// The normal of the points at a place and their neighbors elsewhere.
 fn estimated_normal(places: &Places, place: usize, others: &[u32]) -> SmallestAxis {
     let here = places.positions[places.members(place).start];
-    let own = places.members(place).map(|_| DVec3::ZERO);
-    smallest_axis(own.chain(others.iter().map(|&rank| places.positions[rank as usize] - here)))
+    let mut offsets: SmallVec<[DVec3; 32]> = smallvec![DVec3::ZERO; places.members(place).len()];
+    offsets.extend(others.iter().map(|&rank| places.positions[rank as usize] - here));
+    smallest_axis(&mut offsets)
 }
 
 /// Eq. 21 of each point at a place, without a factor common to all.

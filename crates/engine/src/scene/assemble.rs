@@ -1,6 +1,6 @@
 //! From the clouds of a scene to the points of a frame: settings applied, merged, put into canonical order.
 
-use crate::progress::Progress;
+use crate::progress::{Phase, Progress};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -135,6 +135,7 @@ fn merged(
     if points.is_empty() {
         return Err(no_points(scene, &points));
     }
+    progress.begin(Phase::Order);
     Ok(prepare::order::canonical(points))
 }
 
@@ -176,6 +177,7 @@ fn arrange_explained(
     let placed =
         each.map(|(index, cloud)| transformed(scene, &clips, index, cloud, false, progress, legend.as_deref_mut()));
     let placed: Vec<Points> = placed.collect::<Result<_, _>>()?;
+    progress.begin(Phase::Order);
     progress.reset();
     progress.set_message("dealing points to ensembles");
     let dealt = ensembles::deal(placed, seed, progress);
@@ -198,6 +200,7 @@ fn transformed(
     progress: &Progress,
     legend: Option<&mut Legend>,
 ) -> Result<Points, Error> {
+    progress.begin(Phase::Prepare);
     let (settings, needs_field) = (&scene.clouds[index], scene.method.needs_field());
     let coloring = Coloring::of(scene, index, &cloud);
     let request = request(scene, settings, needs_radii, needs_field || coloring.needs_field());

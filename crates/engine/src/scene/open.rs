@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::progress::Progress;
+use crate::progress::{Phase, Progress};
 
 use super::document::Document;
 use super::{Error, Overrides, load_clouds, procedural, take_generated};
@@ -30,6 +30,7 @@ pub struct Opened {
 /// # Errors
 /// A scene file among other inputs, an invalid scene, and unreadable files.
 pub fn open(inputs: &[PathBuf], overrides: &Overrides, seed: u64, progress: &Progress) -> crate::Result<Opened> {
+    progress.begin(Phase::Read);
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let document = match inputs {
         [] => {

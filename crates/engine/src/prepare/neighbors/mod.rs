@@ -1,0 +1,325 @@
+//! The nearest neighbors of every point, independent of the order of the points.
+//!
+//! The K nearest other points, without the point itself, are those of least distance, computed in float64 from the original
+//! positions; of equal distances those of smaller x, then y, then z; of equal positions by normal (up to its sign). They are
+//! listed by rank, so that shuffled points have the same neighbors, in the same sequence, to the bit.
+
+mod search;
+mod tree;
+
+use std::ops::Range;
+
+use crate::progress::Progress;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use self::search::{Columns, Search};
+use self::tree::Tree;
+use super::morton;
+use crate::cloud::Bounds;
+
+/// Places between two steps of the progress bar.
+const BLOCK: usize = 1 << 12;
+
+/// Lists of neighbors above this are not kept but found again when they are needed a second time.
+const MAX_LIST_BYTES: usize = 2 << 30;
+
+/// The distinct positions of a cloud and the points at each.
+///
+/// Points have ranks: place by place in Morton order, so that consecutive queries touch the same memory, and by normal
+/// within a place.
+pub(super) struct Places {
+    /// The index in the cloud, by rank.
+    pub order: Vec<usize>,
+    /// Positions by rank.
+    pub positions: Vec<DVec3>,
+    /// For each place its first rank, with their number as the last entry.
+    starts: Vec<u32>,
+    /// Finds places.
+    tree: Tree,
+    columns: Columns,
+    /// The unit of distances.
+    unit: f64,
+}
+
+/// A power of two of about the size of a cloud: it keeps squared distances of any float64 cloud away from overflow and
+/// underflow, and scaling by it rounds nothing.
+fn unit(bounds: &Bounds) -> f64 {
+    let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
+    if half_side > 0.0 { half_side.log2().floor().clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
+}
+
+/// The bits of a position, the two zeros being one.
+fn position_key(p: DVec3) -> [u64; 3] {
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
+/// Integers in the order of a normal's coordinates, the same for both of its directions.
+fn normal_key(normal: Vec3) -> [i32; 3] {
+    let first = normal.to_array().into_iter().find(|x| *x != 0.0).unwrap_or_default();
+    let normal = if first < 0.0 { -normal } else { normal };
+    // In the order of `f32::total_cmp`.
+    (normal + Vec3::ZERO).to_array().map(|x| {
+        let bits = x.to_bits() as i32;
+        bits ^ (((bits >> 31) as u32) >> 1) as i32
+    })
+}
+
+impl Places {
+    /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
+    pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
+        // Ranks have 32 bits.
+        u32::try_from(positions.len()).ok()?;
+        let bounds = Bounds::enclosing(positions.iter().copied())?;
+        let codes = morton::codes(positions, &bounds);
+        let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
+        let mut keyed: Vec<(u64, u32)> = codes.into_par_iter().zip(0..positions.len() as u32).collect();
+        keyed.par_sort_unstable_by(|&(a_code, a), &(b_code, b)| {
+            let by_content = || {
+                let [a, b] = [a as usize, b as usize];
+                let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
+                by_position.then_with(|| normal(a).cmp(&normal(b)))
+            };
+            a_code.cmp(&b_code).then_with(by_content)
+        });
+        let positions: Vec<DVec3> = keyed.par_iter().map(|&(_, index)| positions[index as usize]).collect();
+
+        let (mut places, mut codes) = (Vec::new(), Vec::new());
+        let mut starts = Vec::new();
+        for (rank, position) in positions.iter().enumerate() {
+            if places.last() != Some(position) {
+                places.push(*position);
+                codes.push(keyed[rank].0);
+                starts.push(rank as u32);
+            }
+        }
+        starts.push(positions.len() as u32);
+        let order = keyed.into_par_iter().map(|(_, index)| index as usize).collect();
+        let (tree, unit) = (Tree::new(&places, &codes), unit(&bounds));
+        Some(Self { order, positions, starts, tree, columns: Columns::new(&places, unit), unit })
+    }
+
+    /// Number of distinct positions.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The ranks of the points at a place.
+    pub fn members(&self, place: usize) -> Range<usize> {
+        self.starts[place] as usize..self.starts[place + 1] as usize
+    }
+
+    /// The place of the point of a rank.
+    pub fn place_of(&self, rank: u32) -> usize {
+        self.starts.partition_point(|start| *start <= rank) - 1
+    }
+
+    /// World units in which distances are given; a power of two.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// The number of the `k` nearest others of a point at `place` that have another position: 0 if `k` others share
+    /// this one.
+    fn elsewhere(&self, place: usize, k: usize) -> usize {
+        (k + 1).saturating_sub(self.members(place).len())
+    }
+
+    /// The ranks of those of the `k` nearest others of a point at `place` that have another position, in ascending order,
+    /// and the distance of the last in [`Places::unit`]s.
+    pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
+        let mut ranks = Vec::new();
+        let mut search = Search::new(&self.tree, &self.columns, k);
+        let (found, last) = search.one(place);
+        let distance = self.take(place, k, found, last, &mut ranks);
+        (ranks, distance)
+    }
+
+    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one, of this
+    /// squared distance; the distance of the last in units.
+    fn take(&self, place: usize, k: usize, found: &[u32], last: f64, ranks: &mut Vec<u32>) -> f64 {
+        ranks.clear();
+        let wanted = self.elsewhere(place, k);
+        if wanted == 0 {
+            return 0.0;
+        }
+        let is_single = |place: u32| self.starts[place as usize + 1] - self.starts[place as usize] == 1;
+        let all_differ = self.starts.len() > self.positions.len();
+        if found.len() == k + 1 && (all_differ || found.iter().all(|&place| is_single(place))) {
+            let others = found.iter().filter(|&&other| other as usize != place);
+            ranks.extend(others.map(|&other| self.starts[other as usize]));
+            return last.sqrt();
+        }
+        let places = self.sorted(place, found);
+        let all =
+            places.iter().flat_map(|&(squared, place)| self.members(place).map(move |rank| (squared, rank as u32)));
+        let mut distance = 0.0;
+        ranks.extend(all.take(wanted).map(|(squared, rank)| {
+            distance = squared;
+            rank
+        }));
+        ranks.sort_unstable();
+        distance.sqrt()
+    }
+
+    /// Places with their squared distances from `place`, itself left out, in the order of neighbors.
+    fn sorted(&self, place: usize, found: &[u32]) -> Vec<(f64, usize)> {
+        let others = found.iter().map(|&there| there as usize).filter(|&there| there != place);
+        let mut places: Vec<(f64, usize)> =
+            others.map(|there| (self.columns.squared_between(place, there), there)).collect();
+        places.sort_unstable_by(|a, b| {
+            let coordinates = |place: usize| (self.columns.position(place) + DVec3::ZERO).to_array();
+            let by_position = || {
+                let [a, b] = [coordinates(a.1), coordinates(b.1)];
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+            };
+            a.0.total_cmp(&b.0).then_with(by_position)
+        });
+        places
+    }
+
+    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: the lists are
+    /// kept for a second visit, if memory allows.
+    pub fn visit<T: Send>(
+        &self,
+        k: usize,
+        again: bool,
+        progress: &Progress,
+        see: impl Fn(usize, &[u32], f64) -> T + Sync,
+    ) -> (Vec<T>, Lists) {
+        progress.set_length(self.len() as u64);
+        let keep = again && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
+        let blocks: Vec<(Vec<T>, Vec<u32>)> = (0..self.len().div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
+                let mut kept = Vec::with_capacity(if keep { places.len() * k } else { 0 });
+                let mut seen = Vec::with_capacity(places.len());
+                let mut ranks = Vec::with_capacity(k);
+                self.search(places.clone(), k, |place, found, last| {
+                    let distance = self.take(place, k, found, last, &mut ranks);
+                    seen.push(see(place, &ranks, distance));
+                    if keep {
+                        kept.extend_from_slice(&ranks);
+                        kept.resize((place + 1 - places.start) * k, 0);
+                    }
+                });
+                progress.inc(places.len() as u64);
+                (seen, kept)
+            })
+            .collect();
+        let (seen, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+        (seen.into_iter().flatten().collect(), Lists { k, kept: keep.then_some(kept) })
+    }
+
+    /// Calls `see` for each of some places with the places as near as the k-th other one, in ascending order, and that one's
+    /// squared distance.
+    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, &[u32], f64)) {
+        let mut search = Search::new(&self.tree, &self.columns, k);
+        for &leaf in &self.tree.leaves[self.tree.leaf_of(places.start)..] {
+            let leaf = self.tree.nodes[leaf as usize];
+            let (from, to) = (leaf.first as usize, (leaf.first + leaf.leaf_len) as usize);
+            if from >= places.end {
+                break;
+            }
+            search.leaf(leaf, from.max(places.start)..to.min(places.end), &mut see);
+        }
+    }
+}
+
+/// The neighbors elsewhere of all places, if they were kept.
+pub(super) struct Lists {
+    k: usize,
+    /// By block of places, `k` entries per place.
+    kept: Option<Vec<Vec<u32>>>,
+}
+
+impl Lists {
+    /// Hands those of a place to `see`.
+    pub fn others<T>(&self, places: &Places, place: usize, see: impl FnOnce(&[u32]) -> T) -> T {
+        match &self.kept {
+            Some(kept) => {
+                let from = place % BLOCK * self.k;
+                see(&kept[place / BLOCK][from..from + places.elsewhere(place, self.k)])
+            }
+            None => see(&places.others(place, self.k).0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    use super::*;
+
+    /// Points on a plane and in a ball, copies of some, and strays far from all.
+    fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut number = || random.random::<f64>();
+        let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::new(number(), number(), 0.01 * number())).collect();
+        points.extend((0..count / 4).map(|_| DVec3::new(number(), number(), number()) * 0.1));
+        points.extend((0..20).map(|_| DVec3::new(number(), number(), number()) * 50.0));
+        // On a grid: many at the same distance.
+        points.extend((0..count / 4).map(|_| (DVec3::new(number(), number(), 0.0) * 16.0).floor() + 3.0 * DVec3::Z));
+        points.extend_from_within(..count / 8);
+        points
+    }
+
+    /// By all distances, in the order that the module states.
+    fn brute_force(places: &Places, place: usize, k: usize) -> (Vec<u32>, f64) {
+        let here = places.positions[places.members(place).start];
+        let squared = |rank: usize| ((places.positions[rank] - here) / places.unit()).length_squared();
+        let mut all: Vec<usize> =
+            (0..places.positions.len()).filter(|rank| !places.members(place).contains(rank)).collect();
+        let key = |rank: usize| places.positions[rank].to_array();
+        all.sort_by(|&a, &b| {
+            let by_position = || key(a).partial_cmp(&key(b)).unwrap().then(a.cmp(&b));
+            squared(a).total_cmp(&squared(b)).then_with(by_position)
+        });
+        all.truncate((k + 1).saturating_sub(places.members(place).len()));
+        let distance = all.last().map_or(0.0, |&rank| squared(rank).sqrt());
+        let mut ranks: Vec<u32> = all.into_iter().map(|rank| rank as u32).collect();
+        ranks.sort_unstable();
+        (ranks, distance)
+    }
+
+    #[test]
+    fn neighbors_are_those_of_brute_force() {
+        for (count, k) in [(3, 1), (40, 7), (400, 24), (1500, 24), (1500, 90)] {
+            let places = Places::group(&cloud(count, count as u64), None).unwrap();
+            let k = k.min(places.positions.len() - 1);
+            let see = |place: usize, others: &[u32], distance: f64| {
+                assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{count} {k} {place}");
+                assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
+            };
+            places.visit(k, false, &Progress::hidden(), see);
+        }
+    }
+
+    #[test]
+    fn a_block_that_cuts_a_leaf_changes_nothing() {
+        let places = Places::group(&cloud(1000, 5), None).unwrap();
+        let mut all = Vec::new();
+        places.search(0..places.len(), 24, |place, found, last| all.push((place, found.to_vec(), last)));
+        let mut parts = Vec::new();
+        for from in (0..places.len()).step_by(7) {
+            let part = from..(from + 7).min(places.len());
+            places.search(part, 24, |place, found, last| parts.push((place, found.to_vec(), last)));
+        }
+        assert_eq!(all, parts);
+        assert!(all.iter().map(|(place, ..)| *place).eq(0..places.len()));
+    }
+
+    #[test]
+    fn points_too_far_or_too_near_for_squares_have_neighbors() {
+        for scale in [1e-300, 1e-160, 1.0, 1e150, 1e307] {
+            let points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
+            let places = Places::group(&points, None).unwrap();
+            places.visit(24, false, &Progress::hidden(), |place, others, distance| {
+                assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");
+            });
+        }
+    }
+}
