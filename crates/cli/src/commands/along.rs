@@ -13,7 +13,8 @@ use pellucid_engine::points::Points;
 use pellucid_engine::scene::{self, Course, Scene};
 
 use super::console::Console;
-use super::input::{InputArgs, Resolved, read};
+use super::input::InputArgs;
+use super::loaded::{Resolved, read};
 
 /// A camera that moves.
 #[derive(Debug, Args)]
@@ -50,7 +51,7 @@ impl PathArgs {
     pub fn course(&self, frames: Option<u32>, input: &InputArgs, console: Console) -> Result<Option<Along>> {
         let frames = frames.map(|count| count as usize);
         if let Some(path) = &self.path {
-            if input.view().is_given() {
+            if input.view.view().is_given() {
                 console.warn("--view, --azimuth and --elevation have no effect with --path");
             }
             let source = Source::read(path)?;
@@ -90,7 +91,8 @@ impl Along {
         };
         let loaded = read(input, size, console, progress)?.with_legend(legend);
         let resolved = loaded.resolve_by(find, console, progress)?;
-        let given = resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view().is_given());
+        let given =
+            resolved.scene.camera.eye.filter(|_| matches!(self, Self::Turn { .. }) && !input.view.view().is_given());
         if let (Some(eye), Some(first)) = (given.map(|eye| eye.to_array()), cameras.first().map(|c| c.eye.to_array()))
             && eye != first
         {

@@ -14,6 +14,7 @@ mod info;
 pub mod input;
 mod interrupt;
 mod limit;
+pub mod loaded;
 mod measured;
 mod noise;
 mod opacity_notes;
@@ -29,6 +30,7 @@ mod stress;
 mod tradeoff;
 #[cfg(feature = "viewer")]
 mod view;
+mod view_args;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

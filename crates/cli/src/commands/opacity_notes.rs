@@ -6,7 +6,7 @@ use pellucid_engine::methods::see_through::{self, Found};
 use serde_json::{Value, json};
 
 use super::console::Console;
-use super::input::Resolved;
+use super::loaded::Resolved;
 use super::session::Session;
 
 /// A pixel that lets less light through, or covers less, looks opaque, or empty.

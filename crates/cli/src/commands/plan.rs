@@ -9,7 +9,8 @@ use serde_json::json;
 
 use super::DeviceArgs;
 use super::console::{Console, print, print_json};
-use super::input::{InputArgs, prepare};
+use super::input::InputArgs;
+use super::loaded::prepare;
 use super::session::Session;
 
 #[derive(Debug, Args)]

@@ -14,8 +14,8 @@ use pellucid_engine::{Result, io, output, prepare};
 
 use super::DeviceArgs;
 use super::console::Console;
-use super::input::report_cloud;
 use super::limit::usage;
+use super::loaded::report_cloud;
 
 /// The soft methods (soft-base, soft-concentric, soft-express, one-layer) tell solid points from soft ones by a field F in
 /// [0, 1]. This computes it and the radii once and writes them with the cloud; render, plan and all others then use what

@@ -8,7 +8,8 @@ use pellucid_engine::{Result, profile};
 
 use super::along::PathArgs;
 use super::console::{Console, print, print_json};
-use super::input::{InputArgs, prepare};
+use super::input::InputArgs;
+use super::loaded::prepare;
 use super::measured::Measured;
 use super::session::Session;
 use super::{DeviceArgs, MeasureArgs};

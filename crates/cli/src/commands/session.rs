@@ -17,7 +17,7 @@ use pellucid_engine::{Result, output, plan};
 
 use super::console::Console;
 use super::ensemble_warnings;
-use super::input::Resolved;
+use super::loaded::Resolved;
 use super::opacity_notes;
 use super::{DeviceArgs, MeasureArgs};
 

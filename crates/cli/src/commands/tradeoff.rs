@@ -16,7 +16,8 @@ use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Sub
 
 use super::DeviceArgs;
 use super::console::{Console, print, print_json};
-use super::input::{InputArgs, read};
+use super::input::InputArgs;
+use super::loaded::read;
 use super::stress::seconds;
 
 const ABOUT: &str = "\

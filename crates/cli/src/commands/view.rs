@@ -11,7 +11,8 @@ use pellucid_viewer::{Display, Options};
 
 use super::DeviceArgs;
 use super::console::Console;
-use super::input::{InputArgs, report_cloud};
+use super::input::InputArgs;
+use super::loaded::report_cloud;
 use crate::error::Error;
 
 /// Default size of the window, in columns and rows.

@@ -1,6 +1,6 @@
 //! Rectangles and text on the pixels of a PNG.
 
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use ab_glyph::{Font, FontRef, InvalidFont, PxScale, ScaleFont, point};
 use pellucid_engine::output::Raster;
 
 /// A color in sRGB, 0 to 255, and how much of it covers what is there, 0 to 1.
@@ -25,13 +25,14 @@ pub struct Letters {
 
 impl Letters {
     /// Letters whose em square is so many pixels high.
-    pub fn new(em_px: f32) -> Self {
-        let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR) else {
-            unreachable!("the font is part of the program: a test reads it")
-        };
+    ///
+    /// # Errors
+    /// The font that is part of the program is none; a test reads it.
+    pub fn new(em_px: f32) -> Result<Self, InvalidFont> {
+        let font = FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR)?;
         // The crate counts in heights of a line.
         let line = font.units_per_em().map_or(1.0, |em| font.height_unscaled() / em);
-        Self { font, scale: PxScale::from(em_px * line) }
+        Ok(Self { font, scale: PxScale::from(em_px * line) })
     }
 
     /// Pixels from the start of a text to its end.
@@ -156,7 +157,7 @@ mod tests {
 
     #[test]
     fn texts_fit_where_they_are_to() {
-        let letters = Letters::new(11.0);
+        let letters = Letters::new(11.0).unwrap();
         let wide = letters.width("temporal-exclusion");
         assert!((wide - 18.0 * letters.width("0")).abs() < 1e-3, "all letters are equally wide");
         assert_eq!(letters.fit("ground", wide), "ground");
@@ -169,7 +170,7 @@ mod tests {
     #[test]
     fn letters_leave_marks_of_their_size() {
         let mut raster = Raster { size: [40, 40], alpha: false, bytes: vec![0; 40 * 40 * 3] };
-        Canvas::new(&mut raster).write(&Letters::new(20.0), [10.0, 20.0], "0", Ink::solid([255.0; 3]));
+        Canvas::new(&mut raster).write(&Letters::new(20.0).unwrap(), [10.0, 20.0], "0", Ink::solid([255.0; 3]));
         let lit: Vec<usize> = (0..1600).filter(|i| raster.bytes[3 * i] > 128).map(|i| i / 40).collect();
         let (top, bottom) = (lit.iter().min().unwrap(), lit.iter().max().unwrap());
         // A digit is some 0.73 em high, its middle at 20.

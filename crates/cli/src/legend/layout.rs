@@ -96,7 +96,8 @@ impl<'a> Layout<'a> {
         let shortened = (FEWEST..most_swatches).rev().map(|most| (BAR_LINES[3], most));
         for (lines, most) in whole.into_iter().chain(shortened) {
             let room = SHARE * width as f32 - 2.0 * Self::padding(em);
-            let mut builder = Builder { letters: Letters::new(em), em, room, rows: Vec::new(), widest: 0.0 };
+            let letters = Letters::new(em).map_err(|_| misfit("its font can't be read"))?;
+            let mut builder = Builder { letters, em, room, rows: Vec::new(), widest: 0.0 };
             builder.build(legend, scale_bar.as_ref(), lines, most);
             let Builder { letters, rows, widest, .. } = builder;
             if widest > room {

@@ -17,7 +17,7 @@ use pellucid_engine::scene::Error;
 use pellucid_engine::scene::legend::{Legend, ScaleBar, Values};
 
 use crate::commands::console::Console;
-use crate::commands::input::Resolved;
+use crate::commands::loaded::Resolved;
 use canvas::{Canvas, Ink};
 use layout::{Layout, Row};
 

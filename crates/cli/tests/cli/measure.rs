@@ -53,7 +53,10 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     let host = profile["host"].as_array().unwrap();
     let names: Vec<&str> = host.iter().map(|phase| phase["name"].as_str().unwrap()).collect();
     let all = ["read", "prepare", "order", "upload", "compile", "frame", "write"];
-    assert!(names.iter().all(|name| all.contains(name)) && names.is_sorted_by_key(|name| all.iter().position(|n| n == name)));
+    assert!(
+        names.iter().all(|name| all.contains(name))
+            && names.is_sorted_by_key(|name| all.iter().position(|n| n == name))
+    );
     assert!(["read", "order", "upload", "frame"].iter().all(|name| names.contains(name)), "{names:?}");
     assert!(host.iter().all(|phase| phase["ms"].as_f64().unwrap() >= 0.0 && keys(phase) == ["name", "ms"]), "{host:?}");
 

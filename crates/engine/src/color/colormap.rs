@@ -28,10 +28,15 @@ pub struct Colormap {
 }
 
 impl Colormap {
-    /// The map of a name: one of matplotlib's, `turbo`, or `grey`, which goes from 0 to 1. `None` for other names.
+    /// From black to white.
+    pub fn grey() -> Self {
+        Self { entries: vec![DVec3::ZERO, DVec3::ONE] }
+    }
+
+    /// The map of a name: one of matplotlib's, `turbo`, or `grey`. `None` for other names.
     pub fn named(name: &str) -> Option<Self> {
         if name == "grey" {
-            return Some(Self { entries: vec![DVec3::ZERO, DVec3::ONE] });
+            return Some(Self::grey());
         }
         let (_, text) = TABLES.into_iter().find(|(known, _)| *known == name)?;
         let entries = text.lines().filter(|line| !line.starts_with('#')).filter_map(entry).collect();

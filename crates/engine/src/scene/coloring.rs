@@ -198,8 +198,16 @@ impl<'a> Coloring<'a> {
     pub fn values(&self, fields: Option<&[f32]>) -> Result<Option<Vec<f64>>, Error> {
         let cloud = self.cloud;
         let scalar = |name: &str| cloud.scalar(name).map(doubles).ok_or_else(|| self.lacking(name));
+        if self.settings.color.is_some() {
+            return Ok(None);
+        }
         let values = match &self.choice.by {
-            by if self.settings.color.is_some() || !by.is_mapped() => return Ok(None),
+            ColorBy::Auto
+            | ColorBy::Rgb
+            | ColorBy::Classification
+            | ColorBy::Normal
+            | ColorBy::Cloud
+            | ColorBy::Uniform => return Ok(None),
             ColorBy::Height => {
                 let height = |p: &DVec3| self.vertical.up().dot(placed(self.settings, *p));
                 cloud.positions.par_iter().map(height).collect()
@@ -213,7 +221,6 @@ impl<'a> Coloring<'a> {
                 Some(values) => values,
                 None => scalar(name).map_err(|_| self.no_scalar(name))?,
             },
-            by => unreachable!("{by:?} is not mapped, or was decided when the choice was made"),
         };
         Ok(Some(values))
     }

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::error::Error;
+use super::richest_side::richest_side;
 use super::schema::MAX_COORDINATE;
 use super::settings::{CameraSettings, Scene};
 use super::surroundings;
@@ -22,7 +23,8 @@ const CLEARANCE: f64 = 0.1;
 
 /// The scene's camera, and warnings about it.
 ///
-/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above), from the
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter, a half
+/// or three quarters farther around, where that shows clearly more structure), from the
 /// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
 /// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
 /// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
@@ -32,8 +34,10 @@ const CLEARANCE: f64 = 0.1;
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
-    let inside = surroundings::inside(&scene.camera, points, vertical_of(&scene.camera, up));
-    camera_of(scene, &inside.unwrap_or(scene.camera), points, up)
+    let vertical = vertical_of(&scene.camera, up);
+    let inside = surroundings::inside(&scene.camera, points, vertical);
+    let found = inside.or_else(|| richest_side(&scene.camera, points, vertical));
+    camera_of(scene, &found.unwrap_or(scene.camera), points, up)
 }
 
 /// The camera of these settings in a scene, from outside if they don't say from where.

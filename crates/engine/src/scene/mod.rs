@@ -25,6 +25,7 @@ mod photo;
 pub mod procedural;
 #[cfg(test)]
 mod reference;
+mod richest_side;
 mod schema;
 mod seen;
 mod settings;

@@ -54,39 +54,46 @@ impl std::fmt::Display for Vertical {
     }
 }
 
-/// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z up, +Y is north.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ViewName {
-    /// The side that a viewer of the file's convention faces: −Y for surveys (from the south), +Z for models.
-    Front,
-    /// From behind.
-    Back,
-    /// From −X.
-    Left,
-    /// From +X.
-    Right,
-    /// From above; north (surveys) or the back (models) is at the image's top.
-    Top,
-    /// From below.
-    Bottom,
-    /// From the front's right and above, all three axes equally foreshortened.
-    Iso,
-    /// From the south, where the front is.
-    South,
-    /// From the south-east.
-    SouthEast,
-    /// From the east, on the right.
-    East,
-    /// From the north-east.
-    NorthEast,
-    /// From the north.
-    North,
-    /// From the north-west.
-    NorthWest,
-    /// From the west.
-    West,
-    /// From the south-west.
-    SouthWest,
+/// Declares the named directions with their words and what the words mean.
+macro_rules! view_names {
+    ($($Name:ident = $word:literal, $about:literal;)+) => {
+        /// A named direction. Those of a compass look from there at the usual elevation, where +X is east and, with Z up, +Y is
+        /// north.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum ViewName {
+            $(#[doc = $about] $Name,)+
+        }
+
+        impl ViewName {
+            /// All, with the word for each and its meaning.
+            pub const ALL: &'static [(Self, &'static str, &'static str)] = &[$((Self::$Name, $word, $about)),+];
+        }
+    };
+}
+
+view_names! {
+    Front = "front", "The side that a viewer of the file's convention faces: −Y for surveys (from the south), +Z for models.";
+    Back = "back", "From behind.";
+    Left = "left", "From −X.";
+    Right = "right", "From +X.";
+    Top = "top", "From above; north (surveys) or the back (models) is at the image's top.";
+    Bottom = "bottom", "From below.";
+    Iso = "iso", "From the front's right and above, all three axes equally foreshortened.";
+    South = "south", "From the south and above.";
+    SouthEast = "south-east", "From the south-east and above.";
+    East = "east", "From the east and above.";
+    NorthEast = "north-east", "From the north-east and above.";
+    North = "north", "From the north and above.";
+    NorthWest = "north-west", "From the north-west and above.";
+    West = "west", "From the west and above.";
+    SouthWest = "south-west", "From the south-west and above.";
+}
+
+impl ViewName {
+    /// The direction of a word.
+    pub fn named(word: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, known, _)| *known == word).map(|(name, ..)| *name)
+    }
 }
 
 /// The direction asked for; all `None`: the default.
@@ -129,6 +136,11 @@ impl View {
             None => (usual, above),
         };
         (self.azimuth.unwrap_or(azimuth), self.elevation.unwrap_or(elevation))
+    }
+
+    /// Its azimuth in degrees.
+    pub(super) fn azimuth_of(&self, vertical: Vertical) -> f64 {
+        self.angles(vertical).0
     }
 
     /// Unit vectors along the view and toward the image's top. They are orthogonal even straight from above.

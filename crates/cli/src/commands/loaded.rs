@@ -1,0 +1,222 @@
+//! From inputs to a frame before it meets a device: scene and clouds read, points made, camera found.
+
+use std::path::Path;
+
+use pellucid_engine::camera::Camera;
+use pellucid_engine::cloud::shadow_texture::ShadowTexture;
+use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::points::Points;
+use pellucid_engine::prepare::Arranged;
+use pellucid_engine::scene::legend::Legend;
+use pellucid_engine::scene::{self, Method, Opened, Scene, ScreenSplats};
+use pellucid_engine::{Result, output};
+
+use super::bar::Bar;
+use super::console::Console;
+use super::input::InputArgs;
+
+/// A frame before it meets a device.
+pub struct Resolved {
+    /// The inputs as they were named.
+    pub name: String,
+    /// All settings.
+    pub scene: Scene,
+    /// All points, in the order that the method wants.
+    pub arranged: Arranged,
+    /// The shadows of the scene that were stored with its cloud, in the order of the file.
+    pub shadow_texture: Option<ShadowTexture>,
+    /// The camera, given or automatic.
+    pub camera: Camera,
+    /// How clouds are colored and why, a phrase for each way.
+    pub colorings: Vec<String>,
+    /// What the colors mean, if it was asked for.
+    pub legend: Option<Legend>,
+    /// `--see-through`.
+    pub see_through: Option<f64>,
+    /// True if an option gave all points one opacity.
+    pub opacity_given: bool,
+    /// `--seed`.
+    pub seed: u64,
+}
+
+impl Resolved {
+    /// All points.
+    pub fn points(&self) -> &Points {
+        self.arranged.points()
+    }
+
+    /// The names of the clouds in [`Arranged::surfaces`], which omits clouds without points.
+    pub fn cloud_names(&self) -> Vec<String> {
+        let (clouds, count) = (&self.scene.clouds, self.arranged.surfaces().len());
+        if clouds.len() == count {
+            clouds.iter().map(|cloud| cloud.path.display().to_string()).collect()
+        } else {
+            (1..=count).map(|number| format!("cloud {number} of those with points")).collect()
+        }
+    }
+
+    /// The metadata of an image. `method` and `device` are those finally used.
+    pub fn metadata(&self, method: &str, device: &str) -> Vec<(String, String)> {
+        output::tags(&self.name, method, &self.scene.settings, device, self.seed)
+    }
+}
+
+/// How clouds are colored and why, a phrase for each way.
+fn colorings(scene: &Scene, clouds: &[Cloud]) -> Vec<String> {
+    let mut ways: Vec<(String, Vec<&Path>)> = Vec::new();
+    for (settings, way) in scene.clouds.iter().zip(scene::colorings(scene, clouds)) {
+        match ways.iter_mut().find(|(known, _)| *known == way) {
+            Some((_, paths)) => paths.push(&settings.path),
+            None => ways.push((way, vec![&settings.path])),
+        }
+    }
+    let phrase = |(way, paths): &(String, Vec<&Path>)| match paths[..] {
+        [path] => format!("{} is colored by {way}", path.display()),
+        _ => format!("{} clouds are colored by {way}", paths.len()),
+    };
+    ways.iter().map(phrase).collect()
+}
+
+/// Reads the inputs, applies the options and finds the camera; warnings go to standard error.
+pub fn prepare(args: &InputArgs, console: Console, progress: &Bar) -> Result<Resolved> {
+    read(args, None, console, progress)?.resolve(None, console, progress)
+}
+
+/// A scene and its clouds as they were read.
+#[derive(Clone)]
+pub struct Loaded {
+    name: String,
+    scene: Scene,
+    /// The clouds of the scene, in its order.
+    clouds: Vec<Cloud>,
+    /// True if the meaning of colors is asked for.
+    legend: bool,
+    see_through: Option<f64>,
+    opacity_given: bool,
+    seed: u64,
+}
+
+impl Loaded {
+    /// Has the meaning of colors found as well, if it is `wanted`.
+    pub fn with_legend(self, wanted: bool) -> Self {
+        Self { legend: wanted, ..self }
+    }
+
+    /// The number of clouds.
+    pub fn count(&self) -> usize {
+        self.clouds.len()
+    }
+
+    /// The scene with the first `count` of its clouds alone.
+    pub fn first(&self, count: usize) -> Self {
+        let (mut scene, mut clouds) = (self.scene.clone(), self.clouds.clone());
+        scene.clouds.truncate(count);
+        clouds.truncate(count);
+        Self { name: self.name.clone(), scene, clouds, ..*self }
+    }
+
+    /// Makes points of the clouds, with radii even if the scene's method does without; warnings go to standard error.
+    pub fn resolve_with_radii(mut self, console: Console, progress: &Bar) -> Result<Resolved> {
+        let method = self.scene.method;
+        if matches!(method.fixed(), Some(Method::Points | Method::ImageSpace(_))) {
+            // Like these two it wants the points in canonical order, and nothing else of them.
+            self.scene.method = Method::Circles(ScreenSplats::default()).into();
+        }
+        let mut resolved = self.resolve(None, console, progress)?;
+        resolved.scene.method = method;
+        Ok(resolved)
+    }
+
+    /// Makes points of the clouds, and finds the camera if it isn't `given`; warnings go to standard error.
+    pub fn resolve(self, given: Option<Camera>, console: Console, progress: &Bar) -> Result<Resolved> {
+        let find = |scene: &Scene, points: &Points, up: UpAxis| match given {
+            Some(camera) => Ok((camera, Vec::new())),
+            None => {
+                scene::camera_notes(scene, points, up).iter().for_each(|note| console.note(note));
+                Ok(scene::camera(scene, points, up)?)
+            }
+        };
+        self.resolve_by(find, console, progress)
+    }
+
+    /// Makes points of the clouds, and has the camera found for these and the clouds' vertical; warnings go to standard error.
+    pub fn resolve_by(
+        self,
+        find: impl FnOnce(&Scene, &Points, UpAxis) -> Result<(Camera, Vec<String>)>,
+        console: Console,
+        progress: &Bar,
+    ) -> Result<Resolved> {
+        let Self { name, scene, clouds, legend, see_through, opacity_given, seed } = self;
+        scene::notes(&scene, &clouds, scene.method.needs_radii()).iter().for_each(|note| console.note(note));
+        let (shadow_texture, note) = scene::shadow_texture(&scene, &clouds, seed);
+        note.iter().for_each(|note| console.note(note));
+        let up = scene::up_axis(&clouds);
+        let colorings = colorings(&scene, &clouds);
+        colorings.iter().for_each(|how| console.detail(how));
+        let (arranged, legend) = if legend {
+            let (arranged, legend) = scene::arrange_with_legend(&scene, clouds, seed, progress)?;
+            (arranged, Some(legend))
+        } else {
+            (scene::arrange(&scene, clouds, seed, progress)?, None)
+        };
+        scene::note_of_layers(&scene, arranged.points()).iter().for_each(|note| console.note(note));
+        let (camera, warnings) = find(&scene, arranged.points(), up)?;
+        console.detail(described(&camera, arranged.points()));
+        for warning in scene.warnings.iter().chain(&warnings) {
+            console.warn(warning);
+        }
+        Ok(Resolved {
+            name,
+            scene,
+            arranged,
+            shadow_texture,
+            camera,
+            colorings,
+            legend,
+            see_through,
+            opacity_given,
+            seed,
+        })
+    }
+}
+
+/// The camera that was found, as a scene file has it.
+fn described(camera: &Camera, points: &Points) -> String {
+    let distance = points.bounds().map_or(1.0, |bounds| (bounds.center() - camera.eye).dot(camera.forward));
+    camera.to_toml(distance)
+}
+
+/// Reads the inputs and applies the options. `size` is the image size for when no option gives one.
+pub fn read(args: &InputArgs, size: Option<[u32; 2]>, console: Console, progress: &Bar) -> Result<Loaded> {
+    let overrides = args.overrides(size)?;
+    let Opened { name, document, clouds, .. } = scene::open(&args.inputs, &overrides, args.seed, progress)?;
+    let mut scene = document.scene()?;
+    args.preset().iter().for_each(|preset| console.note(preset.note()));
+    scene.camera.view = args.view_of(&scene);
+    if let (Some(share), Some(method)) = (args.see_through, scene.method.fixed())
+        && !method.family().has_opacity()
+    {
+        let name = method.name();
+        let problem = format!(
+            "--see-through {share}: no opacity makes light pass through the pictures of method {name}; `auto`, abuffer, sorted, \
+             spbr and others have one (--help lists them)"
+        );
+        return Err(scene::Error::Usage(problem).into());
+    }
+    for (settings, cloud) in scene.clouds.iter().zip(&clouds) {
+        report_cloud(&settings.path, cloud, console);
+    }
+    let see_through = args.share(&scene, &clouds);
+    let opacity_given = args.opacity.is_some() || args.surface_opacity.is_some();
+    Ok(Loaded { name, scene, clouds, legend: false, see_through, opacity_given, seed: args.seed })
+}
+
+/// Says what was read and what was odd about it.
+pub fn report_cloud(path: &Path, cloud: &Cloud, console: Console) {
+    let path = path.display();
+    console.detail(format_args!("{path}: {} points", cloud.len()));
+    if cloud.non_finite > 0 {
+        console.warn(format_args!("{path}: {} points without finite coordinates are left out", cloud.non_finite));
+    }
+    cloud.warnings.iter().for_each(|warning| console.warn(format_args!("{path}: {warning}")));
+}
