@@ -57,6 +57,7 @@ const PRESETS: [Preset; 5] = [
         keys: &[
             ("cloud.*.opacity", "0.05"),
             ("cloud.*.radius_factor", "0.8"),
+            ("cloud.*.outliers", "\"drop\""),
             (CLASS, "{ id = \"ground\", opacity = 1.0 }"),
             (CLASS, "{ id = \"water\", opacity = 1.0 }"),
             (CLASS, "{ id = \"road\", opacity = 1.0 }"),
@@ -67,7 +68,7 @@ const PRESETS: [Preset; 5] = [
             (CLASS, "{ id = \"low-noise\", visible = false }"),
             (CLASS, "{ id = \"high-noise\", visible = false }"),
         ],
-        see_through: Some(SeeThrough { share: 0.7, without_classes: true }),
+        see_through: Some(SeeThrough { share: 0.5, without_classes: true }),
         from_outside: false,
     },
     Preset {
@@ -76,10 +77,11 @@ const PRESETS: [Preset; 5] = [
         keys: &[
             ("image.background", "[1.0, 1.0, 1.0]"),
             ("cloud.*.opacity", "0.02"),
+            ("cloud.*.outliers", "\"drop\""),
             (CLASS, "{ id = \"ground\", opacity = 1.0 }"),
             (CLASS, "{ id = \"water\", opacity = 1.0 }"),
             (CLASS, "{ id = \"road\", opacity = 1.0 }"),
-            (CLASS, "{ id = \"building\", opacity = 0.05 }"),
+            (CLASS, "{ id = \"building\", opacity = 0.12 }"),
             (CLASS, "{ id = \"low-vegetation\", opacity = 0.02 }"),
             (CLASS, "{ id = \"medium-vegetation\", opacity = 0.02 }"),
             (CLASS, "{ id = \"high-vegetation\", opacity = 0.02 }"),
@@ -115,6 +117,7 @@ const PRESETS: [Preset; 5] = [
         keys: &[
             ("image.background", "[1.0, 1.0, 1.0]"),
             ("method.name", "\"hqs\""),
+            ("cloud.*.outliers", "\"drop\""),
             ("cloud.*.radius_factor", "1.5"),
             ("shading.model", "\"lambert\""),
             ("shading.edl", "true"),

@@ -180,6 +180,32 @@ fn write_row(folder: &TempDir, count: usize, radius: f32) {
 }
 
 #[test]
+fn effects_that_a_scene_does_not_ask_for_have_no_pass() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    for method in ["abuffer", "circles", "soft-express", "spbr"] {
+        let args = |more: &[&'static str]| {
+            let all =
+                [&["-q", &tori, "--size", "40x30", "--method", method, "--set", "shading.model=none"], more].concat();
+            assert_planned(&folder, &all)
+        };
+        let plain = args(&[]);
+        let effects = ["shading/", "shadows/"];
+        assert!(!plain.iter().any(|pass| effects.iter().any(|effect| pass.starts_with(effect))), "{method}: {plain:?}");
+        // Clips take points out before they come to the device: this one none, and no pass.
+        assert_eq!(args(&["--slice", "x=-1000..1000"]), plain, "{method}");
+        assert_eq!(args(&["--set", "cloud.*.outliers=keep", "--set", "cloud.*.radius_cap=0"]), plain, "{method}");
+        if method != "soft-express" {
+            let lit = args(&["--set", "shading.edl=true"]);
+            assert!(lit.iter().any(|pass| pass == "shading/edl"), "{method}: {lit:?}");
+        }
+    }
+}
+
+#[test]
 fn the_plan_is_what_runs() {
     if !has_device() {
         return;

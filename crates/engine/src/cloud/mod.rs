@@ -1,5 +1,6 @@
 //! A point cloud as a file holds it: float64 positions and named columns, in the file's order.
 
+pub(crate) mod depth_camera;
 pub mod field;
 pub mod shadow_texture;
 
@@ -41,7 +42,7 @@ pub enum UpAxis {
     Y,
     /// Surveys and scans (all other point clouds): +Z is up.
     Z,
-    /// Images of depth cameras, whose rows run along +Y: −Y is up.
+    /// Clouds in the frame of a depth camera, whose rows run along +Y: −Y is up.
     NegativeY,
 }
 

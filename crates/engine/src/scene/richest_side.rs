@@ -1,16 +1,15 @@
 //! The side of a scene with the most to see: the automatic camera turns to it by quarters.
 //!
 //! A thing shows most where it is broadest. Of two opposite sides, which are equally broad, the richer one has more jumps of depth
-//! or color from one cell of a coarse picture to the next: a facade, a relief, the inside of a bowl. A wall from behind, or the
-//! smooth back of a statue, has few.
+//! from one cell of a coarse picture to the next: a facade, a relief, the inside of a bowl. A wall from behind, or the smooth back
+//! of a statue, has few.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::settings::CameraSettings;
 use super::view::{Vertical, View};
 use crate::cloud::Bounds;
-use crate::color::encode_srgb;
 use crate::points::Points;
 
 /// Points below which nothing is told.
@@ -21,8 +20,6 @@ const POINTS_A_CELL: f64 = 12.0;
 const CELLS: [usize; 2] = [16, 128];
 /// A jump of depth, in cells: more than a surface seen at a slant.
 const DEPTH_JUMP: f32 = 4.0;
-/// A jump of sRGB luma.
-const LUMA_JUMP: f32 = 0.15;
 /// How many times as broad, or as rich, another side must be as the usual one.
 const MORE: f64 = 1.25;
 /// Jumps below which a side has nothing to offer.
@@ -30,10 +27,11 @@ const FEWEST_JUMPS: usize = 64;
 
 /// The settings of a camera that looks at the side with the most structure, from where the usual one looks or a quarter, a half
 /// or three quarters farther around. `None` if that is the usual one, where the settings say anything of eye, target or view,
-/// and of few points. The order of points doesn't matter.
+/// and of few points. Points that are clipped or hidden count as others do, so that slices of a scene have one camera, and the
+/// order of points doesn't matter.
 pub(super) fn richest_side(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
     let CameraSettings { eye, target, view, .. } = settings;
-    if eye.is_some() || target.is_some() || view.is_given() || points.len() < FEWEST {
+    if eye.is_some() || target.is_some() || view.is_given() || points.len() + points.unseen.positions.len() < FEWEST {
         return None;
     }
     let usual = View::default().azimuth_of(vertical);
@@ -49,66 +47,59 @@ pub(super) fn richest_side(settings: &CameraSettings, points: &Points, vertical:
     (quarter != 0).then(|| CameraSettings { view: azimuth(quarter), ..*settings })
 }
 
-/// The nearest point of each cell of a coarse picture: its depth in cells, and its luma.
+/// The depth of the nearest point of each cell of a coarse picture, in cells; infinite where there is none.
 struct Coarse {
     side: usize,
-    cells: Vec<Option<(f32, f32)>>,
+    cells: Vec<f32>,
 }
 
 impl Coarse {
     fn of(points: &Points, bounds: &Bounds, (forward, up): (DVec3, DVec3)) -> Self {
-        let ideal = (points.len() as f64 / POINTS_A_CELL).sqrt() as usize;
+        let all = || points.positions.iter().chain(&points.unseen.positions);
+        let ideal = (all().count() as f64 / POINTS_A_CELL).sqrt() as usize;
         let side = ideal.clamp(CELLS[0], CELLS[1]);
         let (center, axes) = (bounds.center(), [forward.cross(up), up, forward]);
         let half = bounds.corners().iter().map(|corner| (*corner - center).length()).fold(0.0, f64::max);
         let cell = 2.0 * half / side as f64;
-        let mut cells: Vec<Option<(f32, f32)>> = vec![None; side * side];
-        for (position, color) in points.positions.iter().zip(&points.colors) {
+        let mut cells = vec![f32::INFINITY; side * side];
+        for position in all() {
             let [x, y, depth] = axes.map(|axis| (*position - center).dot(axis));
             let column = |along: f64| ((along + half) / cell) as usize;
-            let place = column(y).min(side - 1) * side + column(x).min(side - 1);
-            let seen = ((depth / cell) as f32, luma(*color));
-            // Of points at one depth the darkest, so that their order doesn't matter.
-            if cells[place].is_none_or(|nearest| seen < nearest) {
-                cells[place] = Some(seen);
-            }
+            let nearest = &mut cells[column(y).min(side - 1) * side + column(x).min(side - 1)];
+            *nearest = nearest.min((depth / cell) as f32);
         }
         Self { side, cells }
     }
 
     /// Cells with points.
     fn covered(&self) -> usize {
-        self.cells.iter().flatten().count()
+        self.cells.iter().filter(|depth| depth.is_finite()).count()
     }
 
-    /// Pairs of neighboring cells between which depth or color jumps.
+    /// Pairs of neighboring cells between which depth jumps.
     fn jumps(&self) -> usize {
         let at = |x: usize, y: usize| self.cells[y * self.side + x];
-        let differ = |a: Option<(f32, f32)>, b: Option<(f32, f32)>| match (a, b) {
-            (Some(a), Some(b)) => (a.0 - b.0).abs() > DEPTH_JUMP || (a.1 - b.1).abs() > LUMA_JUMP,
-            _ => false,
-        };
+        // Beside a cell without points nothing jumps: the difference is infinite, or no number.
+        let jumps = |a: f32, b: f32| usize::from((DEPTH_JUMP..f32::INFINITY).contains(&(a - b).abs()));
         let each = (0..self.side - 1).flat_map(|y| (0..self.side - 1).map(move |x| (x, y)));
-        each.map(|(x, y)| usize::from(differ(at(x, y), at(x + 1, y))) + usize::from(differ(at(x, y), at(x, y + 1))))
-            .sum()
+        each.map(|(x, y)| jumps(at(x, y), at(x + 1, y)) + jumps(at(x, y), at(x, y + 1))).sum()
     }
-}
-
-/// Rec. 709 luma of a linear color's sRGB values.
-fn luma(color: Vec3) -> f32 {
-    color.map(encode_srgb).dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
     use rand::seq::SliceRandom;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
     use super::*;
     use crate::cloud::UpAxis;
+    use crate::points::Unseen;
 
-    /// A wall of bricks that stand out of it toward `out`, smooth behind, and its colors.
+    /// A wall of bricks that stand out of it toward `out`, smooth behind.
     fn wall(out: DVec3) -> Vec<DVec3> {
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let along = out.cross(DVec3::Z);
@@ -177,16 +168,12 @@ mod tests {
     }
 
     #[test]
-    fn colors_are_structure_as_well() {
-        // A smooth slab, painted in stripes behind.
-        let mut random = Pcg64Mcg::seed_from_u64(9);
-        let mut found =
-            points((0..40_000).map(|i| DVec3::new(random.random(), f64::from(i % 2) * 0.1, random.random())).collect());
-        for (color, p) in found.colors.iter_mut().zip(&found.positions) {
-            *color = if p.y > 0.0 && (p.x * 20.0) as i32 % 2 == 0 { Vec3::ZERO } else { Vec3::ONE };
-        }
-        let settings = richest_side(&CameraSettings::default(), &found, Vertical::from(UpAxis::Z));
-        let azimuth = settings.and_then(|found| found.view.azimuth);
-        assert_eq!(azimuth, Some(210.0));
+    fn clipped_points_count() {
+        let free = CameraSettings::default();
+        let mut cut = points(wall(DVec3::Y));
+        let positions = cut.positions.split_off(10_000);
+        cut.unseen = Arc::new(Unseen { radii: vec![0.0; positions.len()], positions });
+        let whole = richest_side(&free, &points(wall(DVec3::Y)), Vertical::from(UpAxis::Z));
+        assert_eq!(richest_side(&free, &cut, Vertical::from(UpAxis::Z)), whole);
     }
 }

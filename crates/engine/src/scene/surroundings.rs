@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use super::settings::{CameraSettings, Scene, ShadingModel};
 use super::view::Vertical;
 use crate::cloud::UpAxis;
+use crate::cloud::depth_camera::hundredths;
 use crate::color::encode_srgb;
 use crate::points::Points;
 
@@ -74,13 +75,6 @@ impl Layout {
     fn flattest(&self) -> Option<usize> {
         (0..3).find(|axis| (0..3).all(|other| other == *axis || self.side(*axis) < FLAT * self.side(other)))
     }
-}
-
-/// The first and the last hundredth of some values.
-fn hundredths(mut values: Vec<f64>) -> [f64; 2] {
-    let last = values.len() - 1;
-    let mut at = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;
-    [at(last / 100), at(last - last / 100)]
 }
 
 /// Which parts of the height have points in a cell of the plan.

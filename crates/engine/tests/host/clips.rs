@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::methods::Frame;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::order;
 use pellucid_engine::progress::Progress;
@@ -72,6 +73,18 @@ fn borders_are_kept_on_both_sides() {
     }
     let two = "[[clip]]\nslab = { axis = 'x', min = 0 }\n[[clip]]\nslab = { axis = 'x', max = 2 }\ninvert = true";
     assert_kept(&scene_of(two), |p| p.x >= 2.0);
+}
+
+#[test]
+fn a_frame_does_not_know_of_clips() {
+    // What a method does follows from the frame and the points: no pass, and no shader, can depend on clips.
+    let frame = |clips: &str| {
+        let scene = scene_of(clips);
+        let camera = scene::camera(&scene, &points(&scene), UpAxis::Z).unwrap().0;
+        format!("{:?}", Frame::of_scene(&scene, camera, 0))
+    };
+    assert_eq!(frame("[[clip]]\nslab = { axis = 'z', min = 0 }"), frame(""));
+    assert_ne!(frame("[image]\nsize = [8, 8]"), frame(""));
 }
 
 #[test]

@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use super::columns::{Columns, FullScale};
 use super::number::number;
 use super::{Error, PROGRESS_STEP, Source};
+use crate::cloud::depth_camera::is_depth_camera;
 use crate::cloud::{Cloud, UpAxis};
 use depth_image::DepthImage;
 use header::{Encoding, Header};
@@ -62,7 +63,8 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     progress.set_position(header.points);
     let mut cloud = columns.finish();
     cloud.alphas = cloud.alphas.filter(|alphas| alphas.iter().any(|&alpha| alpha > 0.0));
-    cloud.up = if image.is_some_and(|image| image.is_one()) { UpAxis::NegativeY } else { UpAxis::Z };
+    let is_image = image.is_some_and(|image| image.is_one()) || is_depth_camera(&cloud.positions);
+    cloud.up = if is_image { UpAxis::NegativeY } else { UpAxis::Z };
     Ok(cloud)
 }
 

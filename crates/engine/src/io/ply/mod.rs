@@ -28,6 +28,7 @@ use ply_rs_bw::ply::Encoding;
 
 use super::columns::{Column, Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source};
+use crate::cloud::depth_camera::is_depth_camera;
 use crate::cloud::{Cloud, UpAxis};
 use header::{Element, Kind};
 use splats::Splats;
@@ -96,13 +97,19 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
 const SURVEY: f64 = 1e4;
 
 /// The vertical of a PLY file, which can't say it: Y, as of models, but Z of what stands far from the origin along X and Y alone, as
-/// surveys do whose coordinates are eastings, northings and heights.
+/// surveys do whose coordinates are eastings, northings and heights, and −Y in the frame of a depth camera.
 fn vertical(cloud: &Cloud) -> UpAxis {
     let surveyed = cloud.bounds().is_some_and(|bounds| {
         let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
         center.x >= SURVEY && center.y >= SURVEY && center.z < SURVEY && diagonal < center.truncate().length()
     });
-    if surveyed { UpAxis::Z } else { UpAxis::Y }
+    if surveyed {
+        UpAxis::Z
+    } else if is_depth_camera(&cloud.positions) {
+        UpAxis::NegativeY
+    } else {
+        UpAxis::Y
+    }
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.
