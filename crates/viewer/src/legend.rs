@@ -74,6 +74,15 @@ pub fn show(ctx: &Context, model: &Model) {
 
 fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<ScaleBar>) {
     ui.set_max_width(WIDTH.max(0.25 * picture.size[0] as f32 / ui.ctx().pixels_per_point()));
+    entries(ui, legend);
+    if let Some(bar) = scale_bar {
+        ui.add_space(4.0);
+        length(ui, &bar);
+    }
+}
+
+/// The meaning of the colors of each cloud.
+pub fn entries(ui: &mut Ui, legend: &Legend) {
     for (number, entry) in legend.entries.iter().enumerate() {
         if number > 0 {
             ui.add_space(8.0);
@@ -82,10 +91,6 @@ fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<Sc
             ui.add(Label::new(RichText::new(title).strong()).truncate());
         }
         explain(ui, entry);
-    }
-    if let Some(bar) = scale_bar {
-        ui.add_space(4.0);
-        length(ui, &bar);
     }
 }
 

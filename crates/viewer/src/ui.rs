@@ -4,7 +4,7 @@ use egui::{CentralPanel, Context, Frame, SidePanel};
 
 use super::dialog::Chosen;
 use super::model::Model;
-use super::{legend, overlay, panel, pointer};
+use super::{handles, legend, overlay, panel, pointer};
 
 /// The looks: dark, so that the picture stands out.
 pub fn style(ctx: &Context) {
@@ -27,7 +27,11 @@ pub fn show(ctx: &Context, model: &mut Model) -> bool {
     if model.shows.panel {
         SidePanel::right("panel").exact_width(panel::WIDTH).resizable(false).show(ctx, |ui| panel::show(ui, model));
     }
-    CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| pointer::picture(ui, model));
+    model.explain_colors();
+    CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| {
+        pointer::picture(ui, model);
+        handles::show(ui, model);
+    });
     legend::show(ctx, model);
     overlay::show(ctx, model);
     match model.dialog.show(ctx) {
