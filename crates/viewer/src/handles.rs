@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     for (at, clip) in clips.iter().enumerate() {
         if let ClipShape::Box { min, max } = clip.shape {
             edges(ui, &view, min, max);
-            if let Some(shape) = faces(ui, model, &view, at, [min, max]) {
+            if let Some(shape) = faces(ui, model, &view, at, [min, max]).filter(|shape| *shape != clip.shape) {
                 model.change(&clip_changes(at, &Clip { shape, ..clip.clone() }));
             }
         }

@@ -23,6 +23,9 @@ const MOST_SWATCHES: usize = 24;
 /// The most points of a line of text.
 const WIDTH: f32 = 220.0;
 
+/// The color of its text over the picture.
+const TEXT: Color32 = Color32::from_gray(225);
+
 /// Everything that a legend depends on besides the clouds: their settings, the vertical, and the clips.
 type Origin = (Vec<CloudSettings>, Option<DVec3>, Vec<Clip>);
 
@@ -73,6 +76,8 @@ pub fn show(ctx: &Context, model: &Model) {
 }
 
 fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<ScaleBar>) {
+    // Read over a picture, and not beside other controls.
+    ui.visuals_mut().override_text_color = Some(TEXT);
     ui.set_max_width(WIDTH.max(0.25 * picture.size[0] as f32 / ui.ctx().pixels_per_point()));
     entries(ui, legend);
     if let Some(bar) = scale_bar {

@@ -11,7 +11,11 @@ pub fn style(ctx: &Context) {
     ctx.set_theme(egui::Theme::Dark);
     // Sections unfold at once: every intermediate step would be drawn beside the picture, on the same device, and move
     // controls that are about to be clicked.
-    ctx.all_styles_mut(|style| style.animation_time = 0.0);
+    ctx.all_styles_mut(|style| {
+        style.animation_time = 0.0;
+        // Lists that open are as long as they need to be, if the window has the room.
+        style.spacing.default_area_size.y = 800.0;
+    });
     ctx.options_mut(|options| {
         // A second pass would apply the pointer's actions twice.
         options.max_passes = std::num::NonZeroUsize::MIN;

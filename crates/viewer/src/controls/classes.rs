@@ -151,16 +151,24 @@ mod tests {
             "[[cloud.class]]\nid = 'building'\nopacity = 0.5\n".to_owned(),
             format!("{range}opacity = 0.25\nvisible = false\n"),
             format!("[[cloud.class]]\nid = 6\nvisible = false\ncolor = 'red'\n{range}visible = false\n"),
-            format!("{range}color = 'blue'\n[[cloud.class]]\nid = 6\nopacity = 0.1\n[[cloud.class]]\nid = 6\nopacity = 0.2\n"),
+            format!(
+                "{range}color = 'blue'\n[[cloud.class]]\nid = 6\nopacity = 0.1\n[[cloud.class]]\nid = 6\nopacity = 0.2\n"
+            ),
         ];
         for text in cases {
             let mut document = document(&text);
             let other = class_look(&entries(&document), 5);
-            let keys = [ClassKey::Visible(false), ClassKey::Opacity(0.125), ClassKey::Visible(true), ClassKey::Color([0.5; 3])];
+            let keys = [
+                ClassKey::Visible(false),
+                ClassKey::Opacity(0.125),
+                ClassKey::Visible(true),
+                ClassKey::Color([0.5; 3]),
+            ];
             for key in keys {
                 document.change(&class_changes(1, &entries(&document), 6, key)).unwrap();
             }
-            let wanted = ClassLook { opacity: Some(0.125), color: Some(Vec3::splat(0.5)), visible: true, is_given: true };
+            let wanted =
+                ClassLook { opacity: Some(0.125), color: Some(Vec3::splat(0.5)), visible: true, is_given: true };
             assert_eq!(class_look(&entries(&document), 6), wanted, "{text}");
             assert_eq!(class_look(&entries(&document), 5), other, "{text}");
             document.change(&class_defaults(1, &entries(&document), 6)).unwrap();

@@ -6,7 +6,7 @@ use pellucid_engine::cloud::Bounds;
 use pellucid_engine::scene::{Change, Clip, ClipShape, Setting};
 
 /// How far a new box stays inside the points, as a share of their extent, so that its faces can be seen and held.
-const INSET: f64 = 0.05;
+const INSET: f64 = 0.01;
 
 /// The names of the axes in a scene file.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -108,8 +108,8 @@ mod tests {
     #[test]
     fn a_new_box_is_slightly_inside_and_its_numbers_are_short() {
         let ClipShape::Box { min, max } = new_clip(NewClip::Box, bounds()).shape else { panic!("a box") };
-        // 5% of 200.8, 150 and 33.7; the diagonal is 253, so that a decimal is left.
-        assert_eq!((min, max), (DVec3::new(84_010.2, 447_007.5, -0.3), DVec3::new(84_190.9, 447_142.5, 30.0)));
+        // 1% of 200.8, 150 and 33.7; the diagonal is 253, so that a decimal is left.
+        assert_eq!((min, max), (DVec3::new(84_002.1, 447_001.5, -1.7), DVec3::new(84_198.9, 447_148.5, 31.4)));
         let Bounds { min: low, max: high } = bounds();
         assert!(min.cmpgt(low).all() && max.cmplt(high).all());
         let flat = Bounds { min: DVec3::ZERO, max: DVec3::new(1.0, 1.0, 0.0) };

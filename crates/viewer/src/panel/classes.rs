@@ -14,14 +14,16 @@ use pellucid_engine::scene::{Change, CloudSettings, ColorBy, rounded};
 const ROOM: f32 = 300.0;
 
 /// Width of the names, in points, beside sliders and without them.
-const NAMES: [f32; 2] = [88.0, 170.0];
+const NAMES: [f32; 2] = [84.0, 170.0];
 
-const SLIDER: f32 = 58.0;
+/// Width of the sliders, in points.
+const SLIDER: f32 = 54.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let (settings, census) = (model.scene().clouds.clone(), model.census());
-    let classified = settings.iter().zip(census.iter()).enumerate().filter(|(_, (_, census))| !census.classes.is_empty());
+    let classified =
+        settings.iter().zip(census.iter()).enumerate().filter(|(_, (_, census))| !census.classes.is_empty());
     for (i, (settings, census)) in classified {
         if model.scene().clouds.len() > 1 {
             ui.label(clouds::name(settings, i));
@@ -56,7 +58,13 @@ fn list(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, cens
 }
 
 /// A class with its controls; returns what was changed.
-fn row(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, (code, count): (u8, u64)) -> Option<Vec<Change>> {
+fn row(
+    ui: &mut Ui,
+    model: &mut Model,
+    i: usize,
+    settings: &CloudSettings,
+    (code, count): (u8, u64),
+) -> Option<Vec<Change>> {
     ui.spacing_mut().item_spacing.x = 5.0;
     let look = class_look(&settings.class, code);
     let blended = clouds::are_blended(model.scene());
@@ -67,7 +75,7 @@ fn row(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, (code
     let exactly = format!("class {code}, {} points", super::grouped(count));
     let text = |text: &str| if look.visible { RichText::new(text) } else { RichText::new(text).weak() };
     column(ui, if blended { narrow } else { wide }, &text(&classes::label(code)), &exactly);
-    column(ui, 34.0, &RichText::new(abbreviated(count)).weak().size(11.0), &exactly);
+    column(ui, 32.0, &RichText::new(abbreviated(count)).weak().size(11.0), &exactly);
     if blended {
         changes = faintness(ui, model, i, settings, code).map(change).or(changes);
     }
@@ -79,8 +87,9 @@ fn row(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, (code
 
 /// The switch of a class.
 fn eye(ui: &mut Ui, model: &mut Model, i: usize, code: u8, look: ClassLook) -> Option<ClassKey> {
-    let symbol = if look.visible { RichText::new("👁") } else { RichText::new("👁").weak() };
-    let response = ui.add(Button::new(symbol).frame(false).min_size(vec2(18.0, 0.0)));
+    let symbol = RichText::new("👁").size(16.0);
+    let symbol = if look.visible { symbol.strong() } else { symbol.weak().strikethrough() };
+    let response = ui.add(Button::new(symbol).frame(false).min_size(vec2(20.0, 0.0)));
     note(ui, model, &format!("cloud.{i}.class.{code}.visible"), &response);
     let response = response.on_hover_text(if look.visible { "is drawn" } else { "is not drawn" });
     response.clicked().then_some(ClassKey::Visible(!look.visible))
@@ -90,8 +99,11 @@ fn eye(ui: &mut Ui, model: &mut Model, i: usize, code: u8, look: ClassLook) -> O
 fn color(ui: &mut Ui, code: u8, look: ClassLook) -> Option<ClassKey> {
     let standard = || classes::srgb(code).to_array().map(|x| decode_srgb_f64(x) as f32);
     let mut rgb = look.color.map_or_else(standard, |color| color.to_array());
-    ui.spacing_mut().interact_size.x = 22.0;
-    let response = ui.color_edit_button_rgb(&mut rgb);
+    let response = ui.scope(|ui| {
+        ui.spacing_mut().interact_size.x = 20.0;
+        ui.color_edit_button_rgb(&mut rgb)
+    });
+    let response = response.inner;
     let rounded = || rgb.map(|x| (f64::from(x.clamp(0.0, 1.0)) * 1e4).round() / 1e4);
     response.changed().then(|| ClassKey::Color(rounded()))
 }
@@ -101,6 +113,7 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     let look = class_look(&settings.class, code);
     let mut value = rounded(look.opacity.unwrap_or(opacity(settings).1));
     ui.spacing_mut().slider_width = SLIDER;
+    ui.spacing_mut().interact_size.x = 38.0;
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
     note(ui, model, &format!("cloud.{i}.class.{code}.opacity"), &response);
     let response = response.on_hover_text(match look.opacity {

@@ -4,6 +4,7 @@ use egui::{ComboBox, DragValue, RichText, Ui};
 
 use super::row::{note, vector};
 use crate::controls::{AXES, NewClip, clip_changes, new_clip, short_number, without_clip};
+use crate::hints::hint;
 use crate::model::Model;
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::scene::{Clip, ClipShape};
@@ -32,7 +33,8 @@ fn add(ui: &mut Ui, model: &mut Model, at: usize) {
     let (bounds, forward) = (picture.subject.bounds, picture.camera.forward);
     let vertical = if picture.subject.up == UpAxis::Y { 1 } else { 2 };
     // The half of the points that is farther away, so that one looks into them.
-    let ahead = forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
+    let ahead =
+        forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
     let kinds = [
         ("box", NewClip::Box, "keeps a box along the axes, at first slightly smaller than the points"),
         ("slab", NewClip::Slab(vertical), "keeps what lies between two heights, or along another axis"),
@@ -62,9 +64,9 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
     let out = ui.horizontal(|ui| {
         let out = ui.small_button("×").on_hover_text("takes it out");
         note(ui, model, &format!("clip.{at}-"), &out);
-        let response = ui.checkbox(&mut edited.invert, "keeps the outside").on_hover_text(crate::hints::hint("clip.0.invert"));
-        note(ui, model, &format!("clip.{at}.invert"), &response);
         ui.label(RichText::new(name).strong());
+        let response = ui.checkbox(&mut edited.invert, "keeps the outside").on_hover_text(hint("clip.0.invert"));
+        note(ui, model, &format!("clip.{at}.invert"), &response);
         out.clicked()
     });
     if out.inner {
@@ -92,7 +94,7 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
 fn number(ui: &mut Ui, model: &Model, x: &mut f64, range: std::ops::RangeInclusive<f64>) {
     let diagonal = model.extent().diagonal;
     let drag = DragValue::new(x).speed(0.002 * diagonal).range(range).max_decimals(4).update_while_editing(false);
-    if ui.add_sized([84.0, 18.0], drag).dragged() {
+    if ui.add_sized([72.0, 18.0], drag).dragged() {
         // Only what a hand does is rounded, and no typed number.
         *x = short_number(*x, diagonal);
     }

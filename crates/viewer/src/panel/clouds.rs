@@ -3,8 +3,8 @@
 use egui::collapsing_header::CollapsingState;
 use egui::{ScrollArea, Ui};
 
-use super::{field, opacity};
 use super::row::{name as row_name, note, row};
+use super::{field, opacity};
 use crate::census::Census;
 use crate::controls;
 use crate::model::Model;
@@ -88,12 +88,7 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
     let around = estimated || uncertain;
-    let keys = [
-        ("radius", method.needs_radii()),
-        ("neighbors", around),
-        ("radius_cap", around),
-        ("outliers", true),
-    ];
+    let keys = [("radius", method.needs_radii()), ("neighbors", around), ("radius_cap", around), ("outliers", true)];
     if method.representative().discs().is_some() {
         opacity::surface(ui, model, i, settings);
     }

@@ -5,7 +5,7 @@ use egui::{ComboBox, DragValue, Id, Ui};
 use super::clouds;
 use super::row::{choice, name, note, row, takes_out};
 use crate::census::Census;
-use crate::controls::{self, changes, significant};
+use crate::controls::{self, Presence, changes, significant};
 use crate::legend;
 use crate::model::Model;
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
@@ -32,14 +32,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     let target = target(ui, &clouds);
     let first = if let Target::One(i) = target { i } else { 0 };
     let Some(settings) = clouds.get(first) else { return };
-    plain(ui, model, target, settings, "color");
+    one_color(ui, model, target, settings);
     if settings.color.is_none() {
         meaning(ui, model, target, settings);
         if is_mapped(model, settings) {
             plain(ui, model, target, settings, "colormap");
             range(ui, model, target, settings);
-            plain(ui, model, target, settings, "reverse");
-            plain(ui, model, target, settings, "log");
+            ui.horizontal(|ui| ["reverse", "log"].into_iter().for_each(|key| plain(ui, model, target, settings, key)));
         }
     }
     if let Some(legend) = model.picture().and_then(|picture| picture.legend.clone()) {
@@ -70,6 +69,16 @@ fn target(ui: &mut Ui, clouds: &[CloudSettings]) -> Target {
     });
     ui.data_mut(|data| data.insert_temp(id, target));
     target
+}
+
+/// One color in place of all others.
+fn one_color(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
+    if let Some(mut entry) = controls::cloud(settings, "color", false, None, model.extent()) {
+        if let Presence::Optional { without, .. } = &mut entry.presence {
+            without.clear();
+        }
+        row(ui, model, &target.key("color"), "one color", entry);
+    }
 }
 
 /// The row of a key that needs nothing but its control.
@@ -114,7 +123,8 @@ fn by(target: Target, word: Option<&str>) -> Vec<Change> {
 fn offers<'a>(settings: &CloudSettings, census: &'a Census) -> Vec<&'a str> {
     let has = |name: &str| census.scalars.iter().any(|(known, _)| known == name);
     // Columns of LAS files are read when they are asked for.
-    let is_las = settings.path.extension().is_some_and(|end| ["las", "laz"].iter().any(|las| end.eq_ignore_ascii_case(las)));
+    let is_las =
+        settings.path.extension().is_some_and(|end| ["las", "laz"].iter().any(|las| end.eq_ignore_ascii_case(las)));
     let offered = |word: &&str| match *word {
         "rgb" => census.colors,
         "intensity" => has("intensity"),

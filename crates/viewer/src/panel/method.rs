@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             ui.selectable_value(&mut name, auto, auto).on_hover_text("the cheapest method that is exact for the scene");
             for purpose in Purpose::ALL {
                 ui.add_space(4.0);
-                ui.label(RichText::new(purpose.title()).weak().small());
+                ui.label(RichText::new(purpose.title()).weak().size(11.0));
                 for other in purpose.methods() {
                     ui.selectable_value(&mut name, other.name(), other.name()).on_hover_text(other.about());
                 }
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         });
         note(ui, model, "method.name", &shown.response);
         if let Some(taken) = taken {
-            ui.weak(format!("→ {taken}"));
+            ui.weak(format!("here {taken}"));
         }
     });
     if name != method.name() {

@@ -47,32 +47,34 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     message(ui, model);
     saved(ui, model);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        section(ui, "Method", true, |ui| method::show(ui, model));
+        section(ui, model, "Method", true, method::show);
         if model.scene().method.needs_field() {
-            section(ui, "Solid and soft", true, |ui| field::show(ui, model));
+            section(ui, model, "Solid and soft", true, field::show);
         }
-        section(ui, "Clouds", true, |ui| clouds::show(ui, model));
+        section(ui, model, "Clouds", true, clouds::show);
         if model.census().iter().any(|census| !census.classes.is_empty()) {
-            section(ui, "Classes", false, |ui| classes::show(ui, model));
+            section(ui, model, "Classes", false, classes::show);
         }
-        model.shows.colors = section(ui, "Colors", false, |ui| colors::show(ui, model));
-        model.shows.clips = section(ui, "Clips", false, |ui| clips::show(ui, model));
+        model.shows.colors = section(ui, model, "Colors", false, colors::show);
+        model.shows.clips = section(ui, model, "Clips", false, clips::show);
         let (shaded, lit) = (model.scene().shading.model != ShadingModel::None, model.is_given("shadows"));
-        section(ui, "Shading", shaded, |ui| shading::show(ui, model));
+        section(ui, model, "Shading", shaded, shading::show);
         if shading::has_shadows(model.scene()) {
-            section(ui, "Shadows", lit, |ui| shading::shadows(ui, model));
+            section(ui, model, "Shadows", lit, shading::shadows);
         }
-        section(ui, "Picture", true, |ui| picture::show(ui, model));
-        section(ui, "Camera", true, |ui| camera::show(ui, model));
-        section(ui, "Path", true, |ui| path::show(ui, model));
-        section(ui, "Files", true, |ui| files::show(ui, model));
+        section(ui, model, "Picture", true, picture::show);
+        section(ui, model, "Camera", true, camera::show);
+        section(ui, model, "Path", true, path::show);
+        section(ui, model, "Files", true, files::show);
     });
 }
 
 /// A part of the panel that can be folded. Returns true if it is unfolded.
-fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) -> bool {
+fn section(ui: &mut Ui, model: &mut Model, title: &str, open: bool, content: fn(&mut Ui, &mut Model)) -> bool {
     let header = egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open);
-    header.show(ui, content).body_returned.is_some()
+    let shown = header.show(ui, |ui| content(ui, model));
+    note(ui, model, &format!("section {title}"), &shown.header_response);
+    shown.body_returned.is_some()
 }
 
 /// A count in groups of three digits.

@@ -31,7 +31,8 @@ impl Selection {
         match self {
             Self::Class(own) => *own == code,
             Self::Scalar { name, range: [low, high] } => {
-                CLASSIFICATION_NAMES.contains(&name.to_lowercase().as_str()) && (*low..=*high).contains(&f64::from(code))
+                CLASSIFICATION_NAMES.contains(&name.to_lowercase().as_str())
+                    && (*low..=*high).contains(&f64::from(code))
             }
         }
     }

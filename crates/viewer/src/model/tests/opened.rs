@@ -89,7 +89,10 @@ fn saved_files_are_named_until_others_are_saved() {
     assert_eq!(model.saved, Some(saved));
     model.take_in(News::Saved(vec!["/x/b-1.toml".into(), "/x/b-1.json".into()])).unwrap();
     let saved = model.saved.unwrap();
-    assert!(saved.files == [Path::new("/x/b-1.toml"), Path::new("/x/b-1.json")] && saved.command.is_some(), "{saved:?}");
+    assert!(
+        saved.files == [Path::new("/x/b-1.toml"), Path::new("/x/b-1.json")] && saved.command.is_some(),
+        "{saved:?}"
+    );
 }
 
 /// The meaning of colors costs a look at all points, so that it is asked for only where it is shown, and then once.
@@ -117,6 +120,9 @@ fn the_meaning_of_colors_is_asked_for_where_it_is_shown() {
 fn t_goes_through_all_that_times_can_be() {
     let all = [Passes::Total, Passes::List, Passes::Hidden];
     for (i, passes) in all.into_iter().enumerate() {
-        assert_eq!([0, 1, 2, 3, 4].map(|presses| passes.after(presses)), [0, 1, 2, 0, 1].map(|step| all[(i + step) % 3]));
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|presses| passes.after(presses)),
+            [0, 1, 2, 0, 1].map(|step| all[(i + step) % 3])
+        );
     }
 }
