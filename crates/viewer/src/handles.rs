@@ -130,7 +130,7 @@ fn edges(ui: &Ui, view: &View, min: DVec3, max: DVec3) {
         for axis in (0..3).filter(|axis| bits >> axis & 1 == 0) {
             if let Some(line) = view.line(corner(bits), corner(bits | 1 << axis)) {
                 // Seen on any ground.
-                ui.painter().line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
+                ui.painter().line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(190)));
                 ui.painter().line_segment(line, Stroke::new(1.3, Color32::from_gray(235)));
             }
         }

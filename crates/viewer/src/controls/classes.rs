@@ -78,10 +78,8 @@ pub fn class_changes(cloud: usize, entries: &[ClassSettings], code: u8, key: Cla
 }
 
 fn given(cloud: usize, entries: &[ClassSettings], code: u8, key: ClassKey) -> Vec<Change> {
-    let wins = |at: &usize| {
-        let later = entries.iter().skip(at + 1);
-        !later.into_iter().any(|entry| entry.points.holds_class(code) && key.is_given_by(entry))
-    };
+    let overrules = |entry: &ClassSettings| entry.points.holds_class(code) && key.is_given_by(entry);
+    let wins = |at: &usize| !entries.iter().skip(at + 1).any(overrules);
     let own = entries.iter().rposition(|entry| is_own(entry, code)).filter(wins);
     let at = |at: usize, name: &str| format!("cloud.{cloud}.class.{at}.{name}");
     let id = own.is_none().then(|| (at(entries.len(), "id"), Some(Setting::Integer(code.into()))));

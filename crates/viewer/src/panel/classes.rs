@@ -3,7 +3,7 @@
 use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 use super::clouds;
-use super::row::{hundredths_of_it, note, opacity_slider, takes_out};
+use super::row::{three_digits, note, opacity_slider, takes_out};
 use crate::census::Census;
 use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_look, opacity};
 use crate::model::Model;
@@ -120,7 +120,7 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
         Some(_) => "opacity in place of the cloud's",
         None => "the cloud's opacity; moved, the class has its own",
     });
-    response.changed().then(|| ClassKey::Opacity(hundredths_of_it(value)))
+    response.changed().then(|| ClassKey::Opacity(three_digits(value)))
 }
 
 /// Text in a column of this width.

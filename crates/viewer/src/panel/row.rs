@@ -142,7 +142,7 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
         }
         (Control::Opacity, Setting::Number(mut x)) => {
             let response = ui.add(opacity_slider(&mut x));
-            let changed = response.changed().then(|| Setting::Number(hundredths_of_it(x)));
+            let changed = response.changed().then(|| Setting::Number(three_digits(x)));
             (response, changed)
         }
         (Control::Count(from, to), Setting::Integer(mut n)) => {
@@ -180,7 +180,7 @@ pub fn opacity_slider(x: &mut f64) -> Slider<'_> {
 }
 
 /// A number to three significant digits: what a slider's place says.
-pub fn hundredths_of_it(x: f64) -> f64 {
+pub fn three_digits(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }
 
