@@ -3,7 +3,7 @@
 use egui::{Align, Button, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 use super::clouds;
-use super::row::{three_digits, note, opacity_slider, takes_out};
+use super::row::{note, opacity_slider, takes_out, three_digits};
 use crate::census::Census;
 use crate::controls::{ClassKey, ClassLook, class_changes, class_defaults, class_look, opacity};
 use crate::model::Model;
