@@ -14,10 +14,10 @@ use pellucid_engine::scene::{Change, CloudSettings, ColorBy, rounded};
 const ROOM: f32 = 300.0;
 
 /// Width of the names, in points, beside sliders and without them.
-const NAMES: [f32; 2] = [84.0, 170.0];
+const NAMES: [f32; 2] = [98.0, 170.0];
 
 /// Width of the sliders, in points.
-const SLIDER: f32 = 54.0;
+const SLIDER: f32 = 46.0;
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         if model.scene().clouds.len() > 1 {
             ui.label(clouds::name(settings, i));
         }
-        if let Some(line) = colored_otherwise(settings) {
+        if let Some(line) = colored_otherwise(settings, census) {
             ui.weak(line);
         }
         let area = ScrollArea::vertical().id_salt(("classes", i)).max_height(ROOM).auto_shrink([false, true]);
@@ -37,14 +37,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Says that the points have other colors than their classes, if so.
-fn colored_otherwise(settings: &CloudSettings) -> Option<String> {
-    let by = &settings.coloring.color_by;
-    let word = match (settings.color, by) {
+fn colored_otherwise(settings: &CloudSettings, census: &Census) -> Option<String> {
+    let by = match (settings.color, &settings.coloring.color_by) {
         (Some(_), _) => "one color",
+        (None, ColorBy::Auto) if census.colors => "the file's colors",
         (None, ColorBy::Auto | ColorBy::Classification) => return None,
         (None, by) => by.word(),
     };
-    Some(format!("colored by {word}; a color given here wins"))
+    Some(format!("shown by {by}; a color given here wins"))
 }
 
 /// The classes that occur.
@@ -72,9 +72,11 @@ fn row(
     let mut changes = eye(ui, model, i, code, look).map(change);
     changes = color(ui, code, look).map(change).or(changes);
     let [narrow, wide] = NAMES;
-    let exactly = format!("class {code}, {} points", super::grouped(count));
-    let text = |text: &str| if look.visible { RichText::new(text) } else { RichText::new(text).weak() };
-    column(ui, if blended { narrow } else { wide }, &text(&classes::label(code)), &exactly);
+    let name = classes::label(code);
+    let exactly = format!("{name}, class {code}, {} points", super::grouped(count));
+    let text = RichText::new(name).size(11.5);
+    let text = if look.visible { text } else { text.weak() };
+    column(ui, if blended { narrow } else { wide }, &text, &exactly);
     column(ui, 32.0, &RichText::new(abbreviated(count)).weak().size(11.0), &exactly);
     if blended {
         changes = faintness(ui, model, i, settings, code).map(change).or(changes);
@@ -113,7 +115,7 @@ fn faintness(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings,
     let look = class_look(&settings.class, code);
     let mut value = rounded(look.opacity.unwrap_or(opacity(settings).1));
     ui.spacing_mut().slider_width = SLIDER;
-    ui.spacing_mut().interact_size.x = 38.0;
+    ui.spacing_mut().interact_size.x = 36.0;
     let response = ui.add_enabled(look.visible, opacity_slider(&mut value));
     note(ui, model, &format!("cloud.{i}.class.{code}.opacity"), &response);
     let response = response.on_hover_text(match look.opacity {

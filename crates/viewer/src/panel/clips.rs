@@ -3,6 +3,7 @@
 use egui::{ComboBox, DragValue, RichText, Ui};
 
 use super::row::{note, vector};
+use super::shading;
 use crate::controls::{AXES, NewClip, clip_changes, new_clip, short_number, without_clip};
 use crate::hints::hint;
 use crate::model::Model;
@@ -31,7 +32,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 fn add(ui: &mut Ui, model: &mut Model, at: usize) {
     let Some(picture) = model.picture() else { return };
     let (bounds, forward) = (picture.subject.bounds, picture.camera.forward);
-    let vertical = if picture.subject.up == UpAxis::Y { 1 } else { 2 };
+    let vertical = if shading::vertical(model) == UpAxis::Y { 1 } else { 2 };
     // The half of the points that is farther away, so that one looks into them.
     let ahead =
         forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
