@@ -25,11 +25,15 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     let classified =
         settings.iter().zip(census.iter()).enumerate().filter(|(_, (_, census))| !census.classes.is_empty());
     for (i, (settings, census)) in classified {
-        if model.scene().clouds.len() > 1 {
-            ui.label(clouds::name(settings, i));
-        }
-        if let Some(line) = colored_otherwise(settings, census) {
-            ui.weak(line);
+        let several = model.scene().clouds.len() > 1;
+        let line = colored_otherwise(settings, census);
+        if several || line.is_some() {
+            ui.horizontal(|ui| {
+                if several {
+                    ui.label(clouds::name(settings, i));
+                }
+                ui.weak(line.unwrap_or_default()).on_hover_text("a color that a class is given here wins");
+            });
         }
         let area = ScrollArea::vertical().id_salt(("classes", i)).max_height(ROOM).auto_shrink([false, true]);
         area.show(ui, |ui| list(ui, model, i, settings, census));
@@ -38,13 +42,12 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// Says that the points have other colors than their classes, if so.
 fn colored_otherwise(settings: &CloudSettings, census: &Census) -> Option<String> {
-    let by = match (settings.color, &settings.coloring.color_by) {
-        (Some(_), _) => "one color",
-        (None, ColorBy::Auto) if census.colors => "the file's colors",
-        (None, ColorBy::Auto | ColorBy::Classification) => return None,
-        (None, by) => by.word(),
-    };
-    Some(format!("shown by {by}; a color given here wins"))
+    match (settings.color, &settings.coloring.color_by) {
+        (Some(_), _) => Some("in one color".to_owned()),
+        (None, ColorBy::Auto) if census.colors => Some("in the file's colors".to_owned()),
+        (None, ColorBy::Auto | ColorBy::Classification) => None,
+        (None, by) => Some(format!("colored by {}", by.word())),
+    }
 }
 
 /// The classes that occur.
