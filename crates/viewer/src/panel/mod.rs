@@ -44,8 +44,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.spacing_mut().slider_width = SLIDER;
     ui.add_space(4.0);
     ui.add(Label::new(RichText::new(&model.name).heading()).truncate()).on_hover_text(&model.name);
-    message(ui, model);
-    saved(ui, model);
+    // In a part of their own, so that controls below keep their identity, and a drag goes on, when messages come and go.
+    ui.scope(|ui| {
+        message(ui, model);
+        saved(ui, model);
+    });
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         section(ui, model, "Method", true, method::show);
         if model.scene().method.needs_field() {
