@@ -2,15 +2,22 @@
 //! requires.
 
 mod beside;
+mod classes;
+mod clips;
 mod clouds;
 #[cfg(test)]
 mod tests;
 
 pub use beside::{changes, light_changes, method_changes};
-pub use clouds::cloud;
+pub use classes::{ClassKey, ClassLook, class_changes, class_defaults, class_look};
+pub use clips::{AXES, NewClip, clip_changes, new_clip, short_number, without_clip};
+pub use clouds::{cloud, opacities, opacity};
 
 use pellucid_engine::methods::soft::SoftModel;
 use pellucid_engine::scene::{Density, Key, Kind, Light, Method, Range, Setting, Shadows, Slider, Soft, Word, rounded};
+
+/// The smallest opacity of a slider above 0.
+pub const FAINTEST: f64 = 1e-3;
 
 /// The kind of control for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +26,8 @@ pub enum Control {
     Slider(f64, f64),
     /// A slider by powers of ten, from one number, which may be 0, to another.
     Powers(f64, f64),
+    /// A slider of opacities: 0 at its left end, else by powers of ten from [`FAINTEST`] to 1.
+    Opacity,
     /// A slider over integers, logarithmic for wide ranges.
     Count(u32, u32),
     /// A check box.
@@ -93,6 +102,7 @@ fn control(kind: Kind, slider: Slider, extent: Extent) -> Option<Control> {
         (Kind::Number(_), Slider::Linear(from, to)) => Control::Slider(from, to),
         (Kind::Number(_), Slider::Powers(from, to)) => Control::Powers(from, to),
         (Kind::Number(_), Slider::Lengths(from, to)) => Control::Powers(length(from), length(to)),
+        (Kind::Number(_), Slider::Opacity) => Control::Opacity,
         (Kind::Number(range), Slider::Whole) if range == Range::UNIT => Control::Slider(0.0, 1.0),
         (Kind::Integer(..), Slider::Count(from, to)) | (Kind::Integer(from, to), Slider::Whole) => {
             Control::Count(from, to)

@@ -23,6 +23,9 @@ const MOST_SWATCHES: usize = 24;
 /// The most points of a line of text.
 const WIDTH: f32 = 220.0;
 
+/// The color of its text over the picture.
+const TEXT: Color32 = Color32::from_gray(225);
+
 /// Everything that a legend depends on besides the clouds: their settings, the vertical, and the clips.
 type Origin = (Vec<CloudSettings>, Option<DVec3>, Vec<Clip>);
 
@@ -73,7 +76,18 @@ pub fn show(ctx: &Context, model: &Model) {
 }
 
 fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<ScaleBar>) {
+    // Read over a picture, and not beside other controls.
+    ui.visuals_mut().override_text_color = Some(TEXT);
     ui.set_max_width(WIDTH.max(0.25 * picture.size[0] as f32 / ui.ctx().pixels_per_point()));
+    entries(ui, legend);
+    if let Some(bar) = scale_bar {
+        ui.add_space(4.0);
+        length(ui, &bar);
+    }
+}
+
+/// The meaning of the colors of each cloud.
+pub fn entries(ui: &mut Ui, legend: &Legend) {
     for (number, entry) in legend.entries.iter().enumerate() {
         if number > 0 {
             ui.add_space(8.0);
@@ -82,10 +96,6 @@ fn content(ui: &mut Ui, picture: &Picture, legend: &Legend, scale_bar: Option<Sc
             ui.add(Label::new(RichText::new(title).strong()).truncate());
         }
         explain(ui, entry);
-    }
-    if let Some(bar) = scale_bar {
-        ui.add_space(4.0);
-        length(ui, &bar);
     }
 }
 

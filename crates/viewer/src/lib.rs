@@ -9,7 +9,7 @@
 //!   drafts and approximations, `times` keeps frame times, `save` writes scene and picture, `display` converts pixels to bytes.
 //! - `graphics`: the worker and the screen of one device; `loss`: decides if a lost device is opened again.
 //! - `visibility`: detects a minimized window; `status_log`: the lines that `-v` prints.
-//! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`) and hands the picture to
+//! - `app` owns the window: passes events to egui, draws `ui` (`panel` with its `controls`, `overlay`, `legend`, `handles` of clip boxes) and hands the picture to
 //!   the [`Screen`](pellucid_engine::gpu::window::Screen).
 
 mod accuracy;
@@ -21,6 +21,7 @@ mod display;
 mod draft;
 mod error;
 mod graphics;
+mod handles;
 mod hints;
 mod legend;
 mod loss;

@@ -40,17 +40,51 @@ pub struct Viewport {
     pub size: [u32; 2],
 }
 
+/// How much of the times of the passes lies over the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Passes {
+    /// A line with their sum.
+    #[default]
+    Total,
+    /// Each pass, and what else is known about the picture.
+    List,
+    /// Nothing.
+    Hidden,
+}
+
+impl Passes {
+    /// What follows after pressing T so many times.
+    pub fn after(self, presses: usize) -> Self {
+        (0..presses % 3).fold(self, |passes, _| match passes {
+            Self::Total => Self::List,
+            Self::List => Self::Hidden,
+            Self::Hidden => Self::Total,
+        })
+    }
+}
+
 /// Parts of the window that are visible beside the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Shows {
     /// The panel.
     pub panel: bool,
     /// The times of the passes.
-    pub passes: bool,
+    pub passes: Passes,
     /// The keys.
     pub help: bool,
-    /// The meaning of the colors.
+    /// The meaning of the colors, over the picture.
     pub legend: bool,
+    /// The section on colors, which has their meaning, too.
+    pub colors: bool,
+    /// The edges of the boxes that cut the scene.
+    pub clips: bool,
+}
+
+impl Shows {
+    /// True if the meaning of the colors is to come with pictures.
+    pub fn explains_colors(&self) -> bool {
+        self.legend || self.colors && self.panel
+    }
 }
 
 /// How far the shown picture is from the one that is wanted.
@@ -81,6 +115,8 @@ pub struct Model {
     census: Arc<[Census]>,
     picture_state: PictureState,
     serial: u64,
+    /// True if the last picture was asked for with the meaning of its colors.
+    explained: bool,
     changed_at: Instant,
     /// The serial of the picture that was compared with the exact one, or is about to be.
     measured: Option<u64>,
@@ -88,6 +124,8 @@ pub struct Model {
     tasks: VecDeque<Task>,
     /// The message to show; true marks an error.
     pub message: Option<(String, bool)>,
+    /// The files that were saved last, until they are dismissed.
+    pub saved: Option<Saved>,
     /// Why the last picture failed; cleared by the next picture.
     failed: Option<String>,
     /// The path of key frames.
@@ -131,11 +169,13 @@ impl Model {
             census: Arc::default(),
             picture_state: PictureState::Stale,
             serial: 0,
+            explained: false,
             changed_at: Instant::now(),
             measured: None,
             budget_ms,
             tasks: VecDeque::new(),
             message: None,
+            saved: None,
             failed: None,
             route: Route::default(),
             arriving: None,
@@ -144,7 +184,7 @@ impl Model {
             pending: VecDeque::new(),
             progress: Progress::hidden(),
             times: Times::default(),
-            shows: Shows { panel: true, passes: true, help: false, legend: false },
+            shows: Shows { panel: true, ..Shows::default() },
             grabbed: None,
             controls: BTreeMap::new(),
         })
@@ -195,10 +235,9 @@ impl Model {
         }
     }
 
-    /// Shows or hides the meaning of the colors. It comes with a picture, as the worker has the clouds.
-    pub fn show_legend(&mut self, shown: bool) {
-        self.shows.legend = shown;
-        if shown && self.picture.as_ref().is_some_and(|picture| picture.legend.is_none()) {
+    /// Asks for a picture with the meaning of its colors, if that is to be shown and wasn't asked for: the worker has the clouds.
+    pub fn explain_colors(&mut self) {
+        if self.shows.explains_colors() && !self.explained && self.picture_state != PictureState::Stale {
             self.touch();
         }
     }
@@ -286,7 +325,7 @@ impl Model {
             News::Opened(name, document) => return self.replace(name, *document),
             News::Clouds(census) => self.census = census,
             News::Saved(files) => {
-                self.message = Some((self.saved(&files), false));
+                self.note_saved(&files);
                 self.take_answer();
             }
             News::Cameras(file, source) => {
@@ -332,12 +371,13 @@ impl Model {
         self.take_answer();
         // Files that were asked for after these are still on their way.
         let (busy, pending, tasks) = (self.busy, std::mem::take(&mut self.pending), std::mem::take(&mut self.tasks));
+        let saved = self.saved.take();
         let (shows, viewport, serial, progress) = (self.shows, self.viewport, self.serial, self.progress.clone());
         // Keys are positions in the world, which another scene may share.
         let mut route = std::mem::take(&mut self.route);
         route.invalidate();
         let new = Self::new(name, document, View::default(), self.budget_ms)?;
-        *self = Self { shows, viewport, serial, route, progress, busy, pending, tasks, ..new };
+        *self = Self { shows, viewport, serial, saved, route, progress, busy, pending, tasks, ..new };
         self.message = Some((format!("{}: opened", self.name), false));
         Ok(())
     }
@@ -374,6 +414,8 @@ impl Model {
 
 mod files;
 mod path;
+
+pub use files::Saved;
 
 #[cfg(test)]
 mod tests;

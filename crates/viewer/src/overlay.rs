@@ -7,7 +7,7 @@ use egui::{Align2, Area, Color32, Context, Frame, Grid, Id, Label, RichText, Sen
 use egui_plot::{Bar, BarChart, Plot};
 
 use super::accuracy::{Accuracy, Reference, Standing};
-use super::model::Model;
+use super::model::{Model, Passes};
 use super::times::{HISTORY, Medians};
 use super::worker::Picture;
 
@@ -28,7 +28,7 @@ const KEYS: &[(&str, &str)] = &[
     ("K", "the camera as a key of the path"),
     ("Space", "along the path, or stop"),
     ("P", "perspective or orthographic"),
-    ("T", "times of the passes"),
+    ("T", "times of the passes: their sum, each, none"),
     ("H", "panel"),
     ("F11", "the whole screen"),
     ("F12", "save the picture and its scene"),
@@ -41,9 +41,9 @@ const KEYS: &[(&str, &str)] = &[
 
 /// Draws what is asked for.
 pub fn show(ctx: &Context, model: &mut Model) {
-    if let Some(medians) = model.times.medians().filter(|_| model.shows.passes) {
-        let window = Window::new("Passes").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false).frame(frame());
-        window.default_open(true).show(ctx, |ui| passes(ui, model, &medians));
+    if let Some(medians) = model.times.medians().filter(|_| model.shows.passes != Passes::Hidden) {
+        let at = Area::new(Id::new("passes")).anchor(Align2::LEFT_TOP, [8.0, 8.0]);
+        at.show(ctx, |ui| frame().show(ui, |ui| times(ui, model, &medians)));
     }
     if let Some(line) = model.line_without_picture() {
         let at = Area::new(Id::new("first picture")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).interactable(false);
@@ -80,16 +80,33 @@ pub fn frame() -> Frame {
     Frame::new().fill(Color32::from_black_alpha(200)).inner_margin(8.0).corner_radius(4.0)
 }
 
-fn passes(ui: &mut Ui, model: &Model, medians: &Medians) {
-    ui.set_width(330.0);
-    ui.spacing_mut().interact_size.y = 15.0;
+/// The line with the sum, which unfolds what there is below it.
+fn times(ui: &mut Ui, model: &mut Model, medians: &Medians) {
     let Medians { wall_ms, passes: rows, frames } = medians;
-    let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
-    let title = RichText::new(format!("{wall_ms:.1} ms a frame, {total:.1} ms on the device")).strong();
-    ui.label(title).on_hover_text(match frames {
+    let unfolded = model.shows.passes == Passes::List;
+    let title = if unfolded {
+        let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
+        format!("⏷ {wall_ms:.1} ms a frame, {total:.1} ms on the device")
+    } else {
+        format!("⏵ {wall_ms:.1} ms")
+    };
+    let of = match frames {
         1 => "of the last frame".to_owned(),
         _ => format!("medians of the last {frames} frames that leave out as much as the last one, of its method"),
-    });
+    };
+    let title = Label::new(RichText::new(title).strong()).extend().selectable(false).sense(Sense::click());
+    let response = ui.add(title).on_hover_text(format!("{of}; a click or T shows each pass, T once more nothing"));
+    if unfolded {
+        passes(ui, model, rows);
+    }
+    if response.clicked() {
+        model.shows.passes = if unfolded { Passes::Total } else { Passes::List };
+    }
+}
+
+fn passes(ui: &mut Ui, model: &Model, rows: &[(&'static str, f64)]) {
+    ui.set_width(330.0);
+    ui.spacing_mut().interact_size.y = 15.0;
     strip(ui, model);
     let most = rows.iter().map(|(_, ms)| *ms).fold(f64::MIN_POSITIVE, f64::max);
     // At any window height the lines below must stay visible.

@@ -84,7 +84,8 @@ pub fn keys(ctx: &Context, model: &mut Model) -> bool {
     let shows = &mut model.shows;
     shows.help ^= pressed(Modifiers::NONE, Key::F1);
     shows.panel ^= pressed(Modifiers::NONE, Key::H);
-    shows.passes ^= pressed(Modifiers::NONE, Key::T);
+    let presses = ctx.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, Key::T));
+    shows.passes = shows.passes.after(presses);
     if pressed(Modifiers::NONE, Key::P) {
         model.navigate(Navigator::toggle_projection);
     }

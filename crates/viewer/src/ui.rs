@@ -4,14 +4,18 @@ use egui::{CentralPanel, Context, Frame, SidePanel};
 
 use super::dialog::Chosen;
 use super::model::Model;
-use super::{legend, overlay, panel, pointer};
+use super::{handles, legend, overlay, panel, pointer};
 
 /// The looks: dark, so that the picture stands out.
 pub fn style(ctx: &Context) {
     ctx.set_theme(egui::Theme::Dark);
     // Sections unfold at once: every intermediate step would be drawn beside the picture, on the same device, and move
     // controls that are about to be clicked.
-    ctx.all_styles_mut(|style| style.animation_time = 0.0);
+    ctx.all_styles_mut(|style| {
+        style.animation_time = 0.0;
+        // Lists that open are as long as they need to be, if the window has the room.
+        style.spacing.default_area_size.y = 800.0;
+    });
     ctx.options_mut(|options| {
         // A second pass would apply the pointer's actions twice.
         options.max_passes = std::num::NonZeroUsize::MIN;
@@ -27,7 +31,11 @@ pub fn show(ctx: &Context, model: &mut Model) -> bool {
     if model.shows.panel {
         SidePanel::right("panel").exact_width(panel::WIDTH).resizable(false).show(ctx, |ui| panel::show(ui, model));
     }
-    CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| pointer::picture(ui, model));
+    model.explain_colors();
+    CentralPanel::default().frame(Frame::NONE).show(ctx, |ui| {
+        pointer::picture(ui, model);
+        handles::show(ui, model);
+    });
     legend::show(ctx, model);
     overlay::show(ctx, model);
     match model.dialog.show(ctx) {

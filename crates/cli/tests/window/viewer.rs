@@ -55,7 +55,7 @@ fn what_is_seen_is_what_render_makes() {
         let id = display.do_it("search --sync --onlyvisible --name pellucid");
         display.do_it(&format!("windowfocus --sync {id}"));
         // Without the times over it the picture is there alone.
-        display.do_it("key t");
+        display.do_it("key t t");
 
         let first = shoot(display, &mut window);
         let picture = |name: &str| folder.join(format!("{name}.png"));

@@ -67,7 +67,7 @@ fn record(display: &Display) {
     window.wait_for("at rest");
     let id = display.do_it("search --sync --onlyvisible --name pellucid");
     display.do_it(&format!("windowfocus --sync {id}"));
-    press(display, "t");
+    press(display, "t t");
 
     let mut pictures = Vec::new();
     for (key, drag) in [(1, None), (2, Some((1, [170, 390]))), (3, Some((3, [120, 330])))] {

@@ -128,22 +128,26 @@ impl Document {
         self.change(&[(key.to_owned(), Some(value))])
     }
 
-    /// Gives a dotted key a value, whether the scene allows it or not.
+    /// Gives a dotted key a value, whether the scene allows it or not. A number just behind the last table of an array begins
+    /// another one (`clip.0.invert` the first, where there is none).
     ///
     /// # Errors
     /// A key that goes through something that holds no keys.
     pub fn put(&mut self, key: &str, value: Setting) -> Result<(), Error> {
         let place = Place::Option(key.to_owned());
+        grow(&mut self.root, &path(key), &place);
         let mut overrides = Overrides::default();
         overrides.put(key, Node { value: value.into_value(&place), place });
         overrides.apply(&mut self.root)
     }
 
     /// Takes a key out of a table, if both are there. The table is named by its dotted path (`cloud.0`, `cloud.*` for all of
-    /// them), the root by an empty one.
+    /// them), the root by an empty one. In place of the two an array and a number take a table out of it.
     pub fn remove(&mut self, table: &str, key: &str) {
-        visit(&mut self.root, &path(table), &mut |entries| {
-            entries.remove(key);
+        visit(&mut self.root, &path(table), &mut |value| match (value, key.parse::<usize>()) {
+            (Value::Table(entries), _) => drop(entries.remove(key)),
+            (Value::Array(items), Ok(index)) if index < items.len() => drop(items.remove(index)),
+            _ => {}
         });
     }
 
@@ -212,10 +216,37 @@ fn path(dotted: &str) -> Vec<&str> {
     dotted.split('.').filter(|segment| !segment.is_empty()).collect()
 }
 
-/// Goes to all tables of a path that are there.
-fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Entries)) {
+/// Adds a table to the end of an array, if a path goes through the place there. An array that is missing is made.
+fn grow(node: &mut Node, path: &[&str], place: &Place) {
+    let [key, rest @ ..] = path else { return };
+    let new = |value| Node { place: place.clone(), value };
+    match &mut node.value {
+        Value::Table(entries) => {
+            if let (["0", _, ..], false) = (rest, entries.contains_key(*key)) {
+                entries.insert((*key).to_owned(), (place.clone(), new(Value::Array(Vec::new()))));
+            }
+            if let Some((_, node)) = entries.get_mut(*key) {
+                grow(node, rest, place);
+            }
+        }
+        Value::Array(items) if *key == "*" => items.iter_mut().for_each(|item| grow(item, rest, place)),
+        Value::Array(items) => {
+            let index = key.parse().unwrap_or(usize::MAX);
+            if index == items.len() && !rest.is_empty() {
+                items.push(new(Value::Table(Entries::new())));
+            }
+            if let Some(item) = items.get_mut(index) {
+                grow(item, rest, place);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Goes to everything of a path that is there.
+fn visit(node: &mut Node, path: &[&str], at: &mut impl FnMut(&mut Value)) {
     match (path, &mut node.value) {
-        ([], Value::Table(entries)) => at(entries),
+        ([], value) => at(value),
         ([key, rest @ ..], Value::Table(entries)) => {
             if let Some((_, node)) = entries.get_mut(*key) {
                 visit(node, rest, at);
@@ -351,6 +382,28 @@ mod tests {
             document.remove(table, key);
         }
         assert!(document.scene().is_ok());
+    }
+
+    #[test]
+    fn tables_of_arrays_come_and_go() {
+        let mut document = document();
+        let corner = |x: f64| Some(Setting::from([x; 3]));
+        let new = [("clip.1.box.min".to_owned(), corner(0.0)), ("clip.1.box.max".to_owned(), corner(1.0))];
+        assert_eq!(document.change(&new).unwrap().clips.len(), 2);
+        let before = document.to_toml(Path::new("/scans")).unwrap();
+        let far = ("clip.3.invert".to_owned(), Some(Setting::Flag(true)));
+        assert!(document.change(std::slice::from_ref(&far)).is_err(), "not the next one");
+        assert_eq!(document.to_toml(Path::new("/scans")).unwrap(), before);
+        // The array of a cloud that has none yet.
+        let class = |key: &str, value| (format!("cloud.1.class.0.{key}"), Some(value));
+        let given = [class("id", Setting::Integer(6)), class("opacity", Setting::Number(0.5))];
+        let scene = document.change(&given).unwrap();
+        assert_eq!((scene.clouds[0].class.len(), scene.clouds[1].class[0].opacity), (0, Some(0.5)));
+        let scene = document.change(&[("clip.0".to_owned(), None), ("cloud.1.class.0".to_owned(), None)]).unwrap();
+        assert!(matches!(scene.clips[..], [crate::scene::Clip { shape: crate::scene::ClipShape::Box { .. }, .. }]));
+        assert!(scene.clouds[1].class.is_empty());
+        document.remove("clip", "7");
+        assert_eq!(document.scene().unwrap().clips.len(), 1);
     }
 
     #[test]

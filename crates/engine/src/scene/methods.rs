@@ -11,13 +11,13 @@ use super::settings::{
 /// The name that leaves the method to the scene.
 pub(super) const AUTO: &str = "auto";
 
-/// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family;` behind the sentence
+/// Declares the methods: the enum, and what holds of each. A line is `"name" => Variant(Settings), Family, for Purpose;` behind the sentence
 /// that says what the method draws; `also` lists settings, beside the defaults, by which comparisons draw the same thing.
 macro_rules! methods {
     (
         $(
             $(#[doc = $about:literal])+
-            $name:literal => $Variant:ident $(($Settings:ty))?, $family:ident $(, also $also:expr)?;
+            $name:literal => $Variant:ident $(($Settings:ty))?, $family:ident, for $purpose:ident $(, also $also:expr)?;
         )+
     ) => {
         /// A method with its settings.
@@ -64,6 +64,13 @@ macro_rules! methods {
                 }
             }
 
+            /// What it is for.
+            pub fn purpose(&self) -> Purpose {
+                match self {
+                    $(Self::$Variant { .. } => Purpose::$purpose,)+
+                }
+            }
+
             pub(super) fn settings(&self) -> Option<&dyn Settings> {
                 $($(if let Self::$Variant(settings) = self {
                     let settings: &$Settings = settings;
@@ -85,55 +92,55 @@ macro_rules! methods {
 
 methods! {
     /// The nearest point of each pixel, opaque, one pixel large.
-    "points" => Points, Opaque;
+    "points" => Points, Opaque, for Opaque;
     /// The nearest square of each pixel, opaque and facing the screen.
-    "squares" => Squares(ScreenSplats), Opaque;
+    "squares" => Squares(ScreenSplats), Opaque, for Opaque;
     /// The nearest disc of each pixel, opaque and facing the screen.
-    "circles" => Circles(ScreenSplats), Opaque;
+    "circles" => Circles(ScreenSplats), Opaque, for Opaque;
     /// As `circles`, moved toward the viewer by a paraboloid so that splats meet half-way (Schütz and Wimmer 2015).
-    "paraboloid" => Paraboloid(Interpolated), Opaque;
+    "paraboloid" => Paraboloid(Interpolated), Opaque, for Opaque;
     /// As `paraboloid`, by a cone.
-    "cone" => Cone(Interpolated), Opaque;
+    "cone" => Cone(Interpolated), Opaque, for Opaque;
     /// As `paraboloid`, by a sphere.
-    "sphere" => Sphere(ScreenSplats), Opaque;
+    "sphere" => Sphere(ScreenSplats), Opaque, for Opaque;
     /// Transparent discs, exact for any number of layers, crossing or not (Maule et al. 2012).
-    "abuffer" => ABuffer(Discs), Discs, also &["raster=hardware", "long_lists=in-place"];
+    "abuffer" => ABuffer(Discs), Discs, for Exact, also &["raster=hardware", "long_lists=in-place"];
     /// The image of `abuffer`, to the byte, through a linked list for each pixel (Yang et al. 2010).
-    "linked-list" => LinkedList(Discs), Discs;
+    "linked-list" => LinkedList(Discs), Discs, for Exact;
     /// Discs sorted once by depth and blended tile by tile: exact for flat ones, approximate where oriented ones cross.
-    "sorted" => Sorted(Discs), Discs;
+    "sorted" => Sorted(Discs), Discs, for Exact;
     /// Exact depth peeling of the same discs, without memory for fragments; one pass for each layer.
-    "peel" => Peel(Peel), Discs;
+    "peel" => Peel(Peel), Discs, for Exact;
     /// The nearest surfaces of points, each as by `image-space`, blended front to back (Dobrev et al. 2010).
-    "peel-layers" => PeelLayers(PeelLayers), Surfaces;
+    "peel-layers" => PeelLayers(PeelLayers), Surfaces, for Surfaces;
     /// Random samples of the same discs in each pixel, without sorting, with a standard error (Enderton et al. 2011).
-    "stochastic" => Stochastic(Stochastic), Discs, also &["alpha_correction=false", "raster=hardware"];
+    "stochastic" => Stochastic(Stochastic), Discs, for Approximate, also &["alpha_correction=false", "raster=hardware"];
     /// The nearest discs of each pixel exactly, the mean of those behind (Maule et al. 2013).
-    "hybrid" => Hybrid(Hybrid), Discs;
+    "hybrid" => Hybrid(Hybrid), Discs, for Approximate;
     /// Discs averaged with weights that fall with depth (McGuire and Bavoil 2013): an approximation with exact opacity.
-    "weighted" => Weighted(Discs), Discs;
+    "weighted" => Weighted(Discs), Discs, for Approximate;
     /// The mean color of all discs, opaque: a wrong picture to compare with.
-    "average" => Average(Discs), Discs;
+    "average" => Average(Discs), Discs, for Compare;
     /// Discs blended in the order of the files: a wrong picture to compare with.
-    "unsorted" => Unsorted(Discs), Discs;
+    "unsorted" => Unsorted(Discs), Discs, for Compare;
     /// Opaque discs or squares that face the screen; those close behind the nearest are blended with it.
-    "hqs" => Hqs(BlendedSplats), Opaque;
+    "hqs" => Hqs(BlendedSplats), Opaque, for Opaque;
     /// Opaque discs in their tangent planes; those close behind the nearest are blended with it (Botsch et al. 2004).
-    "splats" => Splats(BlendedSplats), Opaque;
+    "splats" => Splats(BlendedSplats), Opaque, for Opaque;
     /// Points whose holes are closed by filters of the image (Dobrev et al. 2010); needs no radii.
-    "image-space" => ImageSpace(ImageSpace), Surfaces;
+    "image-space" => ImageSpace(ImageSpace), Surfaces, for Opaque;
     /// Soft points as spheres, integrated exactly along each ray, before solid ones (Seemann et al. 2018).
-    "soft-base" => SoftBase(Soft), Soft, also &["layout=paper"];
+    "soft-base" => SoftBase(Soft), Soft, for Soft, also &["layout=paper"];
     /// As `soft-base`, each sphere as concentric ones of constant density.
-    "soft-concentric" => SoftConcentric(Soft), Soft;
+    "soft-concentric" => SoftConcentric(Soft), Soft, for Soft;
     /// As `soft-base`, but discs in a presorted order: fast and approximate.
-    "soft-express" => SoftExpress(Soft), Soft;
+    "soft-express" => SoftExpress(Soft), Soft, for Soft;
     /// The nearest soft points as one transparent layer, all else opaque.
-    "one-layer" => OneLayer(OneLayer), OneLayer;
+    "one-layer" => OneLayer(OneLayer), OneLayer, for Soft;
     /// The mean of opaque images of random parts of the points: surfaces with a given opacity (Tanaka et al. 2016).
-    "spbr" => Spbr(Spbr), Ensembles;
+    "spbr" => Spbr(Spbr), Ensembles, for Surfaces;
     /// As `spbr`, with each point in one part: opacity follows from the points (Uchida et al. 2020).
-    "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles;
+    "spbr-simplified" => SpbrSimplified(SpbrSimplified), Ensembles, for Surfaces;
 }
 
 /// The methods that eye-dome lighting applies to, as the rest of a message about one to which it doesn't.
@@ -191,6 +198,47 @@ impl Family {
     }
 }
 
+/// What a method is for: the groups in which the window lists them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Purpose {
+    /// Everything that discs let through, exactly.
+    Exact,
+    /// The same with an error, in less time or memory.
+    Approximate,
+    /// Surfaces that have the opacity asked for, however many points they are made of.
+    Surfaces,
+    /// Soft points before solid ones.
+    Soft,
+    /// Surfaces that hide what is behind them.
+    Opaque,
+    /// Wrong pictures that papers compare with.
+    Compare,
+}
+
+impl Purpose {
+    /// Every purpose, in the order in which lists have them.
+    pub const ALL: [Self; 6] =
+        [Self::Exact, Self::Approximate, Self::Surfaces, Self::Soft, Self::Opaque, Self::Compare];
+
+    /// What one wants who takes one of its methods.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Exact => "transparent discs, exactly",
+            Self::Approximate => "transparent discs, approximately",
+            Self::Surfaces => "surfaces of a chosen opacity",
+            Self::Soft => "soft foliage or noise before solid points",
+            Self::Opaque => "opaque surfaces",
+            Self::Compare => "wrong pictures, to compare with",
+        }
+    }
+
+    /// Its methods with their defaults.
+    pub fn methods(self) -> impl Iterator<Item = Method> {
+        Method::all().into_iter().filter(move |method| method.purpose() == self)
+    }
+}
+
 impl Method {
     /// Its keys with the values in force; `name` is not among them.
     pub fn keys(&self) -> Vec<Key> {
@@ -226,5 +274,18 @@ impl Method {
     /// One of its keys with its current value.
     pub fn key(&self, name: &str) -> Option<Key> {
         self.keys().into_iter().find(|key| key.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_has_its_place_in_a_list_by_purpose() {
+        let listed: Vec<_> = Purpose::ALL.into_iter().flat_map(Purpose::methods).map(|method| method.name()).collect();
+        let all = Method::all();
+        assert!(all.iter().all(|method| listed.contains(&method.name())) && listed.len() == all.len(), "{listed:?}");
+        assert!(Purpose::ALL.iter().all(|purpose| purpose.methods().next().is_some()), "no heading without methods");
     }
 }

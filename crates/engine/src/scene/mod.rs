@@ -47,7 +47,7 @@ pub use error::{Error, Place};
 pub use framing::{DEFAULT_FOV_Y, camera, camera_at};
 pub use keys::{KeyTable, all_method_keys, method_keys, tables};
 pub use layers::note_of_layers;
-pub use methods::{Family, METHODS, Method, edl_methods};
+pub use methods::{Family, METHODS, Method, Purpose, edl_methods};
 pub use open::{DEFAULT_SCENE, Opened, open};
 pub use overrides::Overrides;
 pub use overview::{Overview, overview};

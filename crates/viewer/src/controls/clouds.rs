@@ -2,7 +2,7 @@
 
 use super::{Entry, Extent, Presence, entry, find};
 use pellucid_engine::prepare::DEFAULT_NEIGHBORS;
-use pellucid_engine::scene::{CloudSettings, Setting};
+use pellucid_engine::scene::{Change, CloudSettings, Setting};
 
 /// The control of a key of a `[[cloud]]`, for keys in the panel. `own_radii`: true if the file has radii, and the K
 /// that it was prepared with.
@@ -30,4 +30,15 @@ pub fn cloud(
         }
     }
     Some(entry)
+}
+
+/// The key that decides how faint a cloud is, and its value.
+pub fn opacity(cloud: &CloudSettings) -> (&'static str, f32) {
+    cloud.surface_opacity.map_or(("opacity", cloud.opacity), |opacity| ("surface_opacity", opacity))
+}
+
+/// The changes that give each cloud an opacity, or the default one, by the key that decides about it.
+pub fn opacities(clouds: &[CloudSettings], value: Option<&Setting>) -> Vec<Change> {
+    let change = |(i, cloud)| (format!("cloud.{i}.{}", opacity(cloud).0), value.cloned());
+    clouds.iter().enumerate().map(change).collect()
 }

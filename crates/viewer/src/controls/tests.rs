@@ -14,6 +14,7 @@ fn document(method: &str) -> Document {
 fn ends(control: Control) -> Vec<Setting> {
     match control {
         Control::Slider(from, to) | Control::Powers(from, to) => vec![Setting::Number(from), Setting::Number(to)],
+        Control::Opacity => vec![Setting::Number(0.0), Setting::Number(1.0)],
         Control::Count(from, to) => vec![Setting::Integer(from), Setting::Integer(to)],
         Control::Flag => vec![Setting::Flag(false), Setting::Flag(true)],
         Control::Choice(words) => words.iter().map(|word| Setting::Word(word.name.to_owned())).collect(),

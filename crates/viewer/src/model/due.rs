@@ -35,7 +35,8 @@ impl Model {
         self.picture_state = PictureState::Requested(self.serial, refined);
         let mut scene = Scene::clone(&self.scene);
         scene.image.size = self.viewport.size;
-        let (scene, pose, serial, legend) = (Arc::new(scene), self.pose, self.serial, self.shows.legend);
+        self.explained = self.shows.explains_colors();
+        let (scene, pose, serial, legend) = (Arc::new(scene), self.pose, self.serial, self.explained);
         Some(Task::Show(Box::new(Request { scene, pose, effort, serial, legend })))
     }
 

@@ -8,6 +8,24 @@ use pellucid_engine::Result;
 use pellucid_engine::camera::import;
 use pellucid_engine::scene::Document;
 
+/// Files that were saved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Saved {
+    /// Their whole paths, the scene first.
+    pub files: Vec<PathBuf>,
+    /// The command that makes a film of them, if there is a path among them.
+    pub command: Option<String>,
+    /// The message that told so.
+    message: String,
+}
+
+impl Saved {
+    /// True if a message says no more than this.
+    pub fn says(&self, message: &str) -> bool {
+        self.message == message
+    }
+}
+
 impl Model {
     /// Opens other files: a scene or clouds instead of what is shown, and cameras as the keys of the path.
     pub fn open(&mut self, files: Vec<PathBuf>) {
@@ -127,17 +145,22 @@ impl Model {
     }
 
     /// Lists the files that were written, with the command that makes a film of a path.
-    pub(super) fn saved(&self, files: &[PathBuf]) -> String {
+    pub(super) fn note_saved(&mut self, files: &[PathBuf]) {
         let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
-        let text = format!("saved {}", names.join(" and "));
         let path = files.iter().find(|file| file.extension().is_some_and(|e| e == "json"));
         let command = path.zip(files.first()).map(|(path, scene)| {
             let frames = path.with_extension("");
             let (scene, path) = (word(scene), word(path));
             let frames = word(Path::new(&format!("{}_%04d.png", frames.display())));
-            format!("; pellucid render {scene} --path {path} --frames {} -o {frames}", self.route.frames())
+            format!("pellucid render {scene} --path {path} --frames {} -o {frames}", self.route.frames())
         });
-        text + &command.unwrap_or_default()
+        let mut message = format!("saved {}", names.join(" and "));
+        if let Some(command) = &command {
+            message = format!("{message}; {command}");
+        }
+        let whole = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        self.saved = Some(Saved { files: files.iter().map(whole).collect(), command, message: message.clone() });
+        self.message = Some((message, false));
     }
 }
 

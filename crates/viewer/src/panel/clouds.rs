@@ -1,16 +1,15 @@
-//! The clouds: how much each hides, and, unfolded, its color, radii, field and classes.
+//! The clouds: how much each hides, and, unfolded, its radii and field.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{Grid, ScrollArea, Ui};
+use egui::{ScrollArea, Ui};
 
-use super::field;
 use super::row::{name as row_name, note, row};
+use super::{field, opacity};
 use crate::census::Census;
 use crate::controls;
 use crate::model::Model;
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::color::classes;
-use pellucid_engine::scene::{CloudSettings, Method, Setting, rounded};
+use pellucid_engine::scene::{CloudSettings, Method, Scene};
 
 /// Clouds that are listed among the other controls; longer lists scroll on their own.
 const MANY: usize = 15;
@@ -19,10 +18,14 @@ const ROOM: f32 = 330.0;
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let method = model.scene().method.representative();
-    let blended = method.discs().is_some() || method.is_dealt() || matches!(method, Method::PeelLayers(_));
+    let blended = are_blended(model.scene());
     let clouds = model.scene().clouds.clone();
-    if blended && clouds.len() > 1 {
-        all(ui, model, &clouds);
+    match &clouds[..] {
+        [one] if blended => {
+            opacity::one(ui, model, 0, one, "opacity");
+        }
+        _ if blended => opacity::all(ui, model, &clouds),
+        _ => {}
     }
     if method.needs_radii()
         && let Some(first) = clouds.first()
@@ -31,30 +34,35 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         row(ui, model, "cloud.*.radius_factor", "radius ×", entry);
     }
     if clouds.len() <= MANY {
-        list(ui, model, blended);
+        list(ui, model, blended && clouds.len() > 1);
     } else {
         let some = ScrollArea::vertical().id_salt("clouds").max_height(ROOM).auto_shrink([false, true]);
-        some.show(ui, |ui| list(ui, model, blended));
+        some.show(ui, |ui| list(ui, model, blended && clouds.len() > 1));
     }
 }
 
-/// Every cloud: its opacity if clouds are blended, and its name, which unfolds it.
-fn list(ui: &mut Ui, model: &mut Model, blended: bool) {
+/// True if the method shows what is behind points by their opacities.
+pub fn are_blended(scene: &Scene) -> bool {
+    let method = scene.method.representative();
+    method.discs().is_some() || method.is_dealt() || matches!(method, Method::PeelLayers(_))
+}
+
+/// Every cloud: its opacity if `faint`, and its name, which unfolds it.
+fn list(ui: &mut Ui, model: &mut Model, faint: bool) {
     let (clouds, census) = (model.scene().clouds.clone(), model.census());
     for (i, settings) in clouds.iter().enumerate() {
         let id = ui.make_persistent_id(("cloud", i));
         let state = CollapsingState::load_with_default_open(ui.ctx(), id, false);
         let mut clicked = false;
         let mut header = state.show_header(ui, |ui| {
-            let (name, key) = (name(settings, i), format!("cloud.{i}.opacity"));
+            let name = name(settings, i);
             ui.spacing_mut().slider_width = super::SLIDER - 20.0;
-            clicked = match controls::cloud(settings, "opacity", false, None, model.extent()).filter(|_| blended) {
-                Some(entry) => row(ui, model, &key, &name, entry),
-                None => {
-                    let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
-                    note(ui, model, &format!("cloud.{i}"), &response);
-                    response.clicked()
-                }
+            clicked = if faint {
+                opacity::one(ui, model, i, settings, &name)
+            } else {
+                let response = row_name(ui, "", &name).on_hover_text(settings.path.display().to_string());
+                note(ui, model, &format!("cloud.{i}"), &response);
+                response.clicked()
             };
         });
         if clicked {
@@ -70,25 +78,6 @@ pub fn name(settings: &CloudSettings, i: usize) -> String {
     stem.map_or_else(|| format!("cloud {i}"), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// A single opacity for all clouds.
-fn all(ui: &mut Ui, model: &mut Model, clouds: &[CloudSettings]) {
-    let (mut least, mut most, mut sum) = (1.0f32, 0.0f32, 0.0);
-    for cloud in clouds {
-        (least, most, sum) = (least.min(cloud.opacity), most.max(cloud.opacity), sum + f64::from(cloud.opacity));
-    }
-    let (value, label) = if least == most {
-        (rounded(most), "all opacities")
-    } else {
-        (controls::thousandths(sum / clouds.len() as f64), "all (mean)")
-    };
-    if let Some(first) = clouds.first()
-        && let Some(mut entry) = controls::cloud(first, "opacity", false, None, model.extent())
-    {
-        entry.value = Setting::Number(value);
-        row(ui, model, "cloud.*.opacity", label, entry);
-    }
-}
-
 /// A cloud's settings other than its opacity.
 fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, census: Option<&Census>) {
     let method = model.scene().method;
@@ -98,17 +87,11 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     let field = census.field(settings);
     let estimated = method.needs_radii() && settings.radius.is_none() && !census.own_radii;
     let uncertain = method.needs_field() && field == Field::Uncertainty;
-    let by = &settings.coloring.color_by;
     let around = estimated || uncertain;
-    let keys = [
-        ("color", true),
-        ("color_by", settings.color.is_none()),
-        ("colormap", settings.color.is_none() && by.is_mapped()),
-        ("radius", method.needs_radii()),
-        ("neighbors", around),
-        ("radius_cap", around),
-        ("outliers", true),
-    ];
+    let keys = [("radius", method.needs_radii()), ("neighbors", around), ("radius_cap", around), ("outliers", true)];
+    if method.representative().discs().is_some() {
+        opacity::surface(ui, model, i, settings);
+    }
     let prepared = census.prepared.as_ref().map(|(neighbors, _)| *neighbors);
     for (key, _) in keys.into_iter().filter(|(_, shown)| *shown) {
         if let Some(entry) = controls::cloud(settings, key, census.own_radii, prepared, model.extent()) {
@@ -118,9 +101,6 @@ fn details(ui: &mut Ui, model: &mut Model, i: usize, settings: &CloudSettings, c
     // A single cloud has its own section for this.
     if method.needs_field() && model.scene().clouds.len() > 1 {
         field::chooser(ui, model, &i.to_string(), &[i]);
-    }
-    if !census.classes.is_empty() {
-        ui.collapsing(format!("{} classes", census.classes.len()), |ui| class_table(ui, i, census));
     }
 }
 
@@ -132,18 +112,4 @@ fn facts(census: &Census) -> String {
     let has: Vec<_> = has.chain(scalars).collect();
     let points = super::grouped(census.points as u64);
     if has.is_empty() { format!("{points} points") } else { format!("{points} points; {}", has.join(", ")) }
-}
-
-/// Points of each class.
-fn class_table(ui: &mut Ui, i: usize, census: &Census) {
-    ScrollArea::vertical().id_salt(("classes", i)).max_height(180.0).show(ui, |ui| {
-        Grid::new(("classes", i)).num_columns(3).show(ui, |ui| {
-            for (code, count) in &census.classes {
-                ui.label(code.to_string());
-                ui.label(classes::name(*code).unwrap_or("—"));
-                ui.label(super::grouped(*count as u64));
-                ui.end_row();
-            }
-        });
-    });
 }

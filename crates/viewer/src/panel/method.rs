@@ -1,27 +1,32 @@
 //! The method and its settings.
 
-use egui::{ComboBox, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 use super::row::{edit_row, note};
 use crate::controls;
 use crate::model::Model;
-use pellucid_engine::scene::{METHODS, method_keys};
+use pellucid_engine::scene::{MethodChoice, Purpose, method_keys};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let method = model.scene().method;
-    let mut name = method.name();
+    let (mut name, auto) = (method.name(), MethodChoice::default().name());
     let taken = model.picture().map(|picture| picture.method).filter(|taken| *taken != name);
     ui.horizontal(|ui| {
-        let combo = ComboBox::from_id_salt("method").selected_text(name).width(150.0).height(420.0);
+        let combo = ComboBox::from_id_salt("method").selected_text(name).width(150.0).height(640.0);
         let shown = combo.show_ui(ui, |ui| {
-            for other in METHODS {
-                ui.selectable_value(&mut name, other, *other);
+            ui.selectable_value(&mut name, auto, auto).on_hover_text("the cheapest method that is exact for the scene");
+            for purpose in Purpose::ALL {
+                ui.add_space(4.0);
+                ui.label(RichText::new(purpose.title()).weak().size(11.0));
+                for other in purpose.methods() {
+                    ui.selectable_value(&mut name, other.name(), other.name()).on_hover_text(other.about());
+                }
             }
         });
         note(ui, model, "method.name", &shown.response);
         if let Some(taken) = taken {
-            ui.weak(format!("→ {taken}"));
+            ui.weak(format!("here {taken}"));
         }
     });
     if name != method.name() {

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::row::row;
 use crate::controls;
-use crate::model::Model;
+use crate::model::{Model, Passes};
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -14,12 +14,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             row(ui, model, &format!("image.{key}"), label, entry);
         }
     }
-    ui.checkbox(&mut model.shows.passes, "times of the passes (T)");
-    let mut legend = model.shows.legend;
+    ui.horizontal(|ui| {
+        ui.label("times (T)").on_hover_text("what the passes of a frame take, over the picture");
+        for (passes, text) in [(Passes::Hidden, "none"), (Passes::Total, "in all"), (Passes::List, "each pass")] {
+            ui.selectable_value(&mut model.shows.passes, passes, text);
+        }
+    });
     let hint = "what the colors mean, and a scale bar where the camera is orthographic; `render --legend` draws it into a picture";
-    if ui.checkbox(&mut legend, "legend").on_hover_text(hint).changed() {
-        model.show_legend(legend);
-    }
+    ui.checkbox(&mut model.shows.legend, "legend").on_hover_text(hint);
     if let Some(picture) = model.picture() {
         let [width, height] = picture.size;
         let points = picture.facts.points;

@@ -140,6 +140,11 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
             let changed = response.changed().then(|| Setting::Number(significant(x)));
             (response, changed)
         }
+        (Control::Opacity, Setting::Number(mut x)) => {
+            let response = ui.add(opacity_slider(&mut x));
+            let changed = response.changed().then(|| Setting::Number(three_digits(x)));
+            (response, changed)
+        }
         (Control::Count(from, to), Setting::Integer(mut n)) => {
             let slider = Slider::new(&mut n, from..=to).logarithmic(to > 32).clamping(SliderClamping::Edits);
             let response = ui.add(slider.update_while_editing(false));
@@ -166,6 +171,17 @@ fn change(ui: &mut Ui, key: &str, label: &str, control: Control, value: Setting)
         // A control has the value that belongs to it.
         (_, other) => (ui.weak(format!("{other:?}")), None),
     }
+}
+
+/// A slider of opacities. Small ones have as much room as large ones, because layers overlap.
+pub fn opacity_slider(x: &mut f64) -> Slider<'_> {
+    let slider = slider(x, 0.0, 1.0).logarithmic(true).smallest_positive(controls::FAINTEST);
+    slider.custom_formatter(|x, _| short(x))
+}
+
+/// A number to three significant digits: what a slider's place says.
+pub fn three_digits(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
 }
 
 fn slider(x: &mut f64, from: f64, to: f64) -> Slider<'_> {

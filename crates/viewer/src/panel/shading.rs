@@ -92,7 +92,7 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
 }
 
 /// The axis that elevations refer to: the up direction of the scene's camera, else the clouds' vertical.
-fn vertical(model: &Model) -> UpAxis {
+pub fn vertical(model: &Model) -> UpAxis {
     match model.scene().camera.up {
         Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
         Some(up) if up.y != 0.0 => UpAxis::Y,

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use pellucid_engine::cloud::field::Field;
-use pellucid_engine::scene::{Density, Method, Scene, Shadows, Shells, Soft};
+use pellucid_engine::scene::{
+    ClassSettings, Clip, ClipShape, Density, Method, Scene, Selection, Shadows, Shells, Soft,
+};
 
 use super::display::Display;
 use super::garden::{garden, rendered, shoot, with_display};
@@ -44,6 +46,14 @@ impl<'a> Desk<'a> {
         let y = top + height / 2;
         self.display.drag(1, [left + from, y], [left + to, y]);
         self.window.wait_for("at rest");
+    }
+
+    /// Unfolds or folds a section, which leaves the picture.
+    fn fold(&mut self, title: &str, shows: &str) {
+        let [left, top, _, height] = self.window.control(&format!("section {title}"));
+        self.display.do_it(&format!("mousemove {} {}", left + height / 2, top + height / 2));
+        self.display.do_it("click 1");
+        self.window.wait_for(&format!("control {shows} at"));
     }
 
     /// The scene that is saved now. Its picture is that of `render`, byte for byte.
@@ -138,5 +148,43 @@ fn light_and_shadows_are_set_in_the_panel() {
         assert_eq!(desk.saved().shadows, None);
         desk.click("shadows.method");
         assert_eq!(desk.saved().shadows, Some(shadows));
+    });
+}
+
+/// A box whose face is dragged in the picture, and a class that is hidden and shown again.
+#[test]
+fn the_scene_is_cut_in_the_picture_and_by_classes() {
+    with_display(|display| {
+        let folder = garden();
+        let text = "[method]\nname = 'sorted'\n[[cloud]]\npath = 'leaves.ply'\nopacity = 0.5\n";
+        let mut desk = Desk::open(display, folder.path(), text);
+        desk.fold("Clips", "clip.box+");
+        desk.click("clip.box+");
+        let ends = |scene: &Scene| match &scene.clips[..] {
+            [Clip { shape: ClipShape::Box { min, max }, invert: false }] => [*min, *max],
+            clips => panic!("{clips:?}"),
+        };
+        let [min, max] = ends(&desk.saved());
+        // Toward the middle of the box.
+        let middle = |name: &str| {
+            let [left, top, width, height] = desk.window.control(name);
+            [left + width / 2, top + height / 2]
+        };
+        let ([low, high], [x, y]) = ([middle("clip.0.-x"), middle("clip.0.+x")], middle("clip.0.+x"));
+        display.drag(1, [x, y], [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2]);
+        desk.window.wait_for("at rest");
+        let [least, most] = ends(&desk.saved());
+        assert_eq!((least, most.with_x(max.x)), (min, max), "the other faces stay");
+        let share = (most.x - min.x) / (max.x - min.x);
+        assert!((0.3..0.7).contains(&share), "{share}");
+        desk.click("clip.0-");
+        assert_eq!(desk.saved().clips, []);
+
+        desk.fold("Classes", "cloud.0.class.5.visible");
+        desk.click("cloud.0.class.5.visible");
+        let hidden = ClassSettings { points: Selection::Class(5), opacity: None, color: None, visible: Some(false) };
+        assert_eq!(desk.saved().clouds[0].class, [hidden]);
+        desk.click("cloud.0.class.5.visible");
+        assert_eq!(desk.saved().clouds[0].class, []);
     });
 }

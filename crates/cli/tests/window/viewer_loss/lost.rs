@@ -53,7 +53,7 @@ fn a_lost_device_is_opened_again_and_everything_goes_on() {
             let mut window = open(folder, display, fault);
             window.wait_for("at rest");
             take(display);
-            display.do_it("key t");
+            display.do_it("key t t");
             let first = assert_right(folder, display, &mut window);
             let [left, top, _, height] = window.control("cloud.5.opacity");
             let y = top + height / 2;
@@ -150,7 +150,7 @@ fn a_device_without_memory_is_a_message_and_the_window_goes_on() {
             let mut window = open(folder.path(), display, &format!("out-of-memory@allocate:{nth}"));
             window.wait_for("out of device memory: ");
             let id = take(display);
-            display.do_it("key t");
+            display.do_it("key t t");
             display.do_it(&format!("windowsize --sync {id} 700 400"));
             window.wait_for(" 370 × 400,");
             display.do_it("mousemove 690 395");

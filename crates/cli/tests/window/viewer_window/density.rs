@@ -23,7 +23,7 @@ fn pictures_have_the_screens_pixels_and_controls_are_where_they_say() {
             window.wait_for(&format!(" {} × {},", expected[0], expected[1]));
             let id = display.do_it("search --sync --onlyvisible --name pellucid");
             display.do_it(&format!("windowfocus --sync {id}"));
-            display.do_it("key t");
+            display.do_it("key t t");
 
             let [left, top, _, high] = window.control("cloud.1.opacity");
             let y = top + high / 2;

@@ -35,7 +35,7 @@ fn what_is_dropped_is_opened() {
         window.wait_for("at rest");
         let id = display.do_it("search --sync --onlyvisible --name pellucid");
         display.do_it(&format!("windowfocus --sync {id}"));
-        display.do_it("key t");
+        display.do_it("key t t");
         let client = Client::connect(&display.name);
         let drop_files = |files: &[&str]| {
             let paths: Vec<_> = files.iter().map(|file| folder.join(file)).collect();

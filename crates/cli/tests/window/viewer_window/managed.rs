@@ -57,7 +57,7 @@ fn a_window_that_is_minimized_maximized_and_full_screen_shows_what_it_should() {
         let name = display.do_it("search --sync --onlyvisible --name pellucid");
         let id: u32 = name.parse().unwrap();
         display.do_it(&format!("windowfocus --sync {name}"));
-        display.do_it("key t");
+        display.do_it("key t t");
         let first = shoot(display, &mut window);
         let picture = |name: &str| folder.join(format!("{name}.png"));
         let wait_for_screen = |picture: &Path| wait_for_screen_at(display, picture, client.position(id));

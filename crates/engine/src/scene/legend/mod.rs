@@ -105,6 +105,11 @@ impl Legend {
         }
     }
 
+    /// The entry about a cloud, by its file's name without folders.
+    pub fn entry_of(&self, file: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.files.iter().any(|known| known == file))
+    }
+
     /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`].
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::cloud::CLASSIFICATION_NAMES;
 use crate::color::classes;
 use crate::io::LasColumns;
 use crate::scene::error::Error;
@@ -22,6 +23,19 @@ pub enum Selection {
         /// Lower and upper end.
         range: [f64; 2],
     },
+}
+
+impl Selection {
+    /// True if points of this class are among its points because of their class.
+    pub fn holds_class(&self, code: u8) -> bool {
+        match self {
+            Self::Class(own) => *own == code,
+            Self::Scalar { name, range: [low, high] } => {
+                CLASSIFICATION_NAMES.contains(&name.to_lowercase().as_str())
+                    && (*low..=*high).contains(&f64::from(code))
+            }
+        }
+    }
 }
 
 /// An entry of `[[cloud.class]]`. For each point and key the last entry counts that is about the point and gives the key.

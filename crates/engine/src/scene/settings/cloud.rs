@@ -26,9 +26,9 @@ settings! {
         /// What is different about the points of some classes, or of a range of a scalar.
         class: Vec<ClassSettings> = Vec::new();
         /// How much a point's splat hides, for spbr a surface; the file's alpha multiplies it.
-        opacity: f32 = 1.0, in Range::UNIT, rival "surface_opacity";
+        opacity: f32 = 1.0, in Range::UNIT, slider Slider::Opacity, rival "surface_opacity";
         /// How much the surface hides that the points lie on, in place of `opacity`: discs are as faint as their overlap asks for.
-        surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Linear(0.0, 1.0), rival "opacity";
+        surface_opacity: Option<f32> = None, in Range::UNIT, without "by `opacity`", start 0.3, slider Slider::Opacity, rival "opacity";
         /// One radius for all points, not scaled.
         radius: Option<f32> = None, in Range::NOT_NEGATIVE, unit "world units",
             without "the file's, else estimated from neighbors", start 0.003, slider Slider::Lengths(1e-5, 0.1);

@@ -1,4 +1,4 @@
-//! Several files that are opened at once, or one that cannot be shown.
+//! Several files that are opened at once, or one that cannot be shown; what was saved, and what is asked for with a picture.
 
 use super::*;
 
@@ -66,5 +66,63 @@ fn a_window_without_room_for_a_picture_saves_none() {
         model.message = None;
         save(&mut model);
         assert!(model.next_task(now).is_none() && !model.busy && model.message.is_some());
+    }
+}
+
+/// The whole names of saved files stay until others are saved, whatever else is said or opened.
+#[test]
+fn saved_files_are_named_until_others_are_saved() {
+    let (mut model, now) = settled();
+    let here = std::env::current_dir().unwrap();
+    model.take_in(News::Saved(vec!["s-1.toml".into(), "s-1.png".into()])).unwrap();
+    let (said, _) = model.message.clone().unwrap();
+    let saved = model.saved.clone().unwrap();
+    assert_eq!((saved.files.clone(), &saved.command), (vec![here.join("s-1.toml"), here.join("s-1.png")], &None));
+    assert!(saved.says(&said) && !saved.says("something else"), "{said}");
+    model.set("cloud.0.opacity", Setting::Number(0.25));
+    model.set("cloud.0.nonsense", Setting::Number(0.25));
+    assert!(model.message.as_ref().is_some_and(|(_, wrong)| *wrong) && model.saved.as_ref() == Some(&saved));
+    model.open(vec!["b.ply".into()]);
+    while model.next_task(now).is_some() {}
+    let document = Document::from_clouds(["b.ply"], &Overrides::default()).unwrap();
+    model.take_in(News::Opened("b.ply".into(), Box::new(document))).unwrap();
+    assert_eq!(model.saved, Some(saved));
+    model.take_in(News::Saved(vec!["/x/b-1.toml".into(), "/x/b-1.json".into()])).unwrap();
+    let saved = model.saved.unwrap();
+    assert!(
+        saved.files == [Path::new("/x/b-1.toml"), Path::new("/x/b-1.json")] && saved.command.is_some(),
+        "{saved:?}"
+    );
+}
+
+/// The meaning of colors costs a look at all points, so that it is asked for only where it is shown, and then once.
+#[test]
+fn the_meaning_of_colors_is_asked_for_where_it_is_shown() {
+    let (mut model, now) = settled();
+    model.explain_colors();
+    assert!(asked(&mut model, now).is_none());
+    model.shows.colors = true;
+    model.explain_colors();
+    let request = asked(&mut model, now).unwrap();
+    assert!(request.legend);
+    model.explain_colors();
+    assert!(asked(&mut model, now).is_none(), "it is on its way");
+    model.take_in(picture(&request, true)).unwrap();
+    model.explain_colors();
+    assert!(asked(&mut model, now).is_none() && model.is_at_rest(now + REST));
+    // Behind a hidden panel nobody reads it.
+    model.shows.panel = false;
+    model.touch();
+    assert!(!asked(&mut model, now).unwrap().legend);
+}
+
+#[test]
+fn t_goes_through_all_that_times_can_be() {
+    let all = [Passes::Total, Passes::List, Passes::Hidden];
+    for (i, passes) in all.into_iter().enumerate() {
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|presses| passes.after(presses)),
+            [0, 1, 2, 0, 1].map(|step| all[(i + step) % 3])
+        );
     }
 }

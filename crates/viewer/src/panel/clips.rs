@@ -1,0 +1,158 @@
+//! What cuts the scene: boxes, slabs and planes, with their numbers.
+
+use egui::{ComboBox, DragValue, RichText, Ui};
+
+use super::row::{note, vector};
+use super::shading;
+use crate::controls::{AXES, NewClip, clip_changes, new_clip, short_number, without_clip};
+use crate::hints::hint;
+use crate::model::Model;
+use pellucid_engine::cloud::UpAxis;
+use pellucid_engine::scene::{Clip, ClipShape};
+
+/// Draws the section.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    let clips = model.scene().clips.clone();
+    for (at, clip) in clips.iter().enumerate() {
+        let edited = ui.push_id(("clip", at), |ui| entry(ui, model, at, clip)).inner;
+        match edited {
+            Some(edited) if edited == *clip => {}
+            Some(edited) => model.change(&clip_changes(at, &edited)),
+            // The numbers of the others are different now.
+            None => return model.change(&without_clip(at, clips.len())),
+        }
+    }
+    add(ui, model, clips.len());
+    if clips.iter().any(|clip| matches!(clip.shape, ClipShape::Box { .. })) {
+        ui.weak("drag a face of a box by its dot in the picture");
+    }
+}
+
+/// Buttons that add an entry, once the extent of the points is known.
+fn add(ui: &mut Ui, model: &mut Model, at: usize) {
+    let Some(picture) = model.picture() else { return };
+    let (bounds, forward) = (picture.subject.bounds, picture.camera.forward);
+    let vertical = if shading::vertical(model) == UpAxis::Y { 1 } else { 2 };
+    // The half of the points that is farther away, so that one looks into them.
+    let ahead =
+        forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
+    let kinds = [
+        ("box", NewClip::Box, "keeps a box along the axes, at first slightly smaller than the points"),
+        ("slab", NewClip::Slab(vertical), "keeps what lies between two heights, or along another axis"),
+        ("plane", NewClip::Plane(ahead, forward[ahead] > 0.0), "keeps one side of a plane, at first the far half"),
+    ];
+    ui.horizontal(|ui| {
+        ui.label("add");
+        for (text, kind, hint) in kinds {
+            let response = ui.button(text).on_hover_text(hint);
+            note(ui, model, &format!("clip.{text}+"), &response);
+            if response.clicked() {
+                model.change(&clip_changes(at, &new_clip(kind, bounds)));
+            }
+        }
+    });
+}
+
+/// An entry with its numbers: as it is now, or `None` if it is to go.
+fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip> {
+    let mut edited = clip.clone();
+    let name = match &clip.shape {
+        ClipShape::Box { .. } => "box".to_owned(),
+        ClipShape::Plane { .. } => "plane".to_owned(),
+        ClipShape::Slab { .. } => "slab".to_owned(),
+        ClipShape::Polygon(file) => format!("polygon {}", file.display()),
+    };
+    let out = ui.horizontal(|ui| {
+        let out = ui.small_button("×").on_hover_text("takes it out");
+        note(ui, model, &format!("clip.{at}-"), &out);
+        ui.label(RichText::new(name).strong());
+        let response = ui.checkbox(&mut edited.invert, "keeps the outside").on_hover_text(hint("clip.0.invert"));
+        note(ui, model, &format!("clip.{at}.invert"), &response);
+        out.clicked()
+    });
+    if out.inner {
+        return None;
+    }
+    match &mut edited.shape {
+        ClipShape::Box { min, max } => {
+            for (axis, name) in AXES.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    ui.label(*name);
+                    number(ui, model, &mut min[axis], f64::NEG_INFINITY..=max[axis]);
+                    ui.label("to");
+                    number(ui, model, &mut max[axis], min[axis]..=f64::INFINITY);
+                });
+            }
+        }
+        ClipShape::Slab { axis, min, max } => slab(ui, model, axis, min, max),
+        ClipShape::Plane { point, normal } => plane(ui, model, at, point, normal),
+        ClipShape::Polygon(_) => {}
+    }
+    Some(edited)
+}
+
+/// A coordinate.
+fn number(ui: &mut Ui, model: &Model, x: &mut f64, range: std::ops::RangeInclusive<f64>) {
+    let diagonal = model.extent().diagonal;
+    let drag = DragValue::new(x).speed(0.002 * diagonal).range(range).max_decimals(4).update_while_editing(false);
+    if ui.add_sized([72.0, 18.0], drag).dragged() {
+        // Only what a hand does is rounded, and no typed number.
+        *x = short_number(*x, diagonal);
+    }
+}
+
+/// The axis of a slab and its ends, either of which may be missing.
+fn slab(ui: &mut Ui, model: &Model, axis: &mut usize, min: &mut Option<f64>, max: &mut Option<f64>) {
+    let Some(bounds) = model.picture().map(|picture| picture.subject.bounds) else { return };
+    let before = *axis;
+    ui.horizontal(|ui| {
+        ComboBox::from_id_salt("axis").selected_text(AXES[before]).width(40.0).show_ui(ui, |ui| {
+            for (other, name) in AXES.iter().enumerate() {
+                ui.selectable_value(axis, other, *name);
+            }
+        });
+        let has_both = min.is_some() && max.is_some();
+        end(ui, model, "from", min, bounds.min[before], f64::NEG_INFINITY..=max.unwrap_or(f64::INFINITY), has_both);
+        end(ui, model, "to", max, bounds.max[before], min.unwrap_or(f64::NEG_INFINITY)..=f64::INFINITY, has_both);
+    });
+    if *axis != before
+        && let ClipShape::Slab { min: low, max: high, .. } = new_clip(NewClip::Slab(*axis), bounds).shape
+    {
+        // The old numbers mean nothing along another axis.
+        (*min, *max) = (low, high);
+    }
+}
+
+/// An end of a slab. The last one stays, since a slab needs one.
+fn end(
+    ui: &mut Ui,
+    model: &Model,
+    text: &str,
+    end: &mut Option<f64>,
+    start: f64,
+    range: std::ops::RangeInclusive<f64>,
+    may_go: bool,
+) {
+    let mut on = end.is_some();
+    if ui.add_enabled(!on || may_go, egui::Checkbox::new(&mut on, text)).changed() {
+        *end = on.then_some(start);
+    }
+    if let Some(x) = end {
+        number(ui, model, x, range);
+    }
+}
+
+/// A point of a plane and the direction in which points are kept.
+fn plane(ui: &mut Ui, model: &mut Model, at: usize, point: &mut glam::DVec3, normal: &mut glam::DVec3) {
+    let diagonal = model.extent().diagonal;
+    ui.weak("through");
+    if let Some(numbers) = vector(ui, model, &format!("clip.{at}.plane.point"), point.to_array(), 0.002 * diagonal) {
+        *point = numbers.map(|x| short_number(x, diagonal)).into();
+    }
+    ui.weak("keeps what lies toward");
+    let turned = vector(ui, model, &format!("clip.{at}.plane.normal"), normal.to_array(), 0.005);
+    // A vector without a direction is ignored, as happens while all three numbers are being typed.
+    if let Some(numbers) = turned.map(glam::DVec3::from).filter(|v| v.try_normalize().is_some()) {
+        *normal = numbers;
+    }
+}
