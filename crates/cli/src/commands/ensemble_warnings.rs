@@ -1,5 +1,6 @@
 //! Warnings about clouds whose points are dealt to ensembles.
 
+use pellucid_engine::methods::Frame;
 use pellucid_engine::methods::spbr::share::Share;
 use pellucid_engine::prepare::ensembles::Surface;
 use pellucid_engine::scene::Method;
@@ -10,15 +11,16 @@ const COPIES: f64 = 20.0;
 /// The excess demand for points, as a factor, that is tolerated without a warning: the density isn't known any better.
 const ALMOST: f64 = 1.05;
 
-/// A sentence for each cloud that doesn't come out as asked, and one for all of those with many copies; `names` are those of
-/// the clouds.
-pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method: &Method) -> Vec<String> {
+/// A sentence for each cloud that doesn't come out as asked in a frame, and one for all of those with many copies; `names` are
+/// those of the clouds.
+pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], frame: &Frame) -> Vec<String> {
+    let method = &frame.method;
     let (Method::Spbr(_), Some(ensembles)) = (method, method.ensembles()) else { return Vec::new() };
     let mut warnings = Vec::new();
     let mut copied = Vec::new();
     for ((name, surface), share) in names.iter().zip(surfaces).zip(shares) {
         let copies = share.slots as f64 / (surface.points.end - surface.points.start) as f64;
-        match lost(surface, share) {
+        match lost(surface, share, frame.size) {
             Some(lost) => warnings.push(format!("{name}: {lost}")),
             // Opaque surfaces always use all points.
             None if surface.opacity < 1.0 && copies > COPIES => {
@@ -31,8 +33,8 @@ pub fn warnings(names: &[String], surfaces: &[Surface], shares: &[Share], method
     warnings
 }
 
-/// The reason why a surface can't reach the requested opacity.
-fn lost(surface: &Surface, share: &Share) -> Option<String> {
+/// The reason why a surface can't reach the requested opacity in a picture of this size, and what would.
+fn lost(surface: &Surface, share: &Share, size: [u32; 2]) -> Option<String> {
     let opacity = f64::from(surface.opacity);
     let times = -(-opacity).ln_1p() / share.unit;
     if opacity <= 0.0 || opacity >= 1.0 {
@@ -44,9 +46,11 @@ fn lost(surface: &Surface, share: &Share) -> Option<String> {
              in every ensemble, whatever the opacity"
         ))
     } else if share.capped && times > ALMOST {
+        let [width, height] = size.map(|side| (f64::from(side) / times.sqrt()).max(1.0) as u32);
         Some(format!(
             "opacity {opacity:.3} needs {times:.1} times as many points on a pixel as there are, so that it becomes {:.3}; \
-             a smaller image or more points would help, more ensembles would not",
+             --size {width}x{height} would do, or discs of the same opacity: --method auto --surface-opacity {opacity:.3}; more \
+             ensembles would not help",
             share.opacity
         ))
     } else {
@@ -83,14 +87,22 @@ mod tests {
 
     use super::*;
     use glam::DVec3;
+    use pellucid_engine::camera::{Camera, Projection};
+    use pellucid_engine::scene::Scene;
+
+    fn frame() -> Frame {
+        let scene = Scene::from_toml("method.name = 'spbr'\n[[cloud]]\npath = 'a.ply'", "s.toml".as_ref()).unwrap();
+        let camera =
+            Camera::look_at(DVec3::ZERO, DVec3::Z, DVec3::Y, Projection::Orthographic { height: 1.0 }, 1.0, 2.0);
+        Frame { size: [600, 300], ..Frame::of_scene(&scene, camera.unwrap(), 0) }
+    }
 
     fn said(density: f64, opacity: f32, slots: u64, capped: bool) -> String {
         let surface = Surface { points: 10..110, center: DVec3::ZERO, density, opacity };
         let unit = if capped { 0.25 } else { -f64::from(-opacity).ln_1p() };
         let share =
             Share { points: 10..110, slots, depth: 1.0, unit, capped, opacity: 0.221, largest: 1.0, uniform: true };
-        let spbr = Method::Spbr(Default::default());
-        warnings(&["a.ply".to_owned()], from_ref(&surface), from_ref(&share), &spbr).join("\n")
+        warnings(&["a.ply".to_owned()], from_ref(&surface), from_ref(&share), &frame()).join("\n")
     }
 
     #[test]
@@ -103,6 +115,8 @@ mod tests {
         assert!(copies.ends_with(": a.ply"), "{copies}");
         let capped = said(3.0, 0.9, 10_000, true);
         assert!(capped.starts_with("a.ply: opacity 0.900 needs 9.2 times") && capped.contains("0.221"), "{capped}");
+        // The root of 9.21 is 3.035.
+        assert!(capped.contains("--size 197x98 would do") && capped.contains("--surface-opacity 0.900"), "{capped}");
         // A shortage of 2% is within the uncertainty of the density, so only the copies are reported.
         assert!(said(3.0, 0.225, 10_000, true).starts_with("up to 100 copies"));
         assert!(said(0.0, 0.5, 10_000, true).contains("100 point(s)"));

@@ -33,7 +33,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub measure: MeasureArgs,
     /// The picture: .png (8-bit sRGB) or .exr (32-bit float R, G, B, A, Z); by default the first input's name with
-    /// .png, in the current folder. For a .png the methods sorted and abuffer blend until no 8-bit value would move
+    /// .png, in the current folder. Z is the distance of the nearest surface along the viewing axis, in the scene's units, and +inf
+    /// where there is none. For a .png the methods sorted and abuffer blend until no 8-bit value would move
     /// by more than a quarter of a step, for an .exr until no bit would change.
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,

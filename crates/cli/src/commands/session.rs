@@ -107,7 +107,7 @@ impl Session {
         // Other methods, and points that were not dealt, need no warning.
         let shares = spbr::shares(&self.cloud, &self.frame).unwrap_or_default();
         let surfaces = resolved.arranged.surfaces();
-        let warnings = ensemble_warnings::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame.method);
+        let warnings = ensemble_warnings::warnings(&resolved.cloud_names(), surfaces, &shares, &self.frame);
         warnings.iter().for_each(|warning| console.warn(warning));
         if self.frame.shadows.is_some() && !self.frame.method.takes_shadows() {
             let method = self.frame.method.name();

@@ -8,10 +8,12 @@ use pellucid_engine::scene::{Overrides, Vertical, View, ViewName};
 
 /// From where a scene is looked at.
 #[derive(Debug, Args)]
+// A group of this name would be that of `view`'s own options.
+#[group(skip)]
 pub struct ViewArgs {
     /// Frame the whole scene from a named side, or from where a compass points. This and the two angles replace the camera's eye
-    /// and target. Without any of them the camera stands to the right of the front and above, or a quarter, a half or three
-    /// quarters farther around if that side shows clearly more structure.
+    /// and target. Without any of them the camera stands to the right of the front and above, or a quarter farther around if
+    /// the scene is clearly broader from there.
     #[arg(long, value_name = "NAME", value_parser = view_name())]
     view: Option<ViewName>,
     /// Degrees around the vertical: 0 from the front (−Y of surveys, +Z of models), 90 from +X; or where a compass points, as in

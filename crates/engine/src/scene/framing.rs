@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use super::broadest_side::broadest_side;
 use super::error::Error;
-use super::richest_side::richest_side;
 use super::schema::MAX_COORDINATE;
 use super::settings::{CameraSettings, Scene};
 use super::surroundings;
@@ -23,8 +23,8 @@ const CLEARANCE: f64 = 0.1;
 
 /// The scene's camera, and warnings about it.
 ///
-/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter, a half
-/// or three quarters farther around, where that shows clearly more structure), from the
+/// Without `eye` the camera looks from `scene.camera.view` (by default from the front's right and above, or a quarter farther around
+/// where the scene is clearly broader), from the
 /// distance at which every point, as a sphere of its own radius, fits into the image with a margin of 5%. A given view
 /// overrides `eye` and `target`, and `up` then only defines the vertical axis; the clouds' vertical (the argument
 /// `up`) only counts without it. A scene whose points surround its middle, as those of a room do, is looked at from within
@@ -36,7 +36,7 @@ const CLEARANCE: f64 = 0.1;
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
     let vertical = vertical_of(&scene.camera, up);
     let inside = surroundings::inside(&scene.camera, points, vertical);
-    let found = inside.or_else(|| richest_side(&scene.camera, points, vertical));
+    let found = inside.or_else(|| broadest_side(&scene.camera, points, vertical));
     camera_of(scene, &found.unwrap_or(scene.camera), points, up)
 }
 

@@ -5,6 +5,7 @@
 
 mod along;
 mod assemble;
+mod broadest_side;
 mod choice;
 mod classes;
 mod clip;
@@ -25,7 +26,6 @@ mod photo;
 pub mod procedural;
 #[cfg(test)]
 mod reference;
-mod richest_side;
 mod schema;
 mod seen;
 mod settings;

@@ -54,6 +54,11 @@ impl Record {
         (self.gpu_ms.len() > 1).then(|| most / self.least() - 1.0)
     }
 
+    /// True if other work on the machine has to be suspected behind the spread.
+    fn is_busy(&self) -> bool {
+        self.spread().is_some_and(|spread| spread > BUSY)
+    }
+
     fn least(&self) -> f64 {
         self.gpu_ms.iter().copied().fold(f64::INFINITY, f64::min)
     }
@@ -73,6 +78,16 @@ struct CachedRecords {
     /// The setting that was chosen, by what was wished for.
     #[serde(default)]
     chosen: BTreeMap<String, String>,
+}
+
+impl CachedRecords {
+    /// What is worth keeping: not what was measured on a busy machine, but for settings that were chosen: a wish keeps its choice.
+    fn kept(&self) -> Self {
+        let is_chosen = |key: &String| self.chosen.values().any(|chosen| chosen == key);
+        let mut kept = self.clone();
+        kept.records.retain(|key, record| !record.is_busy() || is_chosen(key));
+        kept
+    }
 }
 
 /// Everything that is measured of one scene.
@@ -134,9 +149,9 @@ impl<'a> Trials<'a> {
         Ok(trials)
     }
 
-    /// Keeps what is known.
+    /// Keeps what is known for the next run.
     pub fn store(&self) {
-        if let Ok(bytes) = serde_json::to_vec(&self.known) {
+        if let Ok(bytes) = serde_json::to_vec(&self.known.kept()) {
             gpu::cache::store(KIND, &self.key, &bytes);
         }
     }
@@ -168,8 +183,7 @@ impl<'a> Trials<'a> {
         let row = |setting: &Setting| {
             let record = self.known.records.get(&setting.key())?;
             let name = format!("{} {}", setting.method.name(), setting.text).trim_end().to_owned();
-            let spread = record.spread();
-            Some(Row { name, figures: record.figures(), spread, busy: spread.is_some_and(|spread| spread > BUSY) })
+            Some(Row { name, figures: record.figures(), spread: record.spread(), busy: record.is_busy() })
         };
         all.iter().filter_map(row).collect()
     }
@@ -285,4 +299,23 @@ impl<'a> Trials<'a> {
 /// Device time of a frame in ms.
 fn gpu(rendered: &Rendered) -> f64 {
     rendered.profile.gpu().as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_busy_machine_measured_is_not_kept() {
+        let record = |gpu_ms: &[f64]| Record { rmse: 0.1, gpu_ms: gpu_ms.to_vec(), peak_device_bytes: 1 };
+        let records = [("calm", &[2.0, 2.5][..]), ("once", &[2.0]), ("busy", &[2.0, 3.1]), ("chosen", &[2.0, 9.0])];
+        let known = CachedRecords {
+            max_list: 3,
+            records: records.map(|(key, times)| (key.to_owned(), record(times))).into(),
+            chosen: [("a wish".to_owned(), "chosen".to_owned())].into(),
+        };
+        let kept = known.kept();
+        assert_eq!(kept.records.keys().collect::<Vec<_>>(), ["calm", "chosen", "once"]);
+        assert_eq!((kept.max_list, &kept.chosen), (3, &known.chosen));
+    }
 }

@@ -28,6 +28,7 @@ fn by_hand() -> Profile {
             peak_device_bytes: 1 << 20,
             ..Facts::default()
         },
+        host: Default::default(),
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         frames: vec![
             FrameProfile {
