@@ -13,9 +13,14 @@ use serde_json::{Value, json};
 
 use super::session::Session;
 
-/// Profiles of one frame each, by the frame's number.
+/// Profiles of one frame each.
 #[derive(Default)]
-pub struct Measured(BTreeMap<usize, Value>);
+pub struct Measured {
+    /// By the frame's number.
+    frames: BTreeMap<usize, Value>,
+    /// True if some were measured by this command.
+    has_new: bool,
+}
 
 impl Measured {
     /// Adds a rendered frame and returns its profile; `identity` identifies its picture.
@@ -38,26 +43,29 @@ impl Measured {
             frame.insert("camera".to_owned(), camera_json(camera));
             frame.extend(identity.map(|identity| ("identity".to_owned(), identity.into())));
         }
-        let slot = self.0.entry(number).or_default();
+        self.has_new = true;
+        let slot = self.frames.entry(number).or_default();
         *slot = whole;
         slot
     }
 
     /// The interface's profile of all frames, in their order; all but `frames` is that of the last one. `empty` is one without
-    /// frames, with the phases of the command.
+    /// frames, with the phases of this command, which count if it measured any.
     pub fn to_json(&self, empty: &Profile) -> Value {
-        let frames: Vec<&Value> = self.0.values().filter_map(|one| one.pointer("/frames/0")).collect();
+        let frames: Vec<&Value> = self.frames.values().filter_map(|one| one.pointer("/frames/0")).collect();
         let frames = json!(frames);
         let empty = empty.to_json();
-        let mut whole = self.0.values().next_back().cloned().unwrap_or_else(|| empty.clone());
-        whole["host"] = empty["host"].clone();
+        let mut whole = self.frames.values().next_back().cloned().unwrap_or_else(|| empty.clone());
+        if self.has_new {
+            whole["host"] = empty["host"].clone();
+        }
         whole["frames"] = frames;
         whole
     }
 
     /// Which frames of those up to `count` are not there.
     pub fn missing(&self, count: usize) -> Vec<usize> {
-        (0..count).filter(|number| !self.0.contains_key(number)).collect()
+        (0..count).filter(|number| !self.frames.contains_key(number)).collect()
     }
 
     /// Takes the frames of a profile of one or of many that are of these pictures, and for which `there` is.
@@ -70,7 +78,7 @@ impl Measured {
             if there.get(number) == Some(&true) && identity == identities.get(number).map(String::as_str) {
                 let mut one = whole.clone();
                 one["frames"] = json!([frame]);
-                self.0.insert(number, one);
+                self.frames.insert(number, one);
             }
         }
     }
@@ -107,7 +115,7 @@ impl Journal {
                 }
             }
         }
-        output::write_atomically(&lines, |file| measured.0.values().try_for_each(|one| writeln!(file, "{one}")))?;
+        output::write_atomically(&lines, |file| measured.frames.values().try_for_each(|one| writeln!(file, "{one}")))?;
         let file = OpenOptions::new().append(true).open(&lines).map_err(|source| failed(&lines, source))?;
         Ok((Self { path: path.to_owned(), lines, file }, measured))
     }

@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 
 use super::settings::{CameraSettings, Scene, ShadingModel};
 use super::view::Vertical;
-use crate::cloud::UpAxis;
 use crate::cloud::depth_camera::hundredths;
+use crate::cloud::{Bounds, UpAxis};
 use crate::color::encode_srgb;
 use crate::points::Points;
 
@@ -28,6 +28,10 @@ const FURNISHED: f64 = 0.35;
 const ROOM: f64 = 0.4;
 /// A side is flat if it is shorter than this share of the others.
 const FLAT: f64 = 0.5;
+/// How many times as high as wide points are whose X and Y may be degrees.
+const NEEDLE: f64 = 20.0;
+/// How many times their width they are away from the origin then.
+const FAR: f64 = 50.0;
 /// How much two sRGB values differ at most that can hardly be told apart.
 const ALIKE: f32 = 0.1;
 /// The share of points in the background's color from which on there is little to see.
@@ -200,8 +204,25 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     if settings.eye.is_none() && settings.up.is_none() {
         notes.extend(Layout::of(points, vertical).and_then(|layout| flat_along_another(&layout, vertical)));
     }
+    notes.extend(points.bounds().and_then(|bounds| in_degrees(&bounds)));
     notes.extend(in_the_background(scene, points));
     notes
+}
+
+/// Says that X and Y may be degrees of longitude and latitude, where heights are metres: the scene is a needle then.
+fn in_degrees(bounds: &Bounds) -> Option<String> {
+    let extent = bounds.max - bounds.min;
+    let wide = extent.x.max(extent.y);
+    let on_earth = bounds.min.x >= -180.0 && bounds.max.x <= 180.0 && bounds.min.y >= -90.0 && bounds.max.y <= 90.0;
+    // A mast in coordinates of its own stands near their origin.
+    let far = bounds.center().truncate().abs().max_element() > FAR * wide;
+    (on_earth && far && wide > 0.0 && extent.z > NEEDLE * wide).then(|| {
+        let [x, y, z] = extent.to_array();
+        format!(
+            "x and y span {x:.3} and {y:.3}, z spans {z:.1}: if x and y are degrees, a tool such as PDAL projects them to \
+             metres first, or the picture shows a needle"
+        )
+    })
 }
 
 fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
@@ -309,6 +330,27 @@ mod tests {
         let text = format!("{text}\n[[cloud]]\npath = 'a.ply'");
         let scene = Scene::from_toml(&text, "s.toml".as_ref()).unwrap();
         camera_notes(&scene, &scene_of(positions), UpAxis::Z)
+    }
+
+    #[test]
+    fn degrees_beside_metres_are_noted() {
+        let mut rng = Pcg64Mcg::seed_from_u64(6);
+        let mut spread = |sides: DVec3, at: DVec3| -> Vec<DVec3> {
+            (0..2000).map(|_| at + DVec3::new(rng.random(), rng.random(), rng.random()) * sides).collect()
+        };
+        let place = DVec3::new(-83.4, 39.0, 200.0);
+        let said = notes("", spread(DVec3::new(0.02, 0.01, 40.0), place));
+        assert!(said.iter().any(|note| note.contains("x and y span 0.020 and 0.010, z spans 40.0")), "{said:?}");
+        let others = [
+            (DVec3::new(200.0, 100.0, 40.0), DVec3::new(5e5, 4.5e6, 100.0)),
+            (DVec3::new(0.5, 0.5, 30.0), DVec3::ZERO),
+            (DVec3::new(0.02, 0.01, 0.1), place),
+            (DVec3::new(0.5, 0.5, 30.0), DVec3::new(5e5, 4.5e6, 100.0)),
+        ];
+        for (sides, at) in others {
+            let said = notes("", spread(sides, at));
+            assert!(!said.iter().any(|note| note.contains("degrees")), "{sides} {at}: {said:?}");
+        }
     }
 
     #[test]

@@ -16,6 +16,8 @@ mod procedural;
 mod reference;
 mod rooms;
 mod scene;
+mod scene_camera;
+mod scene_points;
 mod shading_normals;
 mod strays;
 mod surface_opacity;
