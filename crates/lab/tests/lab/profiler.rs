@@ -28,7 +28,7 @@ fn by_hand() -> Profile {
             peak_device_bytes: 1 << 20,
             ..Facts::default()
         },
-        host: Default::default(),
+        host: [3, 0, 0, 0, 2, 8, 1].map(ms),
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         frames: vec![
             FrameProfile {
@@ -55,6 +55,12 @@ fn the_json_is_the_documented_one() {
         "device": { "name": "a device", "driver": "a driver", "timestamp_period_ns": 0.5 },
         "scene": { "points": 5, "pixels": 12, "fragments": 30, "max_list": 4, "list_histogram": [[0, 4], [3, 2], [4, 6]] },
         "memory": { "peak_device_bytes": 1_048_576, "fragment_bytes": 240, "bands": 2 },
+        "host": [
+            { "name": "read", "ms": 3.0 },
+            { "name": "compile", "ms": 2.0 },
+            { "name": "frame", "ms": 8.0 },
+            { "name": "write", "ms": 1.0 },
+        ],
         "frames": [
             { "gpu_ms": 6.0, "wall_ms": 10.0,
               "passes": [pass("x/a", 1.0, None, None), pass("x/b", 5.0, Some(128), Some(1_048_576))] },
