@@ -8,7 +8,7 @@ use pellucid_engine::scene::*;
 
 use crate::scene::{CLOUD, scene_of, with_cloud};
 
-fn points(positions: &[DVec3], radius: f32) -> Points {
+pub fn points(positions: &[DVec3], radius: f32) -> Points {
     Points {
         positions: positions.to_vec(),
         colors: vec![Vec3::ONE; positions.len()],

@@ -77,7 +77,7 @@ pub(super) struct Search<'a> {
     /// Keys that selection may move.
     moved: Vec<u64>,
     boxes: BinaryHeap<Reverse<(u64, u32)>>,
-    /// Places found lately, with the distance of the last that was wanted, for `wanted` of them.
+    /// Places that were looked for lately, each with the distance of the last one wanted around it.
     recent: [(DVec3, f64); RECENT],
     next_recent: usize,
     wanted: usize,

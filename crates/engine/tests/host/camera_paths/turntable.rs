@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use pellucid_engine::camera::path::Turntable;
 use pellucid_engine::camera::{Camera, Projection};
 use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::points::Points;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::{self, Course, Scene, View, procedural};
+
+use crate::scene_camera::points;
 
 #[test]
 fn a_quarter_is_ninety_degrees_of_azimuth() {
@@ -48,16 +50,6 @@ fn the_first_frame_is_the_camera_itself() {
         let camera = Camera::look_at(eye, center, DVec3::Y, projection, 0.1, 10.0).unwrap();
         let turntable = Turntable::new(&camera, center, DVec3::Z);
         assert_eq!((turntable.frames(3)[0], turntable.start.eye), (turntable.start, eye));
-    }
-}
-
-fn points(positions: &[DVec3], radius: f32) -> Points {
-    Points {
-        positions: positions.to_vec(),
-        colors: vec![Vec3::ONE; positions.len()],
-        opacities: vec![1.0; positions.len()],
-        radii: vec![radius; positions.len()],
-        ..Points::default()
     }
 }
 
