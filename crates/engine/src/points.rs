@@ -72,23 +72,24 @@ impl Points {
 
     /// The scene's box, around points that are not drawn, too; `None` without points.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::enclosing(self.positions.iter().chain(&self.unseen.positions).copied())
+        [&self.positions, &self.unseen.positions].into_iter().filter_map(|some| Bounds::of(some)).reduce(Bounds::union)
     }
 
     /// The box of the points that are drawn; `None` without any.
     pub fn drawn_bounds(&self) -> Option<Bounds> {
-        Bounds::enclosing(self.positions.iter().copied())
+        Bounds::of(&self.positions)
     }
 
     /// Positions and radii of all points, also of those that are not drawn.
-    pub fn spheres(&self) -> impl Iterator<Item = (&DVec3, f32)> {
-        let unseen = self.unseen.positions.iter().zip(&self.unseen.radii);
-        self.positions.iter().zip(&self.radii).chain(unseen).map(|(position, radius)| (position, *radius))
+    pub fn spheres(&self) -> impl IndexedParallelIterator<Item = (DVec3, f64)> {
+        let unseen = self.unseen.positions.par_iter().zip(&self.unseen.radii);
+        let all = self.positions.par_iter().zip(&self.radii).chain(unseen).with_min_len(1 << 12);
+        all.map(|(position, radius)| (*position, f64::from(*radius)))
     }
 
     /// The largest radius of all points, also of those that are not drawn; 0 without points.
     pub fn largest_radius(&self) -> f64 {
-        self.spheres().fold(0.0, |most, (_, radius)| f64::from(radius).max(most))
+        self.spheres().map(|(_, radius)| radius).reduce(|| 0.0, f64::max)
     }
 
     /// The same points in another order: place i gets point `from(i)`. Works column by column and frees each once it is

@@ -5,6 +5,7 @@ pub mod field;
 pub mod shadow_texture;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use field::Field;
 use shadow_texture::ShadowTexture;
@@ -128,7 +129,7 @@ impl Cloud {
 
     /// Smallest and largest corner of the finite points; `None` for an empty cloud.
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::enclosing(self.positions.iter().copied())
+        Bounds::of(&self.positions)
     }
 }
 
@@ -142,6 +143,14 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// The bounding box of a list of points, found on all cores; `None` if there are none.
+    pub fn of(points: &[DVec3]) -> Option<Self> {
+        let first = *points.first()?;
+        let add = |b: Self, p: &DVec3| Self { min: b.min.min(*p), max: b.max.max(*p) };
+        let one = Self { min: first, max: first };
+        Some(points.par_chunks(1 << 14).map(|some| some.iter().fold(one, add)).reduce(|| one, Self::union))
+    }
+
     /// The bounding box of some points; `None` if there are none.
     pub fn enclosing(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
         points.into_iter().fold(None, |bounds: Option<Self>, p| {

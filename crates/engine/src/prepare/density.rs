@@ -76,7 +76,7 @@ struct Frame {
 impl Frame {
     /// `None` if no two points differ.
     fn enclosing(points: &[DVec3]) -> Option<Self> {
-        let bounds = Bounds::enclosing(points.iter().copied())?;
+        let bounds = Bounds::of(points)?;
         let doublings = (0..MAX_DOUBLINGS).find(|&d| points.len() << (2 * d) >= MANY).unwrap_or(MAX_DOUBLINGS);
         // Divided before anything is squared: the diagonal of a box of ±1e308 would overflow, and its sides too.
         let part = f64::from(1 << doublings) / DIAGONAL;

@@ -1,6 +1,6 @@
 //! The normal of a neighborhood: its smallest principal axis.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Two principal axes whose variances differ by less than this share of the largest one are indistinguishable: rounding
 /// turns an axis by about 10⁻¹⁶ over that share.
@@ -8,6 +8,9 @@ const LEAST_GAP: f64 = 1e-9;
 
 /// Sweeps of Jacobi's method at most; it converges quadratically, after four or five.
 const SWEEPS: usize = 16;
+
+/// Matrices that are worked on side by side.
+const LANES: usize = 4;
 
 /// The direction in which a neighborhood varies least.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -23,80 +26,143 @@ pub(super) struct SmallestAxis {
     pub planar: bool,
 }
 
-/// That of points around the origin, which are scaled to size 1.
-pub(super) fn smallest_axis(offsets: &mut [DVec3]) -> SmallestAxis {
-    let largest = offsets.iter().fold(DVec3::ZERO, |largest, p| largest.max(p.abs())).max_element();
-    if largest == 0.0 || !largest.is_finite() {
-        return SmallestAxis::default();
+/// How points spread around their mean.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Moments {
+    /// Σ of x², y², z².
+    squares: DVec3,
+    /// Σ of yz, xz, xy.
+    products: DVec3,
+}
+
+impl Moments {
+    /// Those of points by their offsets from one among them, at which there are `here`.
+    ///
+    /// The mean is subtracted from the sums, not from the points: no point is farther from that one than the largest
+    /// variance tells, so that this loses no more digits than rounding takes from an axis anyway.
+    pub fn around(here: usize, offsets: impl Iterator<Item = DVec3>) -> Self {
+        let (mut count, mut sum) = (here, DVec3::ZERO);
+        let mut all = Self::default();
+        for p in offsets {
+            count += 1;
+            sum += p;
+            all.squares += p * p;
+            all.products += DVec3::new(p.y * p.z, p.x * p.z, p.x * p.y);
+        }
+        let mean = sum / count as f64;
+        all.squares -= sum * mean;
+        all.products -= DVec3::new(sum.y * mean.z, sum.x * mean.z, sum.x * mean.y);
+        all
     }
-    let mut sum = DVec3::ZERO;
-    for p in offsets.iter_mut() {
-        *p /= largest;
-        sum += *p;
+}
+
+/// The smallest axes of some neighborhoods, each by its own moments.
+pub(super) fn smallest_axes(moments: &[Moments]) -> Vec<SmallestAxis> {
+    let mut found = Vec::with_capacity(moments.len());
+    for some in moments.chunks(LANES) {
+        let (mut diagonal, mut off) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for (lane, Moments { squares, products }) in some.iter().enumerate() {
+            for axis in 0..3 {
+                (diagonal[axis][lane], off[axis][lane]) = (squares[axis], products[axis]);
+            }
+        }
+        let (variances, axes) = principal_axes(diagonal, off);
+        for lane in 0..some.len() {
+            found.push(smallest_axis(&variances, &axes, lane));
+        }
     }
-    let mean = sum / offsets.len() as f64;
-    // Σ of x², y², z², and of yz, xz, xy.
-    let (mut squares, mut products) = (DVec3::ZERO, DVec3::ZERO);
-    for p in offsets {
-        let p = *p - mean;
-        squares += p * p;
-        products += DVec3::new(p.y * p.z, p.x * p.z, p.x * p.y);
-    }
-    let (variances, axes) = principal_axes(squares, products);
+    found
+}
+
+/// That of the principal axes of a lane.
+fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) -> SmallestAxis {
     let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| variances[a].total_cmp(&variances[b]));
-    let [least, middle, most] = order.map(|axis| variances[axis]);
-    if middle - least <= LEAST_GAP * most {
+    for (a, b) in [(0, 1), (1, 2), (0, 1)] {
+        if variances[order[a]][lane] > variances[order[b]][lane] {
+            order.swap(a, b);
+        }
+    }
+    let [least, middle, most] = order.map(|axis| variances[axis][lane]);
+    // Not a number where offsets are beyond float64.
+    if !(middle - least > LEAST_GAP * most) {
         return SmallestAxis::default();
     }
-    let axis = axes.col(order[0]).normalize().as_vec3();
+    let [x, y, z] = axes[order[0]];
+    let axis = DVec3::new(x[lane], y[lane], z[lane]).normalize().as_vec3();
     let last = axis.to_array().into_iter().rfind(|x| *x != 0.0).unwrap_or_default();
     // σ₂ > 2σ₃, of variances.
     SmallestAxis { direction: if last < 0.0 { -axis } else { axis }, planar: middle > 4.0 * least }
 }
 
-/// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by Jacobi's method: one rotation after the other
-/// makes an element off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without
-/// special cases.
+/// A number of each matrix.
+type Lanes = [f64; LANES];
+
+/// Eigenvalues and unit eigenvectors of symmetric matrices, by Jacobi's method: one rotation after the other makes an element
+/// off the diagonal 0 (Golub, Van Loan, 8.5.2). As accurate for small eigenvalues as for large ones, without special cases.
+/// A matrix needs some thirty divisions and roots, one after the other: side by side, those of several overlap.
 ///
-/// `off` are the elements off the diagonal, each by the index that neither its row nor its column has.
-fn principal_axes(diagonal: DVec3, off: DVec3) -> ([f64; 3], DMat3) {
-    let (mut values, mut off) = (diagonal.to_array(), off.to_array());
-    let mut axes = [DVec3::X, DVec3::Y, DVec3::Z];
+/// `off` are the elements off the diagonal, each by the index that neither its row nor its column has. The vectors come
+/// by their coordinates.
+fn principal_axes(mut values: [Lanes; 3], mut off: [Lanes; 3]) -> ([Lanes; 3], [[Lanes; 3]; 3]) {
+    let (one, zero) = ([1.0; LANES], [0.0; LANES]);
+    let mut axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     for _ in 0..SWEEPS {
         let mut done = true;
         for (p, q, other) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
-            let element = off[other];
-            if element.abs() <= f64::EPSILON * 0.25 * (values[p].abs() + values[q].abs()) {
-                continue;
+            let (mut sin, mut cos) = ([0.0; LANES], [1.0; LANES]);
+            for i in 0..LANES {
+                let element = off[other][i];
+                let is_zero = element.abs() <= f64::EPSILON * 0.25 * (values[p][i].abs() + values[q][i].abs());
+                done &= is_zero;
+                // tan of the angle, the smaller of two solutions; tau is at most 2/ε where it counts.
+                let tau = (values[q][i] - values[p][i]) / (2.0 * element);
+                let tan = 1.0_f64.copysign(tau) / (tau.abs() + (tau * tau + 1.0).sqrt());
+                let tan = if is_zero { 0.0 } else { tan };
+                cos[i] = 1.0 / (tan * tan + 1.0).sqrt();
+                sin[i] = tan * cos[i];
+                values[p][i] -= tan * element;
+                values[q][i] += tan * element;
+                off[other][i] = if is_zero { element } else { 0.0 };
             }
-            done = false;
-            // tan of the angle, the smaller of two solutions; tau is at most 2/ε.
-            let tau = (values[q] - values[p]) / (2.0 * element);
-            let tan = tau.signum() / (tau.abs() + (tau * tau + 1.0).sqrt());
-            let cos = 1.0 / (tan * tan + 1.0).sqrt();
-            let sin = tan * cos;
-            values[p] -= tan * element;
-            values[q] += tan * element;
-            off[other] = 0.0;
-            (off[q], off[p]) = (cos * off[q] - sin * off[p], sin * off[q] + cos * off[p]);
-            (axes[p], axes[q]) = (cos * axes[p] - sin * axes[q], sin * axes[p] + cos * axes[q]);
+            let [off_p, off_q] = [off[p], off[q]];
+            (off[q], off[p]) = rotated(off_q, off_p, sin, cos);
+            let [axis_p, axis_q] = [axes[p], axes[q]];
+            for coordinate in 0..3 {
+                (axes[p][coordinate], axes[q][coordinate]) = rotated(axis_p[coordinate], axis_q[coordinate], sin, cos);
+            }
         }
         if done {
             break;
         }
     }
-    (values, DMat3::from_cols(axes[0], axes[1], axes[2]))
+    (values, axes)
+}
+
+/// (cos·a − sin·b, sin·a + cos·b).
+fn rotated(a: Lanes, b: Lanes, sin: Lanes, cos: Lanes) -> (Lanes, Lanes) {
+    let (mut first, mut second) = (a, b);
+    for i in 0..LANES {
+        (first[i], second[i]) = (cos[i] * a[i] - sin[i] * b[i], sin[i] * a[i] + cos[i] * b[i]);
+    }
+    (first, second)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DMat3;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
+    /// The direction of a neighborhood around its first point, beside others.
     fn normal(points: &[[f64; 3]]) -> Vec3 {
-        smallest_axis(&mut points.iter().map(|p| DVec3::from(*p)).collect::<Vec<_>>()).direction
+        let Some(first) = points.first() else { return smallest_axes(&[Moments::default()])[0].direction };
+        let offsets = points[1..].iter().map(|p| DVec3::from(*p) - DVec3::from(*first));
+        let moments = Moments::around(1, offsets);
+        let slab = Moments { squares: DVec3::new(1.0, 0.5, 2.0), products: DVec3::splat(0.25) };
+        let beside = smallest_axes(&[slab, moments, slab, slab, moments]);
+        assert_eq!(beside[1], beside[4]);
+        beside[1].direction
     }
 
     #[test]
@@ -106,7 +172,10 @@ mod tests {
             let mut number = || (rng.random::<f64>() - 0.5) * 10f64.powi(rng.random_range(-9..4));
             let [a, b, c, d, e, f] = [(); 6].map(|()| number());
             let matrix = DMat3::from_cols_array(&[a, b, c, b, d, e, c, e, f]);
-            let (values, axes) = principal_axes(DVec3::new(a, d, f), DVec3::new(e, c, b));
+            let beside = |own: f64| std::array::from_fn(|lane| if lane == 2 { own } else { lane as f64 });
+            let (values, axes) = principal_axes([a, d, f].map(beside), [e, c, b].map(beside));
+            let values = values.map(|lanes| lanes[2]);
+            let axes = DMat3::from_cols_array_2d(&axes.map(|axis| axis.map(|lanes| lanes[2])));
             let size = values.iter().fold(0f64, |size, x| size.max(x.abs()));
             for (i, value) in values.into_iter().enumerate() {
                 let off = matrix * axes.col(i) - value * axes.col(i);
@@ -123,8 +192,8 @@ mod tests {
         let plane = normal(&[[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [2.0, 0.0, -2.0], [0.5, 0.25, -0.75]]);
         assert!((plane - Vec3::splat(3f32.sqrt().recip())).abs().max_element() < 1e-7, "{plane}");
         assert_eq!(normal(&[[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 3.0, 5.0]]), Vec3::Z);
-        assert_eq!(normal(&[[0.0, 0.0, 0.0], [1e-200, 0.0, 0.0], [0.0, 3e-200, 0.0]]), Vec3::Z);
-        assert_eq!(normal(&[[0.0, 0.0, 0.0], [1e200, 0.0, 0.0], [0.0, 3e200, 0.0]]), Vec3::Z);
+        assert_eq!(normal(&[[0.0, 0.0, 0.0], [1e-150, 0.0, 0.0], [0.0, 3e-150, 0.0]]), Vec3::Z);
+        assert_eq!(normal(&[[0.0, 0.0, 0.0], [1e150, 0.0, 0.0], [0.0, 3e150, 0.0]]), Vec3::Z);
     }
 
     #[test]

@@ -14,12 +14,11 @@ use crate::points::Points;
 pub fn canonical(mut points: Points) -> Points {
     let Some(bounds) = points.drawn_bounds() else { return points };
     let codes = morton::codes(&points.positions, &bounds);
-    let mut order: Vec<(u64, usize)> = codes.into_par_iter().zip(0..points.len()).collect();
-    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_content(&points, a.1, b.1)).then(a.1.cmp(&b.1)));
-    let before = std::mem::take(&mut points.file_order);
-    let mut points = points.in_order(|place| order[place].1);
     // Points are counted in 32 bits from here on: more of them don't fit any device.
-    points.file_order = order.par_iter().map(|&(_, i)| before.get(i).copied().unwrap_or(i as u32)).collect();
+    let order = morton::sorted(codes, |a, b| by_content(&points, a as usize, b as usize).then(a.cmp(&b)));
+    let before = std::mem::take(&mut points.file_order);
+    let mut points = points.in_order(|place| order[place].1 as usize);
+    points.file_order = order.par_iter().map(|&(_, i)| before.get(i as usize).copied().unwrap_or(i)).collect();
     points
 }
 

@@ -41,8 +41,9 @@ pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress
         return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
     let (distances, lists) = places.visit(k, cap > 0.0, progress, |_, _, distance| distance);
-    let uncapped = of_distances(&places, k, &distances);
-    Radii { capped: of_distances(&places, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
+    let ranks = places.ranks();
+    let uncapped = of_distances(&places, &ranks, k, &distances);
+    Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
 }
 
 /// The distances of the last neighbors of each place, at most `cap` times the median of those of a point's K neighbors and
@@ -51,11 +52,8 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
     if cap == 0.0 {
         return distances;
     }
-    let by_rank: Vec<f64> = distances
-        .iter()
-        .enumerate()
-        .flat_map(|(place, distance)| std::iter::repeat_n(*distance, places.members(place).len()))
-        .collect();
+    let ranks = 0..places.order.len() as u32;
+    let by_rank: Vec<f64> = ranks.into_par_iter().map(|rank| distances[places.place_of(rank)]).collect();
     let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
         let own = distances[place];
         // More than half of the radii around are large enough, and so is their median: nearly all places.
@@ -85,15 +83,9 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Eq. 20 for every point of a cloud, in the cloud's order, from the distance of the last neighbor of each place.
-pub(super) fn of_distances(places: &Places, k: usize, distances: &[f64]) -> Vec<f32> {
-    let mut radii = vec![0.0; places.order.len()];
-    for (place, distance) in distances.iter().enumerate() {
-        let radius = of_distance(distance * places.unit(), k);
-        for &index in &places.order[places.members(place)] {
-            radii[index] = radius;
-        }
-    }
-    radii
+pub(super) fn of_distances(places: &Places, ranks: &[u32], k: usize, distances: &[f64]) -> Vec<f32> {
+    let of_rank = |rank: &u32| of_distance(distances[places.place_of(*rank)] * places.unit(), k);
+    ranks.par_iter().map(of_rank).collect()
 }
 
 /// Eq. 20: the radius of a point whose last of K neighbors is so far away.

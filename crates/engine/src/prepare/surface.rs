@@ -4,10 +4,9 @@
 use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use smallvec::{SmallVec, smallvec};
 
 use super::neighbors::{Lists, Places};
-use super::normal::{SmallestAxis, smallest_axis};
+use super::normal::{Moments, SmallestAxis, smallest_axes};
 use super::radius;
 use crate::cloud::field;
 
@@ -67,33 +66,39 @@ fn look(
         };
     };
     let missing = normals.is_none_or(|normals| normals.contains(&Vec3::ZERO));
-    let (seen, lists) = places.visit(k, wants_fields || cap > 0.0, progress, |place, others, distance| {
-        let normal = if missing { estimated_normal(&places, place, others) } else { SmallestAxis::default() };
-        (distance, normal)
+    let see = |place: usize, others: &[u32], distance: f64| {
+        let moments = if missing { moments(&places, place, others) } else { Moments::default() };
+        (distance, moments)
+    };
+    let again = wants_fields || cap > 0.0;
+    let (seen, lists) = places.visit_blocks(k, again, progress, see, |seen| {
+        let (distances, moments): (Vec<f64>, Vec<Moments>) = seen.into_iter().unzip();
+        let axes = if missing { smallest_axes(&moments) } else { vec![SmallestAxis::default(); moments.len()] };
+        distances.into_iter().zip(axes).collect()
     });
-    let distances: Vec<f64> = seen.iter().map(|(distance, _)| *distance).collect();
-    let uncapped = radius::of_distances(&places, k, &distances);
+    let (distances, axes): (Vec<f64>, Vec<SmallestAxis>) = seen.into_par_iter().unzip();
+    let ranks = places.ranks();
+    let uncapped = radius::of_distances(&places, &ranks, k, &distances);
     let distances = radius::capped(&places, (k, cap), &lists, distances);
 
     let given = given();
-    let mut ranked = vec![(Vec3::ZERO, false); count];
-    for (place, (_, estimated)) in seen.iter().enumerate() {
-        for rank in places.members(place) {
-            let own = given[places.order[rank]];
-            ranked[rank] = if own == Vec3::ZERO { (estimated.direction, estimated.planar) } else { (own, false) };
+    let shape = |rank: u32| match given[places.order[rank as usize]] {
+        Vec3::ZERO => {
+            let estimated = axes[places.place_of(rank)];
+            (estimated.direction, estimated.planar)
         }
-    }
-    let raw = if wants_fields { spreads(&places, &lists, k, &distances, &ranked) } else { Vec::new() };
-    let radii = radius::of_distances(&places, k, &distances);
-    let mut surface = Surface { radii, uncapped, normals: given, planar: vec![false; count], fields: no_fields };
-    for (&index, (normal, planar)) in places.order.iter().zip(&ranked) {
-        surface.normals[index] = *normal;
-        surface.planar[index] = *planar;
-    }
-    for (&index, field) in places.order.iter().zip(field::scaled(&raw)) {
-        surface.fields[index] = field;
-    }
-    surface
+        own => (own, false),
+    };
+    let ranked: Vec<(Vec3, bool)> = (0..count as u32).into_par_iter().map(shape).collect();
+    let fields = if wants_fields {
+        let fields = field::scaled(&spreads(&places, &lists, k, &distances, &ranked));
+        ranks.par_iter().map(|&rank| fields[rank as usize]).collect()
+    } else {
+        no_fields
+    };
+    let radii = radius::of_distances(&places, &ranks, k, &distances);
+    let (normals, planar) = ranks.par_iter().map(|&rank| ranked[rank as usize]).unzip();
+    Surface { radii, uncapped, normals, planar, fields }
 }
 
 /// Eq. 21 of all points by rank, without a factor common to all.
@@ -103,12 +108,11 @@ fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: 
     (0..places.len()).into_par_iter().with_min_len(1 << 10).flat_map_iter(of_place).collect()
 }
 
-/// The normal of the points at a place and their neighbors elsewhere.
-fn estimated_normal(places: &Places, place: usize, others: &[u32]) -> SmallestAxis {
-    let here = places.positions[places.members(place).start];
-    let mut offsets: SmallVec<[DVec3; 32]> = smallvec![DVec3::ZERO; places.members(place).len()];
-    offsets.extend(others.iter().map(|&rank| places.positions[rank as usize] - here));
-    smallest_axis(&mut offsets)
+/// The moments of the points at a place and their neighbors elsewhere, in units of distance.
+fn moments(places: &Places, place: usize, others: &[u32]) -> Moments {
+    let (here, per_unit) = (places.positions[places.members(place).start], 1.0 / places.unit());
+    let offsets = others.iter().map(|&rank| (places.positions[rank as usize] - here) * per_unit);
+    Moments::around(places.members(place).len(), offsets)
 }
 
 /// Eq. 21 of each point at a place, without a factor common to all.

@@ -2,6 +2,7 @@
 //! values that keys and the turn take from the scene.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::error::{Error, Place};
 use super::framing::{self, Extent, Spheres, Subject};
@@ -156,15 +157,16 @@ fn turned_extent(spheres: &Spheres<'_>, tangents: DVec2, axis: DVec3) -> Extent 
         most(-up - forward * tangents.y),
     ];
     let nearest = most(-forward);
-    let mut extent = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
-    for (position, own) in spheres.points.spheres() {
-        let (p, own) = (*position - spheres.center, f64::from(own));
+    let one = |(position, own): (DVec3, f64)| {
+        let p = position - spheres.center;
         let height = p.dot(axis);
         let radius = (p - axis * height).length();
         let [x, y, minus_x, minus_y] = planes.each_ref().map(|plane| plane(height, radius));
-        extent.upper = extent.upper.max(DVec2::new(x, y) + reach * own);
-        extent.lower = extent.lower.min(-DVec2::new(minus_x, minus_y) - reach * own);
-        extent.nearest = extent.nearest.min(-nearest(height, radius) - own);
-    }
-    extent
+        Extent {
+            upper: DVec2::new(x, y) + reach * own,
+            lower: -DVec2::new(minus_x, minus_y) - reach * own,
+            nearest: -nearest(height, radius) - own,
+        }
+    };
+    spheres.points.spheres().map(one).reduce(|| Extent::NOTHING, Extent::union)
 }

@@ -30,7 +30,7 @@ pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical
     }
     let azimuth = View::default().azimuth_of(vertical);
     let sides = [0.0, 90.0].map(|more| View { azimuth: Some(azimuth + more), ..View::default() });
-    let covered: Vec<usize> = sides.par_iter().map(|view| covered(points, count, view.axes(vertical))).collect();
+    let covered = sides.map(|view| covered(points, count, view.axes(vertical)));
     let is_broader = covered[1] as f64 > MORE * covered[0] as f64;
     is_broader.then(|| CameraSettings { view: sides[1], ..*settings })
 }
@@ -38,18 +38,20 @@ pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical
 /// The cells that points cover in a coarse picture along `forward` with this `up`.
 fn covered(points: &Points, count: usize, (forward, up): (DVec3, DVec3)) -> usize {
     let Some(bounds) = points.bounds() else { return 0 };
-    let (center, axes) = (bounds.center(), [forward.cross(up), up]);
+    let center = bounds.center();
     let half = bounds.corners().iter().map(|corner| (*corner - center).length()).fold(0.0, f64::max);
     let side = ((count as f64 / POINTS_A_CELL).sqrt() as usize).clamp(CELLS[0], CELLS[1]);
-    let mut cells = vec![false; side * side];
-    for position in points.positions.iter().chain(&points.unseen.positions) {
-        let [x, y] = axes.map(|axis| {
-            let share = 0.5 + 0.5 * (*position - center).dot(axis) / half;
-            ((share * side as f64) as usize).min(side - 1)
-        });
-        cells[y * side + x] = true;
-    }
-    cells.into_iter().filter(|covered| *covered).count()
+    let [right, up] = [forward.cross(up), up].map(|axis| axis * (0.5 * side as f64 / half));
+    let cell = |offset: f64| ((0.5 * side as f64 + offset) as usize).min(side - 1);
+    let cover = |mut cells: Vec<bool>, position: &DVec3| {
+        let p = *position - center;
+        cells[cell(p.dot(up)) * side + cell(p.dot(right))] = true;
+        cells
+    };
+    let both = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
+    let nothing = || vec![false; side * side];
+    let all = points.positions.par_iter().chain(&points.unseen.positions).with_min_len(1 << 16);
+    all.fold(nothing, cover).reduce(nothing, both).into_iter().filter(|covered| *covered).count()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The camera of a scene: as given, and where nothing is given so that the whole scene fits into the image.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::broadest_side::broadest_side;
 use super::error::Error;
@@ -272,23 +273,23 @@ pub(super) struct Spheres<'a> {
 
 impl Spheres<'_> {
     /// Offset, depth, radius.
-    fn iter(&self) -> impl Iterator<Item = (DVec2, f64, f64)> {
+    fn iter(&self) -> impl IndexedParallelIterator<Item = (DVec2, f64, f64)> {
         let [right, up, forward] = self.axes;
         self.points.spheres().map(move |(position, radius)| {
-            let p = *position - self.center;
-            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), f64::from(radius))
+            let p = position - self.center;
+            (DVec2::new(p.dot(right), p.dot(up)), p.dot(forward), radius)
         })
     }
 
     fn extent(&self, tangents: DVec2) -> Extent {
         // 1/cos of the planes' angles.
         let reach = (DVec2::ONE + tangents * tangents).map(f64::sqrt);
-        let nothing = Extent { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
-        self.iter().fold(nothing, |extent, (offset, depth, radius)| Extent {
+        let with = |extent: Extent, (offset, depth, radius): (DVec2, f64, f64)| Extent {
             upper: extent.upper.max(offset - tangents * depth + reach * radius),
             lower: extent.lower.min(offset + tangents * depth - reach * radius),
             nearest: extent.nearest.min(depth - radius),
-        })
+        };
+        self.iter().fold(|| Extent::NOTHING, with).reduce(|| Extent::NOTHING, Extent::union)
     }
 
     /// The shift of an eye at this distance that puts the outermost discs equally far from the image's centre, along
@@ -300,17 +301,17 @@ impl Spheres<'_> {
     fn middle(&self, distance: f64, mut shift: DVec2) -> DVec2 {
         const ROUNDS: usize = 8;
         for _ in 0..ROUNDS {
-            // Slope, and 1/z of the disc that has it.
-            let start = [(f64::NEG_INFINITY, 0.0); 2];
-            let mut most = start;
-            let mut least = start;
-            for (offset, depth, radius) in self.iter() {
-                let inverse = 1.0 / (depth + distance);
-                for (axis, offset) in (offset - shift).to_array().into_iter().enumerate() {
-                    most[axis] = later(most[axis], ((offset + radius) * inverse, inverse));
-                    least[axis] = later(least[axis], ((radius - offset) * inverse, inverse));
-                }
-            }
+            // Slope, and 1/z of the disc that has it: the greatest and the least of each axis.
+            let nothing = [(f64::NEG_INFINITY, 0.0); 4];
+            let with = |[x, y, left, down]: [(f64, f64); 4], (offset, depth, radius): (DVec2, f64, f64)| {
+                let (inverse, offset) = (1.0 / (depth + distance), offset - shift);
+                let outer = |offset: f64| ((offset + radius) * inverse, inverse);
+                let [x, y] = [later(x, outer(offset.x)), later(y, outer(offset.y))];
+                [x, y, later(left, outer(-offset.x)), later(down, outer(-offset.y))]
+            };
+            let both = |a: [(f64, f64); 4], b: [(f64, f64); 4]| std::array::from_fn(|i| later(a[i], b[i]));
+            let outermost = self.iter().fold(|| nothing, with).reduce(|| nothing, both);
+            let (most, least) = outermost.split_at(2);
             let step = |axis: usize| (most[axis].0 - least[axis].0) / (most[axis].1 + least[axis].1);
             let step = DVec2::new(step(0), step(1));
             shift += step;
@@ -342,6 +343,18 @@ pub(super) struct Extent {
 }
 
 impl Extent {
+    /// That of no spheres.
+    pub const NOTHING: Self = Self { upper: DVec2::NEG_INFINITY, lower: DVec2::INFINITY, nearest: f64::INFINITY };
+
+    /// That of the spheres of both.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            upper: self.upper.max(other.upper),
+            lower: self.lower.min(other.lower),
+            nearest: self.nearest.min(other.nearest),
+        }
+    }
+
     /// The smallest distance from which all fits with some shift of the eye.
     pub fn distance(&self, tangents: DVec2) -> f64 {
         ((self.upper - self.lower) / (2.0 * tangents)).max_element()

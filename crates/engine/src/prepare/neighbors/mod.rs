@@ -35,6 +35,8 @@ pub(super) struct Places {
     pub positions: Vec<DVec3>,
     /// For each place its first rank, with their number as the last entry.
     starts: Vec<u32>,
+    /// Places by rank.
+    places: Vec<u32>,
     /// Finds places.
     tree: Tree,
     columns: Columns,
@@ -70,33 +72,28 @@ impl Places {
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
         // Ranks have 32 bits.
         u32::try_from(positions.len()).ok()?;
-        let bounds = Bounds::enclosing(positions.iter().copied())?;
-        let codes = morton::codes(positions, &bounds);
+        let bounds = Bounds::of(positions)?;
         let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
-        let mut keyed: Vec<(u64, u32)> = codes.into_par_iter().zip(0..positions.len() as u32).collect();
-        keyed.par_sort_unstable_by(|&(a_code, a), &(b_code, b)| {
-            let by_content = || {
-                let [a, b] = [a as usize, b as usize];
-                let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
-                by_position.then_with(|| normal(a).cmp(&normal(b)))
-            };
-            a_code.cmp(&b_code).then_with(by_content)
+        let keyed = morton::sorted(morton::codes(positions, &bounds), |a, b| {
+            let [a, b] = [a as usize, b as usize];
+            let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
+            by_position.then_with(|| normal(a).cmp(&normal(b)))
         });
-        let positions: Vec<DVec3> = keyed.par_iter().map(|&(_, index)| positions[index as usize]).collect();
-
-        let (mut places, mut codes) = (Vec::new(), Vec::new());
-        let mut starts = Vec::new();
-        for (rank, position) in positions.iter().enumerate() {
-            if places.last() != Some(position) {
-                places.push(*position);
-                codes.push(keyed[rank].0);
-                starts.push(rank as u32);
-            }
-        }
+        let order: Vec<usize> = keyed.par_iter().map(|&(_, index)| index as usize).collect();
+        let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
+        let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
+        let mut starts: Vec<u32> = (0..positions.len() as u32).into_par_iter().filter(is_first).collect();
+        let codes: Vec<u64> = starts.par_iter().map(|&rank| keyed[rank as usize].0).collect();
+        let unit = unit(&bounds);
+        let columns = Columns::new(&positions, &starts, unit);
+        let tree = Tree::new(&columns, &codes);
         starts.push(positions.len() as u32);
-        let order = keyed.into_par_iter().map(|(_, index)| index as usize).collect();
-        let (tree, unit) = (Tree::new(&places, &codes), unit(&bounds));
-        Some(Self { order, positions, starts, tree, columns: Columns::new(&places, unit), unit })
+        let members = |place: usize| (starts[place + 1] - starts[place]) as usize;
+        let mut places = Vec::with_capacity(positions.len());
+        for place in 0..starts.len() - 1 {
+            places.resize(places.len() + members(place), place as u32);
+        }
+        Some(Self { order, positions, starts, places, tree, columns, unit })
     }
 
     /// Number of distinct positions.
@@ -111,7 +108,16 @@ impl Places {
 
     /// The place of the point of a rank.
     pub fn place_of(&self, rank: u32) -> usize {
-        self.starts.partition_point(|start| *start <= rank) - 1
+        self.places[rank as usize] as usize
+    }
+
+    /// The rank of each point of the cloud.
+    pub fn ranks(&self) -> Vec<u32> {
+        let mut ranks = vec![0; self.order.len()];
+        for (rank, &index) in self.order.iter().enumerate() {
+            ranks[index] = rank as u32;
+        }
+        ranks
     }
 
     /// World units in which distances are given; a power of two.
@@ -144,10 +150,17 @@ impl Places {
             return 0.0;
         }
         let is_single = |place: u32| self.starts[place as usize + 1] - self.starts[place as usize] == 1;
-        let all_differ = self.starts.len() > self.positions.len();
-        if found.len() == k + 1 && (all_differ || found.iter().all(|&place| is_single(place))) {
-            let others = found.iter().filter(|&&other| other as usize != place);
-            ranks.extend(others.map(|&other| self.starts[other as usize]));
+        if found.len() == k + 1
+            && (self.starts.len() > self.positions.len() || found.iter().all(|&place| is_single(place)))
+        {
+            // Written whether it is another or not: no branch to mispredict.
+            let mut count = 0;
+            ranks.resize(found.len(), 0);
+            for &other in found {
+                ranks[count] = self.starts[other as usize];
+                count += usize::from(other as usize != place);
+            }
+            ranks.truncate(count);
             return last.sqrt();
         }
         let places = self.sorted(place, found);
@@ -168,7 +181,7 @@ impl Places {
         let mut places: Vec<(f64, usize)> =
             others.map(|there| (self.columns.squared_between(place, there), there)).collect();
         places.sort_unstable_by(|a, b| {
-            let coordinates = |place: usize| (self.columns.position(place) + DVec3::ZERO).to_array();
+            let coordinates = |place: usize| (self.positions[self.starts[place] as usize] + DVec3::ZERO).to_array();
             let by_position = || {
                 let [a, b] = [coordinates(a.1), coordinates(b.1)];
                 a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
@@ -187,9 +200,21 @@ impl Places {
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
     ) -> (Vec<T>, Lists) {
+        self.visit_blocks(k, again, progress, see, |seen| seen)
+    }
+
+    /// Like [`Places::visit`]; what `see` returns goes through `finish`, the values of some thousand places at a time.
+    pub fn visit_blocks<T, U: Send>(
+        &self,
+        k: usize,
+        again: bool,
+        progress: &Progress,
+        see: impl Fn(usize, &[u32], f64) -> T + Sync,
+        finish: impl Fn(Vec<T>) -> Vec<U> + Sync,
+    ) -> (Vec<U>, Lists) {
         progress.set_length(self.len() as u64);
         let keep = again && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
-        let blocks: Vec<(Vec<T>, Vec<u32>)> = (0..self.len().div_ceil(BLOCK))
+        let blocks: Vec<(Vec<U>, Vec<u32>)> = (0..self.len().div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
                 let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
@@ -205,11 +230,13 @@ impl Places {
                     }
                 });
                 progress.inc(places.len() as u64);
-                (seen, kept)
+                (finish(seen), kept)
             })
             .collect();
-        let (seen, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-        (seen.into_iter().flatten().collect(), Lists { k, kept: keep.then_some(kept) })
+        let mut all = Vec::with_capacity(self.len());
+        let (finished, kept): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+        finished.into_iter().for_each(|finished| all.extend(finished));
+        (all, Lists { k, kept: keep.then_some(kept) })
     }
 
     /// Calls `see` for each of some places with the places as near as the k-th other one, in ascending order, and that one's

@@ -4,10 +4,11 @@
 //! gathered once, within a distance that the neighbors of a place nearby bound (the triangle inequality). Where that would be
 //! too many leaves, as around a stray, each place goes through the tree by itself, nearest box first.
 
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::tree::{Cuboid, LEAF, Node, Tree};
 
@@ -17,23 +18,26 @@ const MOST_AROUND: usize = 4096;
 /// Places that were looked for last: their distances bound those of the next.
 const RECENT: usize = 16;
 
+/// Numbers that are tried before distances are selected by moving them.
+const CUTS: usize = 8;
+
 /// Widens a bound by the roundings of a distance and of a sum.
 const WIDER: f64 = 1.0 + 1e-14;
 
-/// Positions by place, a coordinate at a time.
+/// Positions by place, a coordinate at a time, in the unit of distances: a power of two, so that scaling rounds nothing.
 #[derive(Debug, Default)]
 pub(super) struct Columns {
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
-    /// One over the unit of distances, a power of two: scaling rounds nothing.
-    pub per_unit: f64,
 }
 
 impl Columns {
-    pub fn new(positions: &[DVec3], unit: f64) -> Self {
-        let column = |axis: usize| positions.iter().map(|p| p[axis]).collect();
-        Self { x: column(0), y: column(1), z: column(2), per_unit: 1.0 / unit }
+    /// From positions by rank, and the first rank of each place.
+    pub fn new(positions: &[DVec3], starts: &[u32], unit: f64) -> Self {
+        let per_unit = 1.0 / unit;
+        let column = |axis: usize| starts.par_iter().map(|&rank| positions[rank as usize][axis] * per_unit).collect();
+        Self { x: column(0), y: column(1), z: column(2) }
     }
 
     pub fn position(&self, place: usize) -> DVec3 {
@@ -42,12 +46,7 @@ impl Columns {
 
     /// The squared distance of two places.
     pub fn squared_between(&self, a: usize, b: usize) -> f64 {
-        self.squared(self.position(a), self.position(b))
-    }
-
-    /// The squared distance of two positions.
-    fn squared(&self, a: DVec3, b: DVec3) -> f64 {
-        ((b - a) * self.per_unit).length_squared()
+        (self.position(b) - self.position(a)).length_squared()
     }
 
     /// The squared distances of the places of a leaf, the rest of the list being of no meaning.
@@ -57,7 +56,6 @@ impl Columns {
         let mut squared = [0.0; LEAF];
         for (i, squared) in squared.iter_mut().enumerate().take(len) {
             let (x, y, z) = (x[i] - here.x, y[i] - here.y, z[i] - here.z);
-            let (x, y, z) = (x * self.per_unit, y * self.per_unit, z * self.per_unit);
             *squared = x * x + y * y + z * z;
         }
         squared
@@ -69,13 +67,12 @@ pub(super) struct Search<'a> {
     tree: &'a Tree,
     columns: &'a Columns,
     around: Around,
-    /// Places that were found, and bits of their squared distances, which are ordered as the distances are: the first
-    /// `count` of each.
+    /// Places that were found, and their squared distances: the first `count` of each.
     found: Vec<u32>,
-    keys: Vec<u64>,
+    squared: Vec<f64>,
     count: usize,
-    /// Keys that selection may move.
-    moved: Vec<u64>,
+    /// Distances that selection may move.
+    moved: Vec<f64>,
     boxes: BinaryHeap<Reverse<(u64, u32)>>,
     /// Places that were looked for lately, each with the distance of the last one wanted around it.
     recent: [(DVec3, f64); RECENT],
@@ -93,6 +90,8 @@ struct Around {
     from_leaf: Vec<f64>,
     /// Squared distances from a place.
     squared: Vec<f64>,
+    /// Those of the leaves that are near enough to it.
+    near: Vec<u32>,
     /// The number of places in them.
     places: usize,
     /// The squared distance from the middle leaf within which there are all.
@@ -107,7 +106,7 @@ impl<'a> Search<'a> {
             columns,
             around: Around::default(),
             found: Vec::new(),
-            keys: Vec::new(),
+            squared: Vec::new(),
             count: 0,
             moved: Vec::new(),
             boxes: BinaryHeap::new(),
@@ -121,7 +120,7 @@ impl<'a> Search<'a> {
     /// ascending order, and with that one's squared distance. All places if there are no more than wanted.
     pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, &[u32], f64)) {
         let here = self.columns.position(places.start);
-        let farthest = places.clone().map(|place| self.columns.squared(here, self.columns.position(place)));
+        let farthest = places.clone().map(|place| self.columns.squared_between(places.start, place));
         let farthest = farthest.fold(0.0, f64::max).sqrt();
         let mut near = self.gather(&leaf, self.bound(here) + farthest);
         for place in places.clone() {
@@ -147,7 +146,7 @@ impl<'a> Search<'a> {
 
     /// Gathers the leaves within a distance of one; false if they hold too many places.
     fn gather(&mut self, leaf: &Node, reach: f64) -> bool {
-        self.around.gather(self.tree, self.columns.per_unit, &leaf.cuboid, reach * reach * WIDER)
+        self.around.gather(self.tree, &leaf.cuboid, reach * reach * WIDER)
     }
 
     /// Like [`Search::leaf`] of one place.
@@ -159,7 +158,7 @@ impl<'a> Search<'a> {
 
     /// A distance within which as many places lie as are wanted, and the one that is asked for.
     fn bound(&self, here: DVec3) -> f64 {
-        let through = |(there, distance): &(DVec3, f64)| distance + self.columns.squared(here, *there).sqrt();
+        let through = |(there, distance): &(DVec3, f64)| distance + here.distance(*there);
         self.recent.iter().map(through).fold(f64::INFINITY, f64::min) * WIDER
     }
 
@@ -170,23 +169,23 @@ impl<'a> Search<'a> {
 
     /// Finds all places within a squared distance, in the leaves around. False if there are too few.
     fn within(&mut self, here: DVec3, bound: f64) -> bool {
-        let Self { around, found, keys, columns, .. } = self;
+        let Self { around, found, squared, columns, .. } = self;
         let bound = bound.min(around.reach);
-        around.measure(here, columns.per_unit);
+        around.measure(here, bound);
         if found.len() < around.places {
             found.resize(around.places, 0);
-            keys.resize(around.places, 0);
+            squared.resize(around.places, 0.0);
         }
-        let (found, keys) = (found.as_mut_slice(), keys.as_mut_slice());
+        let (found, squared) = (found.as_mut_slice(), squared.as_mut_slice());
         let mut count = 0;
-        for (leaf, _) in around.leaves.iter().zip(&around.squared).filter(|(_, squared)| **squared <= bound) {
+        for &leaf in &around.near {
+            let leaf = &around.leaves[leaf as usize];
             let (first, len) = (leaf.first as usize, (leaf.leaf_len as usize).min(LEAF));
-            let squared = columns.squared_of_leaf(here, first, len);
+            let distances = columns.squared_of_leaf(here, first, len);
             // Written whether it is near enough or not: no branch to mispredict.
-            for (i, squared) in squared.iter().enumerate().take(len) {
-                keys[count] = squared.to_bits();
-                found[count] = (first + i) as u32;
-                count += usize::from(*squared <= bound);
+            for (i, distance) in distances.iter().enumerate().take(len) {
+                (found[count], squared[count]) = ((first + i) as u32, *distance);
+                count += usize::from(*distance <= bound);
             }
         }
         self.count = count;
@@ -195,16 +194,15 @@ impl<'a> Search<'a> {
 
     /// Finds at least the places wanted through the tree, nearest box first.
     fn through_tree(&mut self, here: DVec3) {
-        let Self { tree, columns, found, keys, moved, boxes, wanted, .. } = self;
+        let Self { tree, columns, found, squared, moved, boxes, wanted, .. } = self;
         let point = Cuboid { min: here, max: here };
         let mut count = 0;
         boxes.clear();
         let (mut bound, mut most) = (f64::INFINITY, 4 * (*wanted + LEAF));
-        let key =
-            |node: u32| Reverse((tree.nodes[node as usize].cuboid.squared(&point, columns.per_unit).to_bits(), node));
+        let key = |node: u32| Reverse((tree.nodes[node as usize].cuboid.squared(&point).to_bits(), node));
         boxes.push(key(0));
-        while let Some(Reverse((squared, index))) = boxes.pop() {
-            if f64::from_bits(squared) > bound {
+        while let Some(Reverse((distance, index))) = boxes.pop() {
+            if f64::from_bits(distance) > bound {
                 break;
             }
             let node = tree.nodes[index as usize];
@@ -217,69 +215,88 @@ impl<'a> Search<'a> {
             let (first, len) = (node.first as usize, node.leaf_len as usize);
             if found.len() < count + len {
                 found.resize(count + len, 0);
-                keys.resize(count + len, 0);
+                squared.resize(count + len, 0.0);
             }
-            for (i, squared) in columns.squared_of_leaf(here, first, len).iter().enumerate().take(len) {
-                if *squared <= bound {
-                    (found[count], keys[count]) = ((first + i) as u32, squared.to_bits());
+            for (i, distance) in columns.squared_of_leaf(here, first, len).iter().enumerate().take(len) {
+                if *distance <= bound {
+                    (found[count], squared[count]) = ((first + i) as u32, *distance);
                     count += 1;
                 }
             }
             // Those too far are dropped before they are many more than wanted.
             if count > most {
-                let last;
-                (count, last) = nearest(&mut found[..count], &mut keys[..count], moved, *wanted);
-                bound = f64::from_bits(last);
+                (count, bound) = nearest(&mut found[..count], &mut squared[..count], moved, *wanted);
                 most = most.max(2 * count);
             }
         }
-        sort_together(&mut found[..count], &mut keys[..count]);
+        sort_together(&mut found[..count], &mut squared[..count]);
         self.count = count;
     }
 
     /// Drops those farther than the last one wanted; its squared distance.
     fn keep_nearest(&mut self) -> f64 {
-        let (found, keys) = (&mut self.found[..self.count], &mut self.keys[..self.count]);
+        let (found, squared) = (&mut self.found[..self.count], &mut self.squared[..self.count]);
         let last;
-        (self.count, last) = nearest(found, keys, &mut self.moved, self.wanted);
-        f64::from_bits(last)
+        (self.count, last) = nearest(found, squared, &mut self.moved, self.wanted);
+        last
     }
 }
 
-/// Puts places and their keys into ascending order of places.
-fn sort_together(found: &mut [u32], keys: &mut [u64]) {
-    let mut both: Vec<(u32, u64)> = found.iter().copied().zip(keys.iter().copied()).collect();
-    both.sort_unstable();
-    for (i, (place, key)) in both.into_iter().enumerate() {
-        (found[i], keys[i]) = (place, key);
+/// Puts places and their distances into ascending order of places.
+fn sort_together(found: &mut [u32], squared: &mut [f64]) {
+    let mut both: Vec<(u32, f64)> = found.iter().copied().zip(squared.iter().copied()).collect();
+    both.sort_unstable_by_key(|(place, _)| *place);
+    for (i, (place, distance)) in both.into_iter().enumerate() {
+        (found[i], squared[i]) = (place, distance);
     }
 }
 
-/// Moves the places as near as the one after `wanted` others to the front, in their order; their number and the key of that
-/// one. Of fewer places all stay.
-fn nearest(found: &mut [u32], keys: &mut [u64], moved: &mut Vec<u64>, wanted: usize) -> (usize, u64) {
-    moved.clear();
-    moved.extend_from_slice(keys);
-    let last = match moved.len().checked_sub(wanted + 1) {
-        Some(_) => *moved.select_nth_unstable(wanted).1,
-        None => moved.iter().copied().max().unwrap_or_default(),
+/// Moves the places as near as the one after `wanted` others to the front, in their order; their number and the squared
+/// distance of that one. Of fewer places all stay.
+fn nearest(found: &mut [u32], squared: &mut [f64], moved: &mut Vec<f64>, wanted: usize) -> (usize, f64) {
+    let limit = if squared.len() > wanted + 1 {
+        cut(squared, wanted + 1).unwrap_or_else(|| {
+            moved.clear();
+            moved.extend_from_slice(squared);
+            *moved.select_nth_unstable_by(wanted, f64::total_cmp).1
+        })
+    } else {
+        f64::INFINITY
     };
     let mut kept = 0;
     for i in 0..found.len() {
-        (found[kept], keys[kept]) = (found[i], keys[i]);
-        kept += usize::from(keys[i] <= last);
+        (found[kept], squared[kept]) = (found[i], squared[i]);
+        kept += usize::from(squared[i] <= limit);
     }
-    (kept, last)
+    (kept, squared[..kept].iter().copied().fold(0.0, larger))
+}
+
+/// A number that so many of some distances don't exceed, by counting and interpolating. `None` where it isn't soon found, as
+/// where many are equal.
+fn cut(squared: &[f64], wanted: usize) -> Option<f64> {
+    let (mut low, mut high) = ((0.0, 0), (squared.iter().copied().fold(0.0, larger), squared.len()));
+    for _ in 0..CUTS {
+        let share = (wanted as f64 + 0.5 - low.1 as f64) / (high.1 - low.1) as f64;
+        let middle = low.0 + (high.0 - low.0) * share;
+        // As floats, which compare and add in vectors.
+        let count = squared.iter().fold(0, |count, distance| count + u64::from(*distance <= middle)) as usize;
+        match count.cmp(&wanted) {
+            Ordering::Equal => return Some(middle),
+            Ordering::Less => low = (middle, count),
+            Ordering::Greater => high = (middle, count),
+        }
+    }
+    None
 }
 
 impl Around {
     /// Gathers the leaves within a squared distance of a leaf; false if their places are too many.
-    fn gather(&mut self, tree: &Tree, per_unit: f64, leaf: &Cuboid, reach: f64) -> bool {
+    fn gather(&mut self, tree: &Tree, leaf: &Cuboid, reach: f64) -> bool {
         self.truncate(0);
         (self.places, self.reach) = (0, reach);
         let mut index = 0;
         while let Some(node) = tree.nodes.get(index) {
-            let squared = node.cuboid.squared(leaf, per_unit);
+            let squared = node.cuboid.squared(leaf);
             if squared > reach {
                 index = node.next as usize;
                 continue;
@@ -328,18 +345,25 @@ impl Around {
         self.edges.iter_mut().for_each(|edges| edges.truncate(leaves));
     }
 
-    /// Finds the squared distances of the leaves from a place.
-    fn measure(&mut self, here: DVec3, per_unit: f64) {
+    /// Finds the leaves within a squared distance from a place.
+    fn measure(&mut self, here: DVec3, bound: f64) {
         let count = self.leaves.len();
         self.squared.resize(count, 0.0);
         let [x0, y0, z0, x1, y1, z1] = &self.edges;
         let (x0, y0, z0) = (&x0[..count], &y0[..count], &z0[..count]);
         let (x1, y1, z1) = (&x1[..count], &y1[..count], &z1[..count]);
         for (i, squared) in self.squared.iter_mut().enumerate() {
-            let apart = |low: f64, high: f64, here: f64| larger(larger(low - here, here - high), 0.0) * per_unit;
+            let apart = |low: f64, high: f64, here: f64| larger(larger(low - here, here - high), 0.0);
             let (x, y, z) = (apart(x0[i], x1[i], here.x), apart(y0[i], y1[i], here.y), apart(z0[i], z1[i], here.z));
             *squared = x * x + y * y + z * z;
         }
+        self.near.resize(count, 0);
+        let mut kept = 0;
+        for (leaf, squared) in self.squared.iter().enumerate() {
+            self.near[kept] = leaf as u32;
+            kept += usize::from(*squared <= bound);
+        }
+        self.near.truncate(kept);
     }
 }
 

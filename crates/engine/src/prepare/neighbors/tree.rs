@@ -5,8 +5,13 @@
 
 use glam::DVec3;
 
+use super::search::Columns;
+
 /// Places in a leaf at most.
 pub(super) const LEAF: usize = 32;
+
+/// Places below which a branch grows on one core.
+const SERIAL: usize = 1 << 15;
 
 /// A box along the axes.
 #[derive(Debug, Clone, Copy)]
@@ -16,19 +21,18 @@ pub(super) struct Cuboid {
 }
 
 impl Cuboid {
-    fn around(positions: &[DVec3]) -> Self {
+    fn around(positions: impl Iterator<Item = DVec3>) -> Self {
         let start = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
-        positions.iter().fold(start, |all, p| Self { min: all.min.min(*p), max: all.max.max(*p) })
+        positions.fold(start, |all, p| Self { min: all.min.min(p), max: all.max.max(p) })
     }
 
     fn and(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The squared distance of another box, zero if they touch, in units of 1 / `per_unit`.
-    pub fn squared(&self, other: &Self, per_unit: f64) -> f64 {
-        let apart = (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO) * per_unit;
-        apart.length_squared()
+    /// The squared distance of another box, zero if they touch.
+    pub fn squared(&self, other: &Self) -> f64 {
+        (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO).length_squared()
     }
 }
 
@@ -53,41 +57,56 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of distinct positions with ascending Morton codes.
-    pub fn new(positions: &[DVec3], codes: &[u64]) -> Self {
-        let mut tree = Self { nodes: Vec::with_capacity(positions.len() / 4), leaves: Vec::new() };
-        if !positions.is_empty() {
-            tree.add(positions, codes, 0);
-        }
-        let leaves = tree.nodes.iter().enumerate().filter(|(_, node)| node.leaf_len > 0);
-        tree.leaves = leaves.map(|(index, _)| index as u32).collect();
-        tree
-    }
-
-    /// Adds a node over places from `first` on. Its depth is at most 63, one for each bit of a code, and 32 below.
-    fn add(&mut self, positions: &[DVec3], codes: &[u64], first: usize) -> Cuboid {
-        let node = self.nodes.len();
-        let is_leaf = positions.len() <= LEAF;
-        let leaf_len = if is_leaf { positions.len() as u32 } else { 0 };
-        let nowhere = Cuboid { min: DVec3::ZERO, max: DVec3::ZERO };
-        self.nodes.push(Node { cuboid: nowhere, first: first as u32, leaf_len, next: 0 });
-        let cuboid = if is_leaf {
-            Cuboid::around(positions)
-        } else {
-            let middle = middle(codes);
-            let (before, after) = (positions.split_at(middle), codes.split_at(middle));
-            let left = self.add(before.0, after.0, first);
-            left.and(&self.add(before.1, after.1, first + middle))
-        };
-        let next = self.nodes.len() as u32;
-        self.nodes[node] = Node { cuboid, next, ..self.nodes[node] };
-        cuboid
+    /// Of distinct places with ascending Morton codes.
+    pub fn new(columns: &Columns, codes: &[u64]) -> Self {
+        let nodes = if codes.is_empty() { Vec::new() } else { branch(columns, codes, 0) };
+        let leaves = nodes.iter().enumerate().filter(|(_, node)| node.leaf_len > 0);
+        Self { leaves: leaves.map(|(index, _)| index as u32).collect(), nodes }
     }
 
     /// The index among leaves of the one with a place.
     pub fn leaf_of(&self, place: usize) -> usize {
         self.leaves.partition_point(|&leaf| self.nodes[leaf as usize].first as usize <= place) - 1
     }
+}
+
+/// The nodes over places from `first` on, as if they were a tree of their own, grown on all cores.
+fn branch(columns: &Columns, codes: &[u64], first: usize) -> Vec<Node> {
+    if codes.len() <= SERIAL {
+        let mut nodes = Vec::with_capacity(codes.len() / 4);
+        add(&mut nodes, columns, codes, first);
+        return nodes;
+    }
+    let (before, after) = codes.split_at(middle(codes));
+    let (left, right) = rayon::join(|| branch(columns, before, first), || branch(columns, after, first + before.len()));
+    let cuboid = left[0].cuboid.and(&right[0].cuboid);
+    let count = 1 + left.len() + right.len();
+    let mut nodes = Vec::with_capacity(count);
+    nodes.push(Node { cuboid, first: first as u32, leaf_len: 0, next: count as u32 });
+    for part in [left, right] {
+        let before = nodes.len() as u32;
+        nodes.extend(part.into_iter().map(|node| Node { next: node.next + before, ..node }));
+    }
+    nodes
+}
+
+/// Adds a node over places from `first` on. Its depth is at most 63, one for each bit of a code, and 32 below.
+fn add(nodes: &mut Vec<Node>, columns: &Columns, codes: &[u64], first: usize) -> Cuboid {
+    let node = nodes.len();
+    let is_leaf = codes.len() <= LEAF;
+    let leaf_len = if is_leaf { codes.len() as u32 } else { 0 };
+    let nowhere = Cuboid { min: DVec3::ZERO, max: DVec3::ZERO };
+    nodes.push(Node { cuboid: nowhere, first: first as u32, leaf_len, next: 0 });
+    let cuboid = if is_leaf {
+        Cuboid::around((first..first + codes.len()).map(|place| columns.position(place)))
+    } else {
+        let (before, after) = codes.split_at(middle(codes));
+        let left = add(nodes, columns, before, first);
+        left.and(&add(nodes, columns, after, first + before.len()))
+    };
+    let next = nodes.len() as u32;
+    nodes[node] = Node { cuboid, next, ..nodes[node] };
+    cuboid
 }
 
 /// Where to cut at least two places: at the highest bit in which their codes differ, or in the middle.
