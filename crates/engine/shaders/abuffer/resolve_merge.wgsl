@@ -1,10 +1,11 @@
-// abuffer/resolve-N, N from 64 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
+// abuffer/resolve-N, N from 128 to 256: sorts and blends lists of up to CAPACITY fragments by merge sort in a local array.
 // Reference: reference::abuffer::composite.
 #import resolve
 #import local_sort
 
-// Fragments between two tests for an early stop.
+// Fragments between two tests for an early stop, of lists longer than these, which the tests would not make faster.
 const LOOK = 16u;
+const WHOLE = 64u;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -28,7 +29,7 @@ fn main(
     for (var i = 0u; i < n; i++) {
         let fragment = list[sorted + i];
         sum = behind(sum, fragment.x, fragment_color(fragment.y, pixel));
-        if i % LOOK == LOOK - 1u && done(sum, push.max_opacity, push.max_color) {
+        if n > WHOLE && i % LOOK == LOOK - 1u && done(sum, push.max_opacity, push.max_color) {
             break;
         }
     }

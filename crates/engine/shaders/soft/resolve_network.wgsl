@@ -1,4 +1,4 @@
-// soft/resolve-N, N up to 64: sorts the events of short lists in registers, as abuffer/resolve-N does, and blends the segments
+// soft/resolve-N, N up to 32: sorts the events of short lists in registers, as abuffer/resolve-N does, and blends the segments
 // between them.
 #import soft_resolve
 #import fragments

@@ -33,13 +33,12 @@ use crate::passes::tiles::SEGMENT;
 use crate::scene::{MAX_SHELLS, Method};
 
 /// Names of the kernels by the classes of [`abuffer::CLASSES`]; there is no list of a single event.
-pub const RESOLVE: [&str; 8] = [
+pub const RESOLVE: [&str; 7] = [
     "",
     "soft/resolve-4",
     "soft/resolve-8",
     "soft/resolve-16",
     "soft/resolve-32",
-    "soft/resolve-64",
     "soft/resolve-128",
     "soft/resolve-256",
 ];
