@@ -53,7 +53,6 @@ fn look(
 ) -> Surface {
     let count = positions.len();
     let given = || normals.map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
-    let no_fields = if wants_fields { vec![0.0; count] } else { Vec::new() };
     let k = neighbors.min(count.saturating_sub(1));
     let Some(places) = Places::group(positions, normals).filter(|_| k > 0) else {
         let zeros = || vec![0.0; count];
@@ -62,7 +61,7 @@ fn look(
             uncapped: zeros(),
             normals: given(),
             planar: vec![false; count],
-            fields: no_fields,
+            fields: if wants_fields { zeros() } else { Vec::new() },
         };
     };
     let missing = normals.is_none_or(|normals| normals.contains(&Vec3::ZERO));
@@ -94,7 +93,7 @@ fn look(
         let fields = field::scaled(&spreads(&places, &lists, k, &distances, &ranked));
         ranks.par_iter().map(|&rank| fields[rank as usize]).collect()
     } else {
-        no_fields
+        Vec::new()
     };
     let radii = radius::of_distances(&places, &ranks, k, &distances);
     let (normals, planar) = ranks.par_iter().map(|&rank| ranked[rank as usize]).unzip();
