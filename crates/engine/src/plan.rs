@@ -28,7 +28,9 @@ fn resolve_factored(choice: MethodChoice, points: &Points, factor: f32) -> (Meth
         MethodChoice::Fixed(method) => return (method, format!("{} was asked for", method.name())),
     };
     let transparent = points.opacities.iter().filter(|a| **a * factor < 1.0).count();
-    let oriented = discs.shape == DiscShape::Oriented && points.normals.is_some();
+    // Estimated normals shade and tilt nothing.
+    let is_tilted = |i: usize| points.own_normal(i).is_some();
+    let oriented = discs.shape == DiscShape::Oriented && (0..points.len()).any(is_tilted);
     if oriented {
         (Method::ABuffer(discs), "oriented splats may cross: their fragments need an order".to_owned())
     } else if transparent == 0 && discs.falloff == Falloff::Flat {

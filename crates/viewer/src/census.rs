@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use pellucid_engine::cloud::Cloud;
 use pellucid_engine::cloud::field::{self, Field};
 use pellucid_engine::passes::project::Parts;
-use pellucid_engine::scene::{CloudSettings, Scene, Strays};
+use pellucid_engine::scene::{CloudSettings, ColorBy, Document, Overrides, Scene, Strays, colorings};
 
 /// Bins of a histogram of F, equally wide.
 pub const BINS: usize = 64;
@@ -21,6 +21,8 @@ pub struct Census {
     pub points: usize,
     /// True if the file has colors.
     pub colors: bool,
+    /// What `color_by = "auto"` shows; `Auto` while that is not known.
+    pub auto: ColorBy,
     /// True if the file has normals.
     pub normals: bool,
     /// True if the points have radii of their own rather than estimated ones.
@@ -51,6 +53,7 @@ impl Census {
         Self {
             points: cloud.len(),
             colors: cloud.colors.is_some(),
+            auto: automatic(cloud),
             normals: cloud.normals.is_some(),
             own_radii: cloud.own_radii().is_some(),
             classes: classes(cloud.classification.as_deref().unwrap_or_default()),
@@ -70,6 +73,20 @@ impl Census {
         let classes = (!self.classes.is_empty()).then_some("classification");
         let scalars = self.scalars.iter().map(|(name, _)| name.as_str());
         ["uncertainty", "distance-to-axis"].into_iter().chain(classes).chain(scalars).collect()
+    }
+}
+
+/// What `auto` shows of a cloud, as the engine decides it.
+fn automatic(cloud: &Cloud) -> ColorBy {
+    let scene = Document::from_clouds(["cloud.ply"], &Overrides::default()).and_then(|document| document.scene());
+    let Ok(scene) = scene else { return ColorBy::Auto };
+    let sentences = colorings(&scene, std::slice::from_ref(cloud));
+    // The first word is the choice.
+    match sentences.first().and_then(|sentence| sentence.split([':', ' ']).next()) {
+        Some("rgb") => ColorBy::Rgb,
+        Some("classification") => ColorBy::Classification,
+        Some("height") => ColorBy::Height,
+        _ => ColorBy::Auto,
     }
 }
 
@@ -160,7 +177,7 @@ fn histogram(fields: &[f32]) -> Arc<[u64]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pellucid_engine::scene::{Document, Overrides};
+    use glam::Vec3;
 
     fn cloud() -> Cloud {
         let n = 100_000;
@@ -193,6 +210,22 @@ mod tests {
         assert_eq!(census.scalars, scalars.map(|(name, range)| (name.to_owned(), range)));
         let plain = Census::from_cloud(&Cloud::default());
         assert_eq!(plain.fields(), ["uncertainty", "distance-to-axis", "x", "y", "z"]);
+    }
+
+    #[test]
+    fn auto_is_what_the_engine_makes_of_it() {
+        let of = |colors: Option<Vec3>, codes: [u8; 4]| {
+            let colors = colors.map(|color| vec![color; 4]);
+            let positions = vec![DVec3::ZERO; 4];
+            automatic(&Cloud { positions, colors, classification: Some(codes.to_vec()), ..Cloud::default() })
+        };
+        let (few, enough) = ([0, 1, 2, 3], [2, 3, 4, 5]);
+        assert_eq!(of(Some(Vec3::new(0.1, 0.2, 0.3)), enough), ColorBy::Rgb);
+        for blank in [Some(Vec3::ZERO), Some(Vec3::ONE), None] {
+            assert_eq!(of(blank, enough), ColorBy::Classification);
+            assert_eq!(of(blank, few), ColorBy::Height);
+        }
+        assert_eq!(Census::from_cloud(&cloud()).auto, ColorBy::Height, "darker where intensity is small");
     }
 
     /// Every name the chooser offers is a field of the cloud.

@@ -53,18 +53,27 @@ struct View {
     /// Pixels of a point.
     scale: f32,
     diagonal: f64,
+    /// The sides of the points' box.
+    extent: DVec3,
 }
 
 impl View {
     fn of(ui: &Ui, model: &Model) -> Option<Self> {
         let picture = model.picture()?;
-        let diagonal = picture.subject.bounds.diagonal();
+        let bounds = picture.subject.bounds;
+        let (diagonal, extent) = (bounds.diagonal(), bounds.max - bounds.min);
         let (corner, scale) = (ui.max_rect().min, ui.ctx().pixels_per_point());
-        (diagonal > 0.0).then_some(Self { camera: picture.camera, size: picture.size, corner, scale, diagonal })
+        let (camera, size) = (picture.camera, picture.size);
+        (diagonal > 0.0).then_some(Self { camera, size, corner, scale, diagonal, extent })
     }
 
     fn near(&self) -> f64 {
         NEAR * self.diagonal
+    }
+
+    /// A coordinate along an axis, as short as the points' extent there allows.
+    fn short(&self, x: f64, axis: usize) -> f64 {
+        short_number(x, self.extent[axis])
     }
 
     /// Where a pixel of the picture is in the window.
@@ -149,7 +158,7 @@ fn faces(ui: &mut Ui, model: &mut Model, view: &View, at: usize, ends: [DVec3; 2
         }
         if let Some(to) = dot(ui, model, view, (at, axis, side), pixel) {
             let shift = view.shift(center, normal, to);
-            moved = Some(with_face(ends, axis, side, short_number(ends[side][axis] + shift, view.diagonal)));
+            moved = Some(with_face(ends, axis, side, view.short(ends[side][axis] + shift, axis)));
         }
     }
     moved
@@ -204,7 +213,8 @@ mod tests {
 
     fn view(projection: Projection) -> View {
         let camera = Camera::look_at(DVec3::new(30.0, -80.0, 40.0), DVec3::ZERO, DVec3::Z, projection, 1.0, 200.0);
-        View { camera: camera.unwrap(), size: [800, 600], corner: Pos2::new(7.0, 3.0), scale: 1.5, diagonal: 50.0 }
+        let (corner, extent) = (Pos2::new(7.0, 3.0), DVec3::new(40.0, 30.0, 0.2));
+        View { camera: camera.unwrap(), size: [800, 600], corner, scale: 1.5, diagonal: 50.0, extent }
     }
 
     const PROJECTIONS: [Projection; 2] =
@@ -235,6 +245,14 @@ mod tests {
         assert_eq!(with_face(ends, 2, 1, 3.0), ClipShape::Box { min, max });
         assert_eq!(with_face(ends, 0, 0, 7.0), ClipShape::Box { min: DVec3::X, max: DVec3::ONE });
         assert_eq!(with_face(ends, 0, 1, -7.0), ClipShape::Box { min: DVec3::ZERO, max: DVec3::new(0.0, 1.0, 1.0) });
+    }
+
+    #[test]
+    fn a_face_is_placed_as_finely_as_its_axis_asks_for() {
+        let view = view(PROJECTIONS[0]);
+        assert_eq!([0, 1, 2].map(|axis| view.short(1.234_567, axis)), [1.23, 1.23, 1.2346]);
+        let flat = View { extent: DVec3::new(40.0, 30.0, 0.0), ..view };
+        assert_eq!(flat.short(0.123_456_7, 2), 0.123_456_7);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::overlay;
 use super::worker::Picture;
 use pellucid_engine::Result;
 use pellucid_engine::scene::legend::{Entry, Legend, ScaleBar, Swatch, Values};
-use pellucid_engine::scene::{Clip, CloudSettings, Scene};
+use pellucid_engine::scene::{ClassSettings, Clip, CloudSettings, Scene};
 
 /// The size of a color bar, in points.
 const BAR: [f32; 2] = [14.0, 150.0];
@@ -31,8 +31,12 @@ type Origin = (Vec<CloudSettings>, Option<DVec3>, Vec<Clip>);
 
 fn origin(scene: &Scene) -> Origin {
     // A slider of opacities or radii must not have all points looked at again.
+    let some = |opacity: f32| if opacity > 0.0 { 1.0 } else { 0.0 };
+    let class = |entry: &ClassSettings| ClassSettings { opacity: entry.opacity.map(some), ..entry.clone() };
     let shown = |cloud: &CloudSettings| CloudSettings {
-        opacity: if cloud.opacity > 0.0 { 1.0 } else { 0.0 },
+        opacity: some(cloud.surface_opacity.unwrap_or(cloud.opacity)),
+        surface_opacity: None,
+        class: cloud.class.iter().map(class).collect(),
         radius: None,
         radius_factor: 1.0,
         ..cloud.clone()
@@ -190,7 +194,15 @@ mod tests {
             ("opacity = 0.0", 2),
             ("color_by = 'z'", 3),
             ("color_by = 'z'\nradius_factor = 2.0", 3),
-            ("color_by = 'z'\n[camera]\nup = [0, 1, 0]", 4),
+            ("color_by = 'z'\nsurface_opacity = 0.3", 3),
+            ("color_by = 'z'\nsurface_opacity = 0.7", 3),
+            ("color_by = 'z'\nsurface_opacity = 0.0", 4),
+            ("color_by = 'z'\n[camera]\nup = [0, 1, 0]", 5),
+            ("[[cloud.class]]\nid = 2\nopacity = 0.5", 6),
+            ("[[cloud.class]]\nid = 2\nopacity = 0.7", 6),
+            ("[[cloud.class]]\nid = 2\nopacity = 0.0", 7),
+            ("surface_opacity = 0.2\n[[cloud.class]]\nid = 2\nopacity = 0.0", 7),
+            ("[[cloud.class]]\nid = 2\nvisible = false", 8),
         ];
         for (text, wanted) in cases {
             legends

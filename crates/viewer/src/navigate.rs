@@ -34,7 +34,8 @@ impl Turntable {
         Self { vertical: vertical.up(), front: vertical.front(), side: vertical.right() }
     }
 
-    /// The vertical of the files if the camera is level with it, else the other one if it is with that, else the image's own.
+    /// The vertical of the files if the camera is level with it, else +Z (+Y for files whose vertical is +Z) if it is with that,
+    /// else the image's own.
     fn level_with(camera: &Camera, up: UpAxis) -> Self {
         let other = if up == UpAxis::Z { UpAxis::Y } else { UpAxis::Z };
         let level =

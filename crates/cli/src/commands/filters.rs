@@ -16,7 +16,8 @@ pub fn classes(overrides: &mut Overrides, class: &[String], only: Option<&str>, 
         };
         let code = code(&option, name)?;
         // TOML rejects a form like .5; what is no number is refused as the key's value.
-        let opacity = opacity.trim().parse().map_or_else(|_| format!("{opacity:?}"), |x: f64| format!("{x:?}"));
+        let number = opacity.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        let opacity = number.map_or_else(|| format!("{opacity:?}"), |x| format!("{x:?}"));
         add(&option, format!("{{ id = {code}, opacity = {opacity} }}"))?;
     }
     if let Some(list) = only {

@@ -18,8 +18,8 @@ pub struct InputArgs {
     /// that stand for clouds. Without any: the built-in scene `garden`.
     #[arg(value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// A recipe, which is a set of keys: canopy, building, indoor, heritage or model; `list` prints their keys. It wins over the
-    /// scene file, and options win over it.
+    /// A recipe, which stands for keys, and for --see-through and --view in some: canopy, building, indoor, heritage or model;
+    /// `list` prints them. It wins over the scene file, and options win over it.
     #[arg(long, value_name = "NAME", value_parser = presets::asked)]
     preset: Option<Asked>,
     // The help lists all methods.
@@ -204,7 +204,12 @@ impl InputArgs {
 
     /// True if an option gives this key of clouds.
     fn gives(&self, key: &str) -> bool {
-        let short = [("opacity", &self.opacity), ("radius", &self.radius), ("color_by", &self.color_by)];
+        let short = [
+            ("opacity", &self.opacity),
+            ("surface_opacity", &self.surface_opacity),
+            ("radius", &self.radius),
+            ("color_by", &self.color_by),
+        ];
         let paths = self.set.iter().filter_map(|pair| pair.split_once('=')).map(|(path, _)| path.trim());
         let mut of_clouds = paths.filter_map(|path| path.strip_prefix("cloud.")?.split_once('.'));
         short.iter().any(|(known, value)| *known == key && value.is_some()) || of_clouds.any(|(_, known)| known == key)
@@ -216,7 +221,7 @@ impl InputArgs {
         // LAS files always have a code for each point: 0 and 1 say that nothing was classified.
         let without_classes = clouds.iter().all(|cloud| cloud.classification.iter().flatten().all(|code| *code <= 1));
         let of_preset = self.preset().and_then(|preset| preset.see_through);
-        let of_preset = of_preset.filter(|_| has_opacity && !self.gives("opacity"));
+        let of_preset = of_preset.filter(|_| has_opacity && !self.gives("opacity") && !self.gives("surface_opacity"));
         let of_preset = of_preset.filter(|see_through| without_classes || !see_through.without_classes);
         self.see_through.or(of_preset.map(|see_through| see_through.share))
     }
@@ -225,7 +230,7 @@ impl InputArgs {
     pub fn view_of(&self, scene: &Scene) -> View {
         let from_outside = self.preset().is_some_and(|preset| preset.from_outside);
         let view = self.view.view();
-        if from_outside && !view.is_given() && scene.camera.eye.is_none() {
+        if from_outside && !view.is_given() && scene.camera.eye.is_none() && scene.camera.target.is_none() {
             return View { name: Some(ViewName::Iso), ..View::default() };
         }
         view
@@ -234,7 +239,8 @@ impl InputArgs {
 
 /// A color of the command line as a scene file has it: an array where there are numbers between commas, else a text.
 fn color_as_toml(color: &str) -> String {
-    let numbers: Option<Vec<f64>> = color.split(',').map(|text| text.trim().parse().ok()).collect();
+    let finite = |text: &str| text.trim().parse().ok().filter(|x: &f64| x.is_finite());
+    let numbers: Option<Vec<f64>> = color.split(',').map(finite).collect();
     // Numbers are formatted anew, because TOML rejects a form like .5.
     numbers.map_or_else(|| format!("{color:?}"), |numbers| format!("{numbers:?}"))
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use pellucid_engine::camera::Camera;
 use pellucid_engine::cloud::shadow_texture::ShadowTexture;
 use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::methods::see_through::Found;
 use pellucid_engine::points::Points;
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::legend::Legend;
@@ -33,6 +34,8 @@ pub struct Resolved {
     pub legend: Option<Legend>,
     /// `--see-through`.
     pub see_through: Option<f64>,
+    /// What it found already, of a scene that this is a part of.
+    pub opacity_found: Option<Found>,
     /// True if an option gave all points one opacity.
     pub opacity_given: bool,
     /// `--seed`.
@@ -174,6 +177,7 @@ impl Loaded {
             colorings,
             legend,
             see_through,
+            opacity_found: None,
             opacity_given,
             seed,
         })

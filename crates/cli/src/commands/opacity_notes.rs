@@ -3,6 +3,7 @@
 use pellucid_engine::Result;
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::see_through::{self, Found};
+use pellucid_engine::scene::{CloudSettings, Family};
 use serde_json::{Value, json};
 
 use super::console::Console;
@@ -23,7 +24,7 @@ fn opacities(factor: f32, resolved: &Resolved) -> Vec<f32> {
     resolved.scene.clouds.iter().map(|cloud| (cloud.opacity * factor).min(1.0)).collect()
 }
 
-/// `0.031`, or for clouds of several opacities `0.031 and 0.0062`, in their order.
+/// `opacity 0.031`, or for clouds of several opacities `opacities 0.031, 0.0062 of the clouds in their order`.
 fn listed(opacities: &[f32]) -> String {
     match opacities {
         [first, rest @ ..] if rest.iter().any(|opacity| opacity != first) => {
@@ -76,9 +77,19 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
         console.warn(format_args!("the picture is empty: {why}"));
         return Ok(());
     }
-    let transparent = opacities.iter().any(|opacity| *opacity < 1.0) && session.frame.method.family().has_opacity();
     // An author of a scene file knows; whoever gave one number for all may have guessed.
-    if !transparent || !resolved.opacity_given {
+    if !resolved.opacity_given {
+        return Ok(());
+    }
+    if opacities.iter().all(|opacity| *opacity >= 1.0) {
+        return Ok(());
+    }
+    let method = session.frame.method;
+    if method.family() == Family::Opaque {
+        let name = method.name();
+        console.warn(format_args!("the opacity has no effect: method {name} is opaque; --method auto shows it"));
+    }
+    if !method.family().has_opacity() {
         return Ok(());
     }
     let nearly_all = |count: usize| count as f64 >= NEARLY_ALL * covered as f64;
@@ -91,9 +102,14 @@ pub fn judge(session: &mut Session, resolved: &Resolved, image: &Image, console:
     let Session { renderer, cloud, frame, .. } = session;
     let largest = opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min).recip();
     let found = see_through::estimate(renderer, cloud, frame, ADVISED, largest)?.filter(|found| found.meets(ADVISED));
-    let advice = found.map(|found| {
-        let tried = opacity_to_try(found.factor, resolved);
-        format!("; {tried} would let half of the light through (--see-through {ADVISED} finds it)")
+    let advice = found.map(|found| match has_own_opacities(resolved) {
+        true => {
+            format!("; --see-through {ADVISED} finds the factor on all opacities that lets half of the light through")
+        }
+        false => {
+            let tried = opacity_to_try(found.factor, resolved);
+            format!("; {tried} would let half of the light through (--see-through {ADVISED} finds it)")
+        }
     });
     console.note(format_args!("nearly every covered pixel looks {seems}{}", advice.unwrap_or_default()));
     Ok(())
@@ -104,9 +120,15 @@ fn opacity_to_try(factor: f32, resolved: &Resolved) -> String {
     said(factor, resolved, |opacity| format!("{opacity:.1e}").parse().unwrap_or(opacity))
 }
 
-/// The opacities with a factor. Where surfaces have some, each point has another one: then the factor itself.
+/// True if surfaces or classes have opacities, so that points of a cloud have different ones, which `--opacity` doesn't set.
+fn has_own_opacities(resolved: &Resolved) -> bool {
+    let of_classes = |cloud: &CloudSettings| cloud.class.iter().any(|entry| entry.opacity.is_some());
+    resolved.scene.clouds.iter().any(|cloud| cloud.surface_opacity.is_some() || of_classes(cloud))
+}
+
+/// The opacities with a factor, or the factor itself where points of a cloud have different ones.
 fn said(factor: f32, resolved: &Resolved, rounded: impl Fn(f32) -> f32) -> String {
-    if resolved.scene.clouds.iter().any(|cloud| cloud.surface_opacity.is_some()) {
+    if has_own_opacities(resolved) {
         return format!("{} times the opacity of each point", rounded(factor));
     }
     listed(&opacities(factor, resolved).into_iter().map(rounded).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! Recipes by name: `--preset`. A preset is a list of keys of the scene file, of which nothing is hidden.
+//! Recipes by name: `--preset`. A preset stands for keys of the scene file, and for `--see-through` and `--view`; all are printed.
 
 use pellucid_engine::Result;
 use pellucid_engine::scene::Overrides;
@@ -44,7 +44,8 @@ impl Asked {
 }
 
 /// Keys that come between an option and what it asks for, each with the option's key: they are left out where that is given.
-const IN_THE_WAY: [(&str, &str); 2] = [("cloud.*.color", "color_by"), ("cloud.*.radius_factor", "radius")];
+const IN_THE_WAY: [(&str, &str); 3] =
+    [("cloud.*.color", "color_by"), ("cloud.*.opacity", "surface_opacity"), ("cloud.*.radius_factor", "radius")];
 
 /// The key of an entry about a class.
 const CLASS: &str = "cloud.*.class+";
@@ -252,5 +253,11 @@ mod tests {
         assert_eq!(colored(&[]), (true, 0.8));
         assert_eq!(colored(&["color_by"]), (false, 0.8));
         assert_eq!(colored(&["radius"]), (true, 1.0));
+        for preset in &PRESETS {
+            let mut overrides = Overrides::default();
+            preset.apply(&mut overrides, |key| key == "surface_opacity").unwrap();
+            overrides.set("--surface-opacity 0.3", "cloud.*.surface_opacity", "0.3").unwrap();
+            Scene::from_toml_with("[[cloud]]\npath = 'a.ply'", Path::new("s.toml"), &overrides).unwrap();
+        }
     }
 }

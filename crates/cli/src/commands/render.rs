@@ -294,8 +294,14 @@ fn steps(
 ) -> Result<()> {
     let count = loaded.count();
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
-    let whole = loaded.clone().resolve(None, console, progress)?;
+    let mut whole = loaded.clone().resolve(None, console, progress)?;
     legend::check(&whole, console)?;
+    if whole.see_through.is_some() {
+        // As with the camera, what is there already stays as it is when a cloud joins.
+        let mut session = Session::upload(&args.device, &whole, false, Stop::Exact, progress)?;
+        session.find_opacity(&whole, progress)?;
+        whole.opacity_found = session.see_through;
+    }
     progress.finish_and_clear();
     // Messages about the scene were printed already.
     let silent = Console::new(true, false);
@@ -303,6 +309,7 @@ fn steps(
         let progress = console.progress();
         progress.stage(&format!("step {step} of {count}"));
         let part = loaded.first(step).resolve(Some(whole.camera), silent, &progress)?;
+        let part = Resolved { opacity_found: whole.opacity_found, ..part };
         picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
     }
     picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &console.progress(), console)

@@ -52,6 +52,11 @@ impl Session {
     /// Finds the opacity that `--see-through` asks for.
     pub fn find_opacity(&mut self, resolved: &Resolved, progress: &Bar) -> Result<()> {
         let Some(share) = resolved.see_through else { return Ok(()) };
+        if let Some(found) = resolved.opacity_found {
+            self.see_through = Some(found);
+            self.frame.factors.opacity = found.factor;
+            return Ok(());
+        }
         progress.stage("finding the opacity");
         let faintest = resolved.points().opacities.iter().copied().filter(|a| *a > 0.0).fold(1.0, f32::min);
         let Self { renderer, cloud, frame, .. } = self;

@@ -18,6 +18,8 @@ use super::DeviceArgs;
 use super::console::{Console, print, print_json};
 use super::input::InputArgs;
 use super::loaded::read;
+use super::opacity_notes;
+use super::session::Session;
 use super::stress::seconds;
 
 const ABOUT: &str = "\
@@ -115,6 +117,15 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let progress = console.progress();
     let resolved = read(&args.input, None, console, &progress)?.resolve_with_radii(console, &progress)?;
     let formation = settings::compared(&resolved.scene.method.representative(), resolved.points())?;
+    let factors = match resolved.see_through {
+        None => Factors::default(),
+        Some(share) => {
+            let mut session = Session::upload(&args.device, &resolved, false, Stop::Exact, &progress)?;
+            session.find_opacity(&resolved, &progress)?;
+            opacity_notes::describe(share, session.see_through, &resolved, console);
+            session.frame.factors
+        }
+    };
     progress.stage("uploading");
     let options = DeviceOptions { device: args.device.device.clone(), ..DeviceOptions::from_env() };
     let device = Device::open(&options)?;
@@ -137,7 +148,7 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         spread: false,
         ensembles: None,
         shadows: resolved.scene.shadows.filter(|_| matches!(formation, Formation::Surfaces(_))),
-        factors: Factors::default(),
+        factors,
         seed: resolved.seed,
     };
     let background = resolved.scene.image.background;

@@ -50,8 +50,12 @@ pub fn run(args: ViewArgs, console: Console) -> Result<ExitCode, Error> {
     let opened = scene::open(&input.inputs, &input.overrides(None)?, input.seed, &progress)?;
     progress.finish_and_clear();
     let scene = opened.document.scene().map_err(pellucid_engine::Error::from)?;
-    // The window finds no opacity; its clouds begin with the preset's own.
     input.preset().iter().for_each(|preset| console.note(preset.note()));
+    if let Some(share) = input.share(&scene, &opened.clouds) {
+        console.note(format_args!(
+            "the window doesn't look for the opacity of --see-through {share}, its slider sets one; `render` finds and prints it"
+        ));
+    }
     for (settings, cloud) in scene.clouds.iter().zip(&opened.clouds) {
         report_cloud(&settings.path, cloud, console);
     }

@@ -88,7 +88,7 @@ impl<'a> Layout<'a> {
         let misfit = |why: &str| format!("--legend: a legend does not fit into {width} × {height} pixels: {why}");
         let shorter = width.min(height);
         if shorter < LEAST_PX {
-            return Err(misfit(&format!("it needs {LEAST_PX} on either side")));
+            return Err(misfit(&format!("each side must have at least {LEAST_PX}")));
         }
         let em = (EM.0 * shorter as f32).max(EM.1);
         let most_swatches = legend.entries.iter().map(|entry| entry.swatches.len()).max().unwrap_or(0);

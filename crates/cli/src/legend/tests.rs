@@ -35,7 +35,7 @@ fn a_legend_takes_no_more_than_a_third_or_says_why_not() {
         assert!(layout.em >= 11.0);
     }
     let misfit = |legend: &Legend, size| Layout::new(legend, &camera(DEEP), size).err().unwrap_or_default();
-    let wanted = "--legend: a legend does not fit into 400 × 100 pixels: it needs 160 on either side";
+    let wanted = "--legend: a legend does not fit into 400 × 100 pixels: each side must have at least 160";
     assert_eq!(misfit(&values, [400, 100]), wanted);
     let long = legend("color_by = 'x'\nrange = [636000.001, 636000.002]");
     assert!(misfit(&long, [160, 160]).ends_with("its numbers would take more than a third of the width"));

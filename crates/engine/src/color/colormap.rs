@@ -75,6 +75,9 @@ mod tests {
             let map = Colormap::named(name).unwrap();
             assert_eq!(map.entries.len(), 256, "{name}");
             assert!(map.entries.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 1.0), "{name}");
+            // All of them are smooth: a wrong row would be a kink.
+            let kink = |three: &[DVec3]| (three[0] - 2.0 * three[1] + three[2]).abs().max_element();
+            assert!(map.entries.windows(3).map(kink).all(|kink| kink < 0.03), "{name}");
             let about = text.lines().next().unwrap();
             assert!(about.starts_with('#') && about.contains("licen") | about.contains("CC0"), "{about}");
         }
@@ -86,7 +89,10 @@ mod tests {
         // The published first and last entries.
         let ends = [
             ("viridis", [0.267004, 0.004874, 0.329415], [0.993248, 0.906157, 0.143936]),
+            ("cividis", [0.0, 0.135112, 0.304751], [0.995737, 0.909344, 0.217772]),
             ("magma", [0.001462, 0.000466, 0.013866], [0.987053, 0.991438, 0.749504]),
+            ("inferno", [0.001462, 0.000466, 0.013866], [0.988362, 0.998364, 0.644924]),
+            ("plasma", [0.050383, 0.029803, 0.527975], [0.940015, 0.975158, 0.131326]),
             ("turbo", [0.18995, 0.07176, 0.23217], [0.4796, 0.01583, 0.01055]),
             ("grey", [0.0; 3], [1.0; 3]),
             ("terrain", [0.2, 0.2, 0.6], [1.0; 3]),
@@ -101,6 +107,7 @@ mod tests {
             ("viridis", [0.127568, 0.566949, 0.550556]),
             ("magma", [0.716387, 0.214982, 0.47529]),
             ("inferno", [0.735683, 0.215906, 0.330245]),
+            ("plasma", [0.798216, 0.280197, 0.469538]),
             ("turbo", [0.64362, 0.98999, 0.23356]),
         ];
         for (name, wanted) in middles {

@@ -53,8 +53,12 @@ impl Scale {
         let [low, high] = self.scaled;
         if !value.is_finite() {
             None
-        } else if low == high {
+        } else if value <= low {
             Some(0.0)
+        } else if value >= high {
+            Some(1.0)
+        } else if high - low <= f64::MAX {
+            Some(((value - low) / (high - low)).clamp(0.0, 1.0))
         } else {
             // Halved, as the difference of the largest float64 values overflows.
             Some(((0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low)).clamp(0.0, 1.0))

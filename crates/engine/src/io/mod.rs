@@ -143,7 +143,7 @@ pub struct LasColumns {
     pub returns: bool,
     /// The source of each point, mostly a flight line, as `point_source_id`.
     pub source: bool,
-    /// The GPS time as `gps_time`, in seconds since the first point's: float32 can't tell moments of a week otherwise.
+    /// The GPS time as `gps_time`, in seconds since the earliest: float32 can't tell moments of a week otherwise.
     pub gps_time: bool,
 }
 

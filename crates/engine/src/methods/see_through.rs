@@ -87,6 +87,8 @@ fn look(
         let Some(factor) = search.next() else { break };
         let mut trial = Frame { fragments: false, spread: false, max_error: None, ..*frame };
         trial.factors.opacity = factor as f32;
+        // It changes no A.
+        trial.shading.edl.edl = false;
         let image = renderer.render(cloud, &trial)?.image;
         search.trials += 1;
         // Points too faint for the last bit cover nothing.
@@ -141,6 +143,8 @@ struct Search {
 
 impl Search {
     fn new(share: f64, max: f64) -> Self {
+        // The faintest float32 is 10⁻⁴⁵: times larger factors none is finite.
+        let max = max.clamp(SMALLEST, 1e30);
         // Where 16 discs of opacity 1 overlap, this is right for a half.
         let next = Some((max * 0.04).clamp(SMALLEST, max));
         Self { share, max, bracket: [SMALLEST, max], last: Vec::new(), next, trials: 0, tried_max: false, done: false }

@@ -235,7 +235,8 @@ fn shading_normals(cloud: &Cloud, which: ShadingNormals, surface: &surface::Surf
 /// # Errors
 /// If the cloud lacks what its field is made of.
 pub fn prepared(mut cloud: Cloud, request: &Request, progress: &Progress) -> Result<Cloud, field::Error> {
-    let request = Request { radii: true, fields: true, ..request.clone() };
+    // Marks of outliers aren't stored: whoever reads the file may ask for others.
+    let request = Request { radii: true, fields: true, soft_outliers: None, ..request.clone() };
     let found = find(&cloud, &request, progress)?;
     // Shadows depend on normals.
     let same_normals = found.normals.is_none() || found.normals == cloud.normals;

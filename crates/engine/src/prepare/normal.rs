@@ -38,21 +38,31 @@ pub(super) struct Moments {
 impl Moments {
     /// Those of points by their offsets from one among them, at which there are `here`.
     ///
-    /// The mean is subtracted from the sums, not from the points: no point is farther from that one than the largest
-    /// variance tells, so that this loses no more digits than rounding takes from an axis anyway.
-    pub fn around(here: usize, offsets: impl Iterator<Item = DVec3>) -> Self {
-        let (mut count, mut sum) = (here, DVec3::ZERO);
-        let mut all = Self::default();
-        for p in offsets {
+    /// The mean is subtracted from the sums. Where that would cancel more than two digits, as around a stray far from its
+    /// neighbors, it is subtracted from the points.
+    pub fn around(here: usize, offsets: impl Iterator<Item = DVec3> + Clone) -> Self {
+        let (mut count, mut sum, mut all) = (here, DVec3::ZERO, Self::default());
+        for p in offsets.clone() {
             count += 1;
             sum += p;
-            all.squares += p * p;
-            all.products += DVec3::new(p.y * p.z, p.x * p.z, p.x * p.y);
+            all.add(p);
         }
         let mean = sum / count as f64;
-        all.squares -= sum * mean;
-        all.products -= DVec3::new(sum.y * mean.z, sum.x * mean.z, sum.x * mean.y);
-        all
+        let mut centered = all;
+        centered.squares -= sum * mean;
+        centered.products -= DVec3::new(sum.y * mean.z, sum.x * mean.z, sum.x * mean.y);
+        if 100.0 * centered.squares.element_sum() >= all.squares.element_sum() {
+            return centered;
+        }
+        let mut centered = Self::default();
+        let copies = std::iter::repeat_n(DVec3::ZERO, here);
+        copies.chain(offsets).for_each(|p| centered.add(p - mean));
+        centered
+    }
+
+    fn add(&mut self, p: DVec3) {
+        self.squares += p * p;
+        self.products += DVec3::new(p.y * p.z, p.x * p.z, p.x * p.y);
     }
 }
 
@@ -83,8 +93,9 @@ fn smallest_axis(variances: &[Lanes; 3], axes: &[[Lanes; 3]; 3], lane: usize) ->
         }
     }
     let [least, middle, most] = order.map(|axis| variances[axis][lane]);
-    // Not a number where offsets are beyond float64.
-    if !(middle - least > LEAST_GAP * most) {
+    // The gap is not a number where offsets are beyond float64.
+    let gap = middle - least;
+    if gap.is_nan() || gap <= LEAST_GAP * most {
         return SmallestAxis::default();
     }
     let [x, y, z] = axes[order[0]];
@@ -202,6 +213,9 @@ mod tests {
         assert_eq!(normal(&[]), Vec3::ZERO);
         let line: Vec<_> = (0..25).map(|i| [0.1, -0.7, 0.3].map(|x| x * f64::from(i * i))).collect();
         assert_eq!(normal(&line), Vec3::ZERO);
+        // A stray and many points at one place, or about one.
+        let far = [[0.0; 3]].into_iter().chain(std::iter::repeat_n([1.0, 0.7, 0.3], 65_535)).collect::<Vec<_>>();
+        assert_eq!(normal(&far), Vec3::ZERO);
         let cross = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(normal(&cross.into_iter().chain(cross.map(|p| p.map(|x| -x))).collect::<Vec<_>>()), Vec3::ZERO);
     }

@@ -71,14 +71,18 @@ impl<'a> Course<'a> {
     /// # Errors
     /// Those of [`super::camera`].
     pub fn turntable(&self) -> Result<(Turntable, Vec<String>), Error> {
-        let settings = &self.scene.camera;
+        let settings = &framing::automatic(self.scene, self.subject.points, self.up);
         let (start, warnings) = framing::camera_of(self.scene, settings, self.subject.points, self.up)?;
         // A view asked for replaces them.
         let own = !settings.view.is_given();
         let center = settings.target.filter(|_| own).unwrap_or_else(|| self.subject.bounds.center());
         let axis = settings.up.filter(|_| own);
         let axis = axis.unwrap_or_else(|| framing::vertical_of(settings, self.up).up()).normalize();
-        let start = if settings.ortho && settings.height.is_none() { self.widened(start, center, axis) } else { start };
+        let start = if settings.ortho && settings.height.is_none() {
+            self.widened(start, settings, center, axis)
+        } else {
+            start
+        };
         if settings.eye.is_some() && own {
             let eye =
                 if self.keeps_all(&start, center, axis) { start.eye } else { self.eye(&start, center, axis, true) };
@@ -93,11 +97,10 @@ impl<'a> Course<'a> {
     }
 
     /// An orthographic camera that shows everything during the whole turn.
-    fn widened(&self, start: Camera, center: DVec3, axis: DVec3) -> Camera {
+    fn widened(&self, start: Camera, settings: &CameraSettings, center: DVec3, axis: DVec3) -> Camera {
         let spheres = Spheres { points: self.subject.points, center, axes: [start.right, start.up, start.forward] };
         let extent = turned_extent(&spheres, DVec2::ZERO, axis);
-        let centered = self.scene.camera.eye.is_some() || self.scene.camera.target.is_some();
-        let height = framing::height_of(&extent, centered, self.scene.image.size, &self.subject);
+        let height = framing::height_of(&extent, framing::is_centered(settings), self.scene.image.size, &self.subject);
         Camera { projection: Projection::Orthographic { height }, ..start }
     }
 

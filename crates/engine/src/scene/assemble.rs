@@ -213,7 +213,7 @@ fn transformed(
     let count = cloud.len();
     let colors = coloring.colors(found.fields.as_deref())?;
     if let Some(legend) = legend {
-        legend.add(&coloring, clips, found.fields.as_deref())?;
+        legend.add(&coloring, clips, found.fields.as_deref(), found.dropped.as_deref())?;
     }
     let mut colors = colors.into_list(cloud.colors.take(), count);
     let rules = Rules::of(settings, &cloud)?;

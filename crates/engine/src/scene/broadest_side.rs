@@ -20,12 +20,14 @@ const CELLS: [usize; 2] = [16, 128];
 const MORE: f64 = 1.25;
 
 /// The settings of a camera that looks a quarter farther around than the usual one, if the scene is clearly broader from there.
-/// `None` where the settings say anything of eye, target or view, and of few points. Points that are clipped or hidden count as
+/// `None` where the settings say anything of eye, target or view or tilt the picture, and of few points. Points that are clipped or hidden count as
 /// others do, so that slices of a scene have one camera, and the order of points doesn't matter.
 pub(super) fn broadest_side(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
-    let CameraSettings { eye, target, view, .. } = settings;
+    let CameraSettings { eye, target, up, view, .. } = settings;
     let count = points.len() + points.unseen.positions.len();
-    if eye.is_some() || target.is_some() || view.is_given() || count < FEWEST {
+    // A view takes the vertical for the image's top, which a tilted `up` isn't.
+    let is_tilted = up.is_some_and(|up| up.cross(vertical.up()).length() > 1e-9 * up.length());
+    if eye.is_some() || target.is_some() || is_tilted || view.is_given() || count < FEWEST {
         return None;
     }
     let azimuth = View::default().azimuth_of(vertical);
@@ -110,6 +112,7 @@ mod tests {
         let asked = [
             CameraSettings { eye: Some(DVec3::ONE), ..free },
             CameraSettings { view: View { elevation: Some(10.0), ..View::default() }, ..free },
+            CameraSettings { up: Some(DVec3::new(0.5, 0.0, 1.0)), ..free },
         ];
         assert!(asked.iter().all(|settings| azimuth(settings, &points(hedge(0.0))).is_none()));
     }

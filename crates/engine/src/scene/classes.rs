@@ -1,5 +1,7 @@
 //! `[[cloud.class]]` for the points of a cloud: their opacity, color and visibility.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -24,7 +26,7 @@ struct Rule<'a> {
 #[derive(Debug, Clone)]
 enum Test<'a> {
     Classes([f64; 2], &'a [u8]),
-    Within([f64; 2], Vec<f64>),
+    Within([f64; 2], Arc<Vec<f64>>),
 }
 
 impl Test<'_> {
@@ -42,6 +44,8 @@ impl<'a> Rules<'a> {
     /// # Errors
     /// The cloud lacks a scalar.
     pub fn of(settings: &'a CloudSettings, cloud: &'a Cloud) -> Result<Self, Error> {
+        // A column for each scalar, however many entries it has.
+        let mut columns: Vec<(&str, Arc<Vec<f64>>)> = Vec::new();
         let mut rules = Vec::new();
         for entry in &settings.class {
             let points = match (&entry.points, &cloud.classification) {
@@ -51,7 +55,17 @@ impl<'a> Rules<'a> {
                     Some(codes) => Test::Classes(*range, codes),
                     None => continue,
                 },
-                (Selection::Scalar { name, range }, _) => Test::Within(*range, scalar(settings, cloud, name)?),
+                (Selection::Scalar { name, range }, _) => {
+                    let known = columns.iter().find(|(known, _)| known == name).map(|(_, values)| Arc::clone(values));
+                    let values = match known {
+                        Some(values) => values,
+                        None => {
+                            columns.push((name, Arc::new(scalar(settings, cloud, name)?)));
+                            Arc::clone(&columns[columns.len() - 1].1)
+                        }
+                    };
+                    Test::Within(*range, values)
+                }
             };
             rules.push(Rule { points, settings: entry });
         }

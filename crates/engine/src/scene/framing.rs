@@ -35,10 +35,14 @@ const CLEARANCE: f64 = 0.1;
 /// # Errors
 /// No points, coordinates too large for a camera, or an `up` that points along the view.
 pub fn camera(scene: &Scene, points: &Points, up: UpAxis) -> Result<(Camera, Vec<String>), Error> {
+    camera_of(scene, &automatic(scene, points, up), points, up)
+}
+
+/// The scene's settings of the camera, with what the points ask for where nothing is said.
+pub(super) fn automatic(scene: &Scene, points: &Points, up: UpAxis) -> CameraSettings {
     let vertical = vertical_of(&scene.camera, up);
     let inside = surroundings::inside(&scene.camera, points, vertical);
-    let found = inside.or_else(|| broadest_side(&scene.camera, points, vertical));
-    camera_of(scene, &found.unwrap_or(scene.camera), points, up)
+    inside.or_else(|| broadest_side(&scene.camera, points, vertical)).unwrap_or(scene.camera)
 }
 
 /// The camera of these settings in a scene, from outside if they don't say from where.
@@ -137,9 +141,12 @@ pub(super) fn with_height(
     let (forward, image_up, center) = direction(settings, subject, vertical);
     let [right, up] = image_axes(forward, image_up);
     let extent = Spheres { points: subject.points, center, axes: [right, up, forward] }.extent(DVec2::ZERO);
-    // A picture that isn't shifted has both sides alike.
-    let centered = !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some());
-    CameraSettings { height: Some(height_of(&extent, centered, size, subject)), ..*settings }
+    CameraSettings { height: Some(height_of(&extent, is_centered(settings), size, subject)), ..*settings }
+}
+
+/// True if a picture isn't shifted, so that both sides are alike.
+pub(super) fn is_centered(settings: &CameraSettings) -> bool {
+    !settings.view.is_given() && (settings.eye.is_some() || settings.target.is_some())
 }
 
 /// World units over the height of an orthographic image that shows an extent with the margin of all automatic cameras.

@@ -2,6 +2,7 @@
 //! where a camera that was not given may be a wrong guess.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::settings::{CameraSettings, Scene, ShadingModel};
 use super::view::Vertical;
@@ -9,6 +10,7 @@ use crate::cloud::depth_camera::hundredths;
 use crate::cloud::{Bounds, UpAxis};
 use crate::color::encode_srgb;
 use crate::points::Points;
+use crate::random::threefry2x32;
 
 /// Points that are looked at, at most.
 const SAMPLES: usize = 1 << 18;
@@ -47,15 +49,20 @@ struct Layout {
 }
 
 impl Layout {
-    /// `None` of few points.
+    /// Of all points, also of those that are clipped or hidden, so that slices of a scene have one camera. `None` of few.
     fn of(points: &Points, vertical: Vertical) -> Option<Self> {
-        if points.len() < FEWEST {
+        let all = points.positions.par_iter().chain(&points.unseen.positions);
+        if all.len() < FEWEST {
             return None;
         }
         let axes = [vertical.right(), vertical.front(), vertical.up()];
-        // The order of points is their own, so that those picked don't depend on the file.
-        let picked = points.positions.iter().step_by(points.len().div_ceil(SAMPLES));
+        // By their coordinates, so that those picked depend neither on the file nor on the method, which orders them.
+        let every = all.len().div_ceil(SAMPLES) as u32;
+        let picked = all.filter(|p| every == 1 || scattered(**p).is_multiple_of(every));
         let places: Vec<[f64; 3]> = picked.map(|p| axes.map(|axis| p.dot(axis))).collect();
+        if places.is_empty() {
+            return None;
+        }
         let ranges = [0, 1, 2].map(|axis| hundredths(places.iter().map(|place| place[axis]).collect()));
         Some(Self { axes, places, low: ranges.map(|range| range[0]), high: ranges.map(|range| range[1]) })
     }
@@ -79,6 +86,13 @@ impl Layout {
     fn flattest(&self) -> Option<usize> {
         (0..3).find(|axis| (0..3).all(|other| other == *axis || self.side(*axis) < FLAT * self.side(other)))
     }
+}
+
+/// A number that is as good as random, the same for equal positions.
+fn scattered(position: DVec3) -> u32 {
+    let [x, y, z] = position.to_array().map(f64::to_bits);
+    let fold = |bits: u64| (bits >> 32) as u32 ^ bits as u32;
+    threefry2x32([fold(x), fold(y)], [fold(z), 0])[0]
 }
 
 /// Which parts of the height have points in a cell of the plan.

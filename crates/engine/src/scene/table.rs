@@ -86,7 +86,7 @@ impl<'a> Table<'a> {
             return Err(self.error(
                 key,
                 node,
-                format!("must be written as [[{key}]], found {}", node.value.describe()),
+                format!("must be written as [[{}]], found {}", named(&self.path(key)), node.value.describe()),
             ));
         };
         let table = |(i, item)| Self::new(item, format!("{}.{i}", self.path(key)), self.context);
@@ -278,4 +278,9 @@ impl<'a> Table<'a> {
 
 fn value_error(node: &Node, key: &str, problem: String) -> Error {
     Error::Value { place: node.place.clone(), key: key.to_owned(), problem }
+}
+
+/// A path without the places in arrays, as TOML writes it: `cloud.class` of `cloud.0.class`.
+fn named(path: &str) -> String {
+    path.split('.').filter(|part| part.parse::<usize>().is_err()).collect::<Vec<_>>().join(".")
 }

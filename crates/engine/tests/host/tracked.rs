@@ -8,7 +8,8 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::scene::tracked::{DerivedColumns, Tracked};
 use pellucid_engine::scene::{
-    self, ClassSettings, Clip, ClipShape, ColorBy, Discs, Method, Scene, Selection, Soft, Spbr, SpbrSimplified,
+    self, ClassSettings, Clip, ClipShape, ColorBy, Discs, Method, Outliers, Scene, Selection, Soft, Spbr,
+    SpbrSimplified,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -86,7 +87,7 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         visible: one_of(r, &[None, Some(false), Some(true)]),
     };
     let slab = |max| Clip { shape: ClipShape::Slab { axis: 0, min: None, max: Some(max) }, invert: false };
-    match r.random_range(0..34) {
+    match r.random_range(0..38) {
         0..4 => cloud.opacity = one_of(r, &[0.0, 0.25, 0.5, 1.0]),
         4..8 => cloud.color = one_of(r, &[None, Some(Vec3::ONE), Some(Vec3::new(0.2, 0.9, 0.0))]),
         8..11 => cloud.radius = one_of(r, &[None, Some(0.1), Some(0.0)]),
@@ -99,6 +100,10 @@ fn change(r: &mut Pcg64, scene: &mut Scene) {
         22..25 => cloud.coloring.color_by = one_of(r, &colorings),
         25 => cloud.coloring.range = one_of(r, &[None, Some([0.25, 0.5])]),
         26..28 => cloud.class = (0..r.random_range(0..3)).map(|_| entry(r)).collect(),
+        34 => cloud.surface_opacity = one_of(r, &[None, Some(0.3), Some(0.6)]),
+        35 => cloud.strays.radius_cap = one_of(r, &[None, Some(0.0), Some(1.0)]),
+        36 => cloud.strays.outliers = one_of(r, &[Outliers::Keep, Outliers::Drop]),
+        37 => cloud.strays.outlier_factor = one_of(r, &[0.5, 1.0]),
         28 => scene.clips = one_of(r, &[vec![], vec![slab(1.0)], vec![slab(0.5)]]),
         _ => scene.method = one_of(r, &methods).into(),
     }

@@ -17,6 +17,11 @@ type CaseResult = Result<Finding, Trouble>;
 /// The first and the last entry of viridis, in sRGB.
 const FIRST: [f64; 3] = [0.267_004, 0.004_874, 0.329_415];
 const LAST: [f64; 3] = [0.993_248, 0.906_157, 0.143_936];
+/// Between the entries 63 and 64, 127 and 128, 191 and 192 of that table, of 0 to 255.
+const QUARTERS: [[f64; 3]; 3] =
+    [[0.23022275, 0.32129725, 0.545488], [0.1281485, 0.565107, 0.5508925], [0.36285925, 0.786695, 0.386589]];
+/// What class 2 is drawn in.
+const GROUND: [f64; 3] = [0.63, 0.47, 0.3];
 
 /// A decoded color is rounded to float32, and t to some units of float64, of which the decoding makes at most three times as much.
 const BOUND: f64 = HALF_ULP + 1e-14;
@@ -59,14 +64,16 @@ fn constant(stage: &mut Stage) -> CaseResult {
     let intensity = Cloud { intensity: Some(vec![7.0; 4]), ..row(4) };
     let one_class = Cloud { classification: Some(vec![2; 4]), ..row(4) };
     let mut error = 0f64;
-    for (cloud, keys) in [
-        (intensity, "color_by = \"intensity\""),
+    for (cloud, keys, color) in [
+        (intensity, "color_by = \"intensity\"", FIRST),
         // All points are 8 in front of the camera, at one z.
-        (row(4), "color_by = \"height\""),
-        (one_class, ""),
-        (row(4), ""),
+        (row(4), "color_by = \"height\"", FIRST),
+        (one_class.clone(), "color_by = \"classification\"", GROUND),
+        // One class tells nothing apart.
+        (one_class, "", FIRST),
+        (row(4), "", FIRST),
     ] {
-        error = error.max(colors_apart(&picture(stage, cloud, keys)?, &[decoded(FIRST); 4]));
+        error = error.max(colors_apart(&picture(stage, cloud, keys)?, &[decoded(color); 4]));
     }
     // 0 / 0.
     let t = |value: f32, [low, high]: [f32; 2]| (value - low) / (high - low);
@@ -99,7 +106,8 @@ fn far(stage: &mut Stage) -> CaseResult {
     let found = stage.render(&points, &frame(camera, [5, 1], Method::Points))?.image.rgba;
     // Float32 knows halves there: 0 / 0.
     let t = |z: f64| (z as f32 - low as f32) / (high as f32 - low as f32);
-    let error = colors_apart(&[found[0], found[4]], &[decoded(FIRST), decoded(LAST)]);
+    let [first, second, third] = QUARTERS;
+    let error = colors_apart(&found, &[FIRST, first, second, third, LAST].map(decoded));
     Ok(Finding { error, bound: BOUND, naive: Computed(t(high).into()) })
 }
 

@@ -42,6 +42,13 @@ impl Model {
         cameras.into_iter().for_each(|file| self.ask_for(Task::Cameras(file)));
     }
 
+    /// Takes away the names of the files that were saved last, also where the message still says them.
+    pub fn dismiss_saved(&mut self) {
+        if let Some(saved) = self.saved.take() {
+            self.message.take_if(|(text, _)| saved.says(text));
+        }
+    }
+
     /// Asks for files to be read or written.
     pub(super) fn ask_for(&mut self, task: Task) {
         self.pending.push_back(matches!(task, Task::Open(_)));

@@ -42,9 +42,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// Says that the points have other colors than their classes, if so.
 fn colored_otherwise(settings: &CloudSettings, census: &Census) -> Option<String> {
-    match (settings.color, &settings.coloring.color_by) {
+    let shown = match &settings.coloring.color_by {
+        ColorBy::Auto => &census.auto,
+        by => by,
+    };
+    match (settings.color, shown) {
         (Some(_), _) => Some("in one color".to_owned()),
-        (None, ColorBy::Auto) if census.colors => Some("in the file's colors".to_owned()),
+        (None, ColorBy::Rgb) => Some("in the file's colors".to_owned()),
         (None, ColorBy::Auto | ColorBy::Classification) => None,
         (None, by) => Some(format!("colored by {}", by.word())),
     }
@@ -152,7 +156,29 @@ fn abbreviated(count: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::abbreviated;
+    use super::*;
+    use pellucid_engine::scene::ColorSettings;
+
+    #[test]
+    fn other_colors_than_those_of_classes_are_said() {
+        let line = |by: ColorBy, auto: ColorBy| {
+            let coloring = ColorSettings { color_by: by, ..ColorSettings::default() };
+            let settings = CloudSettings { coloring, ..CloudSettings::default() };
+            colored_otherwise(&settings, &Census { colors: true, auto, ..Census::default() })
+        };
+        for (auto, wanted) in [
+            (ColorBy::Rgb, Some("in the file's colors")),
+            // Though the file has colors, all black or all white.
+            (ColorBy::Classification, None),
+            (ColorBy::Height, Some("colored by height")),
+            (ColorBy::Auto, None),
+        ] {
+            assert_eq!(line(ColorBy::Auto, auto).as_deref(), wanted);
+        }
+        assert_eq!(line(ColorBy::Intensity, ColorBy::Rgb).as_deref(), Some("colored by intensity"));
+        let red = CloudSettings { color: Some(glam::Vec3::X), ..CloudSettings::default() };
+        assert_eq!(colored_otherwise(&red, &Census::default()).as_deref(), Some("in one color"));
+    }
 
     #[test]
     fn counts_are_short() {

@@ -1,13 +1,12 @@
 //! What cuts the scene: boxes, slabs and planes, with their numbers.
 
-use egui::{ComboBox, DragValue, RichText, Ui};
+use egui::{ComboBox, DragValue, Response, RichText, Ui};
 
 use super::row::{note, vector};
 use super::shading;
-use crate::controls::{AXES, NewClip, clip_changes, new_clip, short_number, without_clip};
+use crate::controls::{AXES, NewClip, clip_changes, decimals, new_clip, short_number, without_clip};
 use crate::hints::hint;
 use crate::model::Model;
-use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::scene::{Clip, ClipShape};
 
 /// Draws the section.
@@ -32,7 +31,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 fn add(ui: &mut Ui, model: &mut Model, at: usize) {
     let Some(picture) = model.picture() else { return };
     let (bounds, forward) = (picture.subject.bounds, picture.camera.forward);
-    let vertical = if shading::vertical(model) == UpAxis::Y { 1 } else { 2 };
+    let vertical = shading::vertical(model).index();
     // The half of the points that is farther away, so that one looks into them.
     let ahead =
         forward.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i);
@@ -78,9 +77,9 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
             for (axis, name) in AXES.iter().enumerate() {
                 ui.horizontal(|ui| {
                     ui.label(*name);
-                    number(ui, model, &mut min[axis], f64::NEG_INFINITY..=max[axis]);
+                    number(ui, model, axis, &mut min[axis], f64::NEG_INFINITY..=max[axis]);
                     ui.label("to");
-                    number(ui, model, &mut max[axis], min[axis]..=f64::INFINITY);
+                    number(ui, model, axis, &mut max[axis], min[axis]..=f64::INFINITY);
                 });
             }
         }
@@ -91,14 +90,25 @@ fn entry(ui: &mut Ui, model: &mut Model, at: usize, clip: &Clip) -> Option<Clip>
     Some(edited)
 }
 
-/// A coordinate.
-fn number(ui: &mut Ui, model: &Model, x: &mut f64, range: std::ops::RangeInclusive<f64>) {
-    let diagonal = model.extent().diagonal;
-    let drag = DragValue::new(x).speed(0.002 * diagonal).range(range).max_decimals(4).update_while_editing(false);
-    if ui.add_sized([72.0, 18.0], drag).dragged() {
-        // Only what a hand does is rounded, and no typed number.
-        *x = short_number(*x, diagonal);
-    }
+/// The most decimals that are shown of a number in an extent: where there is none, all that count.
+pub fn shown_decimals(extent: f64) -> usize {
+    decimals(extent).map_or(12, |digits| digits.max(4))
+}
+
+/// A coordinate along an axis.
+fn number(ui: &mut Ui, model: &Model, axis: usize, x: &mut f64, range: std::ops::RangeInclusive<f64>) -> Response {
+    let extent = model.picture().map_or(0.0, |picture| (picture.subject.bounds.max - picture.subject.bounds.min)[axis]);
+    let speed = 0.002 * if extent > 0.0 { extent } else { model.extent().diagonal };
+    let before = *x;
+    let drag = DragValue::new(x).speed(speed).range(range).max_decimals(shown_decimals(extent));
+    let response = ui.add_sized([72.0, 18.0], drag.update_while_editing(false));
+    *x = kept(before, *x, response.dragged(), extent);
+    response
+}
+
+/// What becomes of a coordinate. Only what a hand does is rounded, and no typed number.
+fn kept(before: f64, now: f64, dragged: bool, extent: f64) -> f64 {
+    if dragged && now != before { short_number(now, extent) } else { now }
 }
 
 /// The axis of a slab and its ends, either of which may be missing.
@@ -112,8 +122,11 @@ fn slab(ui: &mut Ui, model: &Model, axis: &mut usize, min: &mut Option<f64>, max
             }
         });
         let has_both = min.is_some() && max.is_some();
-        end(ui, model, "from", min, bounds.min[before], f64::NEG_INFINITY..=max.unwrap_or(f64::INFINITY), has_both);
-        end(ui, model, "to", max, bounds.max[before], min.unwrap_or(f64::NEG_INFINITY)..=f64::INFINITY, has_both);
+        let [low, high] = [bounds.min[before], bounds.max[before]];
+        let below = f64::NEG_INFINITY..=max.unwrap_or(f64::INFINITY);
+        end(ui, model, "from", min, (before, low), below, has_both);
+        let above = min.unwrap_or(f64::NEG_INFINITY)..=f64::INFINITY;
+        end(ui, model, "to", max, (before, high), above, has_both);
     });
     if *axis != before
         && let ClipShape::Slab { min: low, max: high, .. } = new_clip(NewClip::Slab(*axis), bounds).shape
@@ -123,13 +136,13 @@ fn slab(ui: &mut Ui, model: &Model, axis: &mut usize, min: &mut Option<f64>, max
     }
 }
 
-/// An end of a slab. The last one stays, since a slab needs one.
+/// An end of a slab across an axis, and where it begins. The last one stays, since a slab needs one.
 fn end(
     ui: &mut Ui,
     model: &Model,
     text: &str,
     end: &mut Option<f64>,
-    start: f64,
+    (axis, start): (usize, f64),
     range: std::ops::RangeInclusive<f64>,
     may_go: bool,
 ) {
@@ -138,21 +151,43 @@ fn end(
         *end = on.then_some(start);
     }
     if let Some(x) = end {
-        number(ui, model, x, range);
+        number(ui, model, axis, x, range);
     }
 }
 
 /// A point of a plane and the direction in which points are kept.
 fn plane(ui: &mut Ui, model: &mut Model, at: usize, point: &mut glam::DVec3, normal: &mut glam::DVec3) {
-    let diagonal = model.extent().diagonal;
     ui.weak("through");
-    if let Some(numbers) = vector(ui, model, &format!("clip.{at}.plane.point"), point.to_array(), 0.002 * diagonal) {
-        *point = numbers.map(|x| short_number(x, diagonal)).into();
-    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let key = format!("clip.{at}.plane.point");
+        for axis in 0..AXES.len() {
+            let response = number(ui, model, axis, &mut point[axis], f64::NEG_INFINITY..=f64::INFINITY);
+            if axis == 0 {
+                note(ui, model, &key, &response);
+            }
+            response.on_hover_text(hint(&key));
+        }
+    });
     ui.weak("keeps what lies toward");
     let turned = vector(ui, model, &format!("clip.{at}.plane.normal"), normal.to_array(), 0.005);
     // A vector without a direction is ignored, as happens while all three numbers are being typed.
     if let Some(numbers) = turned.map(glam::DVec3::from).filter(|v| v.try_normalize().is_some()) {
         *normal = numbers;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_dragged_numbers_are_rounded() {
+        let (before, now) = (4.0, 10.234_567);
+        assert_eq!(kept(before, now, false, 0.2), now, "typed");
+        assert_eq!(kept(before, now, true, 0.2), 10.2346);
+        assert_eq!(kept(before, now, true, 0.0), now, "flat");
+        assert_eq!(kept(now, now, true, 1000.0), now, "held and not moved");
+        assert_eq!([1000.0, 0.02, 0.0].map(shown_decimals), [4, 5, 12]);
     }
 }

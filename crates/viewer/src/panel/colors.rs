@@ -2,12 +2,14 @@
 
 use egui::{ComboBox, DragValue, Id, Ui};
 
+use super::clips::shown_decimals;
 use super::clouds;
 use super::row::{choice, name, note, row, takes_out};
 use crate::census::Census;
-use crate::controls::{self, Presence, changes, significant};
+use crate::controls::{self, Presence, changes, short_number};
 use crate::legend;
 use crate::model::Model;
+use pellucid_engine::scene::legend::{Entry, Legend};
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
 
 /// The clouds that the section is about.
@@ -35,7 +37,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     one_color(ui, model, target, settings);
     if settings.color.is_none() {
         meaning(ui, model, target, settings);
-        if is_mapped(model, settings) {
+        if is_mapped(settings, model.census().get(first)) {
             plain(ui, model, target, settings, "colormap");
             range(ui, model, target, settings);
             ui.horizontal(|ui| ["reverse", "log"].into_iter().for_each(|key| plain(ui, model, target, settings, key)));
@@ -141,9 +143,9 @@ fn offers<'a>(settings: &CloudSettings, census: &'a Census) -> Vec<&'a str> {
 }
 
 /// True if values become colors by way of the color map.
-fn is_mapped(model: &Model, settings: &CloudSettings) -> bool {
+fn is_mapped(settings: &CloudSettings, census: Option<&Census>) -> bool {
     match settings.coloring.color_by {
-        ColorBy::Auto => ends(model, settings).is_some(),
+        ColorBy::Auto => census.is_some_and(|census| census.auto.is_mapped()),
         ref by => by.is_mapped(),
     }
 }
@@ -151,8 +153,16 @@ fn is_mapped(model: &Model, settings: &CloudSettings) -> bool {
 /// The values of the first and the last color, as the picture has them.
 fn ends(model: &Model, settings: &CloudSettings) -> Option<[f64; 2]> {
     let legend = model.picture()?.legend.as_ref()?;
-    let file = settings.path.file_name()?.to_string_lossy();
-    Some(legend.entry_of(&file)?.values.as_ref()?.scale.ends())
+    Some(entry_of(legend, &model.scene().clouds, settings)?.values.as_ref()?.scale.ends())
+}
+
+/// The legend's entry about a cloud. It names files without folders: where several clouds have the same name, only an entry about
+/// all clouds is sure to be about this one.
+fn entry_of<'a>(legend: &'a Legend, clouds: &[CloudSettings], settings: &CloudSettings) -> Option<&'a Entry> {
+    let file = settings.path.file_name()?;
+    let entry = legend.entry_of(&file.to_string_lossy())?;
+    let alone = clouds.iter().filter(|other| other.path.file_name() == Some(file)).count() == 1;
+    (alone || legend.title(entry).is_none()).then_some(entry)
 }
 
 /// The values of the first and the last color.
@@ -161,13 +171,17 @@ fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
     let given = settings.coloring.range;
     let Some([low, high]) = given.or_else(|| ends(model, settings)) else { return };
     let speed = 0.005 * (high - low).abs().max(f64::MIN_POSITIVE);
+    let shown = shown_decimals((high - low).abs());
     let mut ends = [low, high];
     let out = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let [from, to] = &mut ends;
-        for (end, range) in [(from, f64::NEG_INFINITY..=high), (to, low..=f64::INFINITY)] {
-            let number = DragValue::new(end).range(range).speed(speed).max_decimals(4).update_while_editing(false);
-            ui.add_sized([70.0, 18.0], number);
+        for (end, range) in [(0, f64::NEG_INFINITY..=high), (1, low..=f64::INFINITY)] {
+            let mut x = ends[end];
+            let number = DragValue::new(&mut x).range(range).speed(speed).max_decimals(shown);
+            let dragged = ui.add_sized([70.0, 18.0], number.update_while_editing(false)).dragged();
+            if x != ends[end] {
+                ends = with_end(ends, end, x, dragged);
+            }
         }
         name(ui, &key, "range");
         given.is_some() && ui.small_button("percentiles").on_hover_text("1 and 99, as without `range`").clicked()
@@ -175,8 +189,79 @@ fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSetting
     if out.inner {
         model.change(&changes(&key, None));
     } else if ends != [low, high] {
-        let short = |x: f64| if x.abs() < 1e6 { (x * 1e4).round() / 1e4 } else { x.round() };
-        let ends = if high - low < 1e-2 { ends.map(significant) } else { ends.map(short) };
         model.change(&changes(&key, Some(ends.into())));
+    }
+}
+
+/// The ends of a range with one of them elsewhere. A dragged one is as short as their distance allows and stays on its side of
+/// the other one; a typed one is taken as it is.
+fn with_end(ends: [f64; 2], end: usize, x: f64, dragged: bool) -> [f64; 2] {
+    let [low, high] = ends;
+    let apart = |x: &f64| if end == 0 { *x < high } else { *x > low };
+    let mut moved = ends;
+    moved[end] =
+        if dragged { [short_number(x, (high - low).abs()), x].into_iter().find(apart).unwrap_or(ends[end]) } else { x };
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use pellucid_engine::cloud::{Cloud, UpAxis};
+    use pellucid_engine::progress::Progress;
+    use pellucid_engine::scene::{Scene, arrange_with_legend};
+
+    #[test]
+    fn only_the_dragged_end_is_rounded_and_ends_never_meet() {
+        for (ends, end, x, wanted) in [
+            ([630.001, 630.009], 0, 630.002_345_678, [630.002_346, 630.009]),
+            ([630.001, 630.009], 1, 630.007_654_321, [630.001, 630.007_654]),
+            ([4_500_000.6, 4_500_000.9], 0, 4_500_000.712_345, [4_500_000.712_3, 4_500_000.9]),
+            ([0.123_456_789, 5000.4], 1, 4321.6, [0.123_456_789, 4322.0]),
+            // Rounding would bring it to the other end, or the pointer does.
+            ([0.0, 4000.0], 0, 3999.7, [3999.7, 4000.0]),
+            ([1.0, 2.0], 0, 2.0, [1.0, 2.0]),
+            ([1.0, 2.0], 1, 1.0, [1.0, 2.0]),
+        ] {
+            assert_eq!(with_end(ends, end, x, true), wanted, "{ends:?} {x}");
+        }
+        assert_eq!(with_end([0.0, 5000.0], 1, 4_321.654_321, false), [0.0, 4_321.654_321], "typed");
+    }
+
+    /// The ends of the colors of two clouds, as the legend has them.
+    fn ends_of(paths: [&str; 2], keys: [&str; 2]) -> [Option<[f64; 2]>; 2] {
+        let table = |i: usize| {
+            let (path, keys) = (paths[i], keys[i]);
+            format!("[[cloud]]\npath = '{path}'\nradius = 1.0\ncolor_by = 'height'\n{keys}\n")
+        };
+        let scene = Scene::from_toml(&(table(0) + &table(1)), "s.toml".as_ref()).unwrap();
+        let positions = (0..20).map(|i| DVec3::new(f64::from(i), 0.0, f64::from(i))).collect();
+        let cloud = Cloud { positions, up: UpAxis::Z, ..Cloud::default() };
+        let clouds = vec![cloud.clone(), cloud];
+        let (_, legend) = arrange_with_legend(&scene, clouds, 0, &Progress::hidden()).unwrap();
+        [0, 1].map(|i| {
+            let entry = entry_of(&legend, &scene.clouds, &scene.clouds[i])?;
+            Some(entry.values.as_ref()?.scale.ends())
+        })
+    }
+
+    #[test]
+    fn a_cloud_has_no_range_of_another_one_of_its_name() {
+        let (first, second) = ("range = [2.0, 5.0]", "range = [3.0, 9.0]");
+        let wanted = [Some([2.0, 5.0]), Some([3.0, 9.0])];
+        assert_eq!(ends_of(["a/scan.laz", "b/other.laz"], [first, second]), wanted);
+        assert_eq!(ends_of(["a/scan.laz", "b/scan.laz"], [first, second]), [None, None]);
+        assert_eq!(ends_of(["a/scan.laz", "b/scan.laz"], [first, first]), [wanted[0]; 2]);
+    }
+
+    #[test]
+    fn auto_is_mapped_where_it_falls_to_height() {
+        let census = |auto| Census { auto, ..Census::default() };
+        let settings = CloudSettings::default();
+        for (auto, wanted) in [(ColorBy::Height, true), (ColorBy::Rgb, false), (ColorBy::Classification, false)] {
+            assert_eq!(is_mapped(&settings, Some(&census(auto))), wanted);
+        }
+        assert!(!is_mapped(&settings, None), "not known yet");
     }
 }

@@ -9,9 +9,10 @@ use super::row::{choice, name, note, takes_out, vector};
 use crate::census::{BINS, FieldFacts};
 use crate::hints::hint;
 use crate::model::Model;
+use pellucid_engine::cloud::UpAxis;
 use pellucid_engine::cloud::field::Field;
 use pellucid_engine::color::classes;
-use pellucid_engine::scene::{Change, Setting, rounded};
+use pellucid_engine::scene::{Change, Setting, Vertical, rounded};
 
 /// The classes that a choice of classes begins with: vegetation.
 const VEGETATION: [u8; 3] = [3, 4, 5];
@@ -124,10 +125,7 @@ fn axis(ui: &mut Ui, model: &mut Model, target: &str, point: Option<[f64; 3]>, d
     let subject = model.picture().map(|picture| picture.subject);
     let center =
         subject.map_or([0.0; 3], |subject| subject.bounds.center().to_array().map(|x| (x * 1e3).round() / 1e3));
-    let vertical = match subject.map(|subject| subject.up) {
-        Some(pellucid_engine::cloud::UpAxis::Y) => [0.0, 1.0, 0.0],
-        _ => [0.0, 0.0, 1.0],
-    };
+    let vertical = vertical_of(subject.map_or(UpAxis::Z, |subject| subject.up));
     let diagonal = model.extent().diagonal;
     let rows = [
         ("point", "middle", "axis through", point, center, 0.002 * diagonal),
@@ -152,6 +150,11 @@ fn axis(ui: &mut Ui, model: &mut Model, target: &str, point: Option<[f64; 3]>, d
             model.change(&around(target, part, Some(numbers)));
         }
     }
+}
+
+/// The direction that holds without one: the files' vertical, whatever the camera's is.
+fn vertical_of(up: UpAxis) -> [f64; 3] {
+    Vertical::from(up).up().to_array()
 }
 
 /// The changes that give clouds a part of an axis, or take it out. A prepared file's field has an axis without the scene saying
@@ -212,6 +215,12 @@ fn histogram(ui: &mut Ui, facts: &FieldFacts, threshold: f64) {
 mod tests {
     use super::*;
     use pellucid_engine::scene::{Document, Overrides};
+
+    #[test]
+    fn an_axis_begins_along_the_vertical() {
+        let directions = [UpAxis::Y, UpAxis::Z, UpAxis::NegativeY].map(vertical_of);
+        assert_eq!(directions, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]);
+    }
 
     #[test]
     fn another_field_leaves_nothing_behind() {

@@ -120,7 +120,7 @@ fn saved(ui: &mut Ui, model: &mut Model) {
         dismissed.clicked()
     });
     if dismissed.inner {
-        model.saved = None;
+        model.dismiss_saved();
     }
 }
 

@@ -91,13 +91,13 @@ fn other_kind(model: &Model, light: Light, word: &str) -> Light {
     }
 }
 
-/// The axis that elevations refer to: the up direction of the scene's camera, else the clouds' vertical.
-pub fn vertical(model: &Model) -> UpAxis {
-    match model.scene().camera.up {
-        Some(up) if up.z.abs() > up.y.abs() => UpAxis::Z,
-        Some(up) if up.y != 0.0 => UpAxis::Y,
-        _ => model.picture().map_or(UpAxis::Z, |picture| picture.subject.up),
-    }
+/// What elevations refer to: the axis nearest to the up direction of the scene's camera, else the clouds' vertical.
+pub fn vertical(model: &Model) -> Vertical {
+    nearest_or(model.scene().camera.up, model.picture().map_or(UpAxis::Z, |picture| picture.subject.up))
+}
+
+fn nearest_or(up: Option<DVec3>, of_clouds: UpAxis) -> Vertical {
+    up.and_then(Vertical::nearest).unwrap_or(of_clouds.into())
 }
 
 /// A direction by its angles, and by its numbers.
@@ -128,15 +128,14 @@ fn along(ui: &mut Ui, model: &mut Model, travels: DVec3) {
 }
 
 /// The direction, to 6 decimals, of light from an azimuth and an elevation in degrees, as [`View`] counts them.
-fn direction([azimuth, elevation]: [f64; 2], up: UpAxis) -> DVec3 {
+fn direction([azimuth, elevation]: [f64; 2], up: Vertical) -> DVec3 {
     let view = View { azimuth: Some(azimuth), elevation: Some(elevation), name: None };
     (view.axes(up).0 * 1e6).round() / 1e6
 }
 
 /// Azimuth, from −180 to 180, and elevation in degrees from where light along a direction comes.
-fn angles(travels: DVec3, up: UpAxis) -> [f64; 2] {
+fn angles(travels: DVec3, vertical: Vertical) -> [f64; 2] {
     let from = -travels.normalize_or_zero();
-    let vertical = Vertical::from(up);
     let [x, y] = [from.dot(vertical.right()), from.dot(vertical.front())];
     // A vertical direction has no azimuth, and the sign of a zero would make it 180.
     let azimuth = if [x, y] == [0.0; 2] { 0.0 } else { x.atan2(y).to_degrees() };
@@ -215,7 +214,8 @@ mod tests {
 
     #[test]
     fn angles_and_directions_are_the_same_light() {
-        for up in [UpAxis::Y, UpAxis::Z] {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        for up in axes.map(|axis| Vertical::nearest(axis).unwrap()) {
             for azimuth in [-180.0f64, -90.0, -33.3, 0.0, 45.0, 179.9] {
                 for elevation in [-STEEPEST, -30.0, 0.0, 60.1, STEEPEST] {
                     let [a, e] = angles(direction([azimuth, elevation], up), up);
@@ -229,9 +229,24 @@ mod tests {
             }
         }
         // From above and behind the front's left: it travels down, to the front's right.
-        let light = direction(FROM, UpAxis::Z);
+        let light = direction(FROM, UpAxis::Z.into());
         assert!(light.x > 0.0 && light.y > 0.0 && light.z < 0.0, "{light}");
-        assert_eq!(angles(-DVec3::Z, UpAxis::Z), [0.0, 90.0]);
+        assert_eq!(angles(-DVec3::Z, UpAxis::Z.into()), [0.0, 90.0]);
+        // Where -Y is up, light from above travels along +Y.
+        assert_eq!(angles(DVec3::Y, UpAxis::NegativeY.into()), [0.0, 90.0]);
+    }
+
+    #[test]
+    fn elevations_refer_to_the_vertical_of_the_camera_or_of_the_clouds() {
+        let up = |up: Option<DVec3>, of_clouds| nearest_or(up, of_clouds).up();
+        for clouds in [UpAxis::Y, UpAxis::Z, UpAxis::NegativeY] {
+            assert_eq!(up(None, clouds), clouds.direction());
+            assert_eq!(up(Some(DVec3::new(1.0, 1.0, 0.0)), clouds), clouds.direction(), "between two axes");
+            assert_eq!(up(Some(DVec3::new(0.1, -2.0, 0.5)), clouds), DVec3::NEG_Y);
+            assert_eq!(up(Some(DVec3::new(3.0, 0.0, 1.0)), clouds), DVec3::X);
+        }
+        assert_eq!(nearest_or(Some(DVec3::X), UpAxis::Z).index(), 0);
+        assert_eq!(nearest_or(None, UpAxis::NegativeY).index(), 1);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use pellucid_engine::cloud::{Cloud, UpAxis};
+use pellucid_engine::cloud::Cloud;
 use pellucid_engine::color::classes;
 use pellucid_engine::scene::{self, Overview};
 use serde_json::{Map, Value, json};
@@ -33,12 +33,12 @@ pub struct Facts {
 impl Facts {
     /// `columns` are those that were given for a text file.
     pub fn of(file: &Path, columns: Option<&str>, cloud: &Cloud) -> Self {
-        let axis = if cloud.up == UpAxis::Y { 1 } else { 2 };
+        let up = cloud.up.direction();
         let intensity = cloud.intensity.as_ref().map(|values| values.iter().map(|value| f64::from(*value)).collect());
         let (classes, overview) = (classes(cloud), scene::overview(cloud));
         Self {
             ranges: ranges(cloud),
-            height: Histogram::of(cloud.positions.iter().map(|p| p[axis]).collect()),
+            height: Histogram::of(cloud.positions.iter().map(|p| p.dot(up)).collect()),
             intensity: intensity.and_then(Histogram::of),
             proposal: proposal::propose(file, columns, cloud, &classes, &overview),
             classes,

@@ -7,6 +7,7 @@
 mod search;
 mod tree;
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use crate::progress::Progress;
@@ -14,7 +15,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use self::search::{Columns, Search};
-use self::tree::Tree;
+use self::tree::{LEAF, Tree};
 use super::morton;
 use crate::cloud::Bounds;
 
@@ -44,11 +45,11 @@ pub(super) struct Places {
     unit: f64,
 }
 
-/// A power of two of about the size of a cloud: it keeps squared distances of any float64 cloud away from overflow and
-/// underflow, and scaling by it rounds nothing.
+/// A power of two, of 2⁻⁴⁰⁰ times the size of a cloud or more: it keeps squared distances from overflow, and those of down to
+/// 10⁻²⁷⁰ of that size from underflow, which one stray at 10¹⁷⁰ would cause otherwise. Scaling by it rounds nothing else.
 fn unit(bounds: &Bounds) -> f64 {
     let half_side = (0.5 * bounds.max - 0.5 * bounds.min).max_element();
-    if half_side > 0.0 { half_side.log2().floor().clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
+    if half_side > 0.0 { (half_side.log2().floor() - 400.0).clamp(-1022.0, 1023.0).exp2() } else { 1.0 }
 }
 
 /// The bits of a position, the two zeros being one.
@@ -67,6 +68,26 @@ fn normal_key(normal: Vec3) -> [i32; 3] {
     })
 }
 
+/// Puts many points of one Morton code into the order of codes within their own bounds, and so on: a stray a thousand
+/// kilometres away has all others in a few cells.
+fn refine(cell: &mut [(u64, u32)], positions: &[DVec3], by_content: &(impl Fn(u32, u32) -> Ordering + Sync)) {
+    if cell.len() <= LEAF {
+        return;
+    }
+    let members: Vec<DVec3> = cell.iter().map(|(_, index)| positions[*index as usize]).collect();
+    let Some(bounds) = Bounds::of(&members).filter(|bounds| bounds.min != bounds.max) else { return };
+    let indices: Vec<u32> = cell.iter().map(|(_, index)| *index).collect();
+    let content = |a: u32, b: u32| by_content(indices[a as usize], indices[b as usize]);
+    let mut order = morton::sorted(morton::codes(&members, &bounds), content);
+    if order[0].0 == order[order.len() - 1].0 {
+        // Too small for halves of it.
+        return;
+    }
+    order.iter_mut().for_each(|(_, place)| *place = indices[*place as usize]);
+    order.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(|cell| refine(cell, positions, by_content));
+    cell.iter_mut().zip(order).for_each(|((_, index), (_, sorted))| *index = sorted);
+}
+
 impl Places {
     /// From finite positions; `None` if there are none, or 2³² and more, of which no renderer takes as many, either.
     pub fn group(positions: &[DVec3], normals: Option<&[Vec3]>) -> Option<Self> {
@@ -74,11 +95,13 @@ impl Places {
         u32::try_from(positions.len()).ok()?;
         let bounds = Bounds::of(positions)?;
         let normal = |i: usize| normals.map_or([0; 3], |normals| normal_key(normals[i]));
-        let keyed = morton::sorted(morton::codes(positions, &bounds), |a, b| {
+        let by_content = |a: u32, b: u32| {
             let [a, b] = [a as usize, b as usize];
             let by_position = position_key(positions[a]).cmp(&position_key(positions[b]));
             by_position.then_with(|| normal(a).cmp(&normal(b)))
-        });
+        };
+        let mut keyed = morton::sorted(morton::codes(positions, &bounds), by_content);
+        keyed.par_chunk_by_mut(|a, b| a.0 == b.0).for_each(|cell| refine(cell, positions, &by_content));
         let order: Vec<usize> = keyed.par_iter().map(|&(_, index)| index as usize).collect();
         let positions: Vec<DVec3> = order.par_iter().map(|&index| positions[index]).collect();
         let is_first = |rank: &u32| *rank == 0 || positions[*rank as usize] != positions[*rank as usize - 1];
@@ -325,6 +348,22 @@ mod tests {
         }
     }
 
+    /// The order of ranks decides how many places a search looks at.
+    #[test]
+    fn a_stray_far_away_leaves_the_order_of_the_others_as_it_is() {
+        let near = cloud(2000, 3);
+        let extent = |places: &Places| -> f64 {
+            let all = &places.positions[..near.len()];
+            all.chunks(LEAF).map(|some| Bounds::of(some).unwrap().diagonal()).sum()
+        };
+        let alone = extent(&Places::group(&near, None).unwrap());
+        for far in [1e4, 1e9, 1e170] {
+            let with = [near.as_slice(), &[DVec3::splat(far)]].concat();
+            let places = Places::group(&with, None).unwrap();
+            assert!(extent(&places) < 1.5 * alone, "{far}: {} instead of {alone}", extent(&places));
+        }
+    }
+
     #[test]
     fn a_block_that_cuts_a_leaf_changes_nothing() {
         let places = Places::group(&cloud(1000, 5), None).unwrap();
@@ -341,8 +380,9 @@ mod tests {
 
     #[test]
     fn points_too_far_or_too_near_for_squares_have_neighbors() {
-        for scale in [1e-300, 1e-160, 1.0, 1e150, 1e307] {
-            let points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
+        for (scale, stray) in [(1e-300, 1.0), (1e-160, 1.0), (1.0, 1.0), (1e150, 1.0), (1e307, 1.0), (1.0, 1e170)] {
+            let mut points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
+            points[0] *= stray;
             let places = Places::group(&points, None).unwrap();
             places.visit(24, false, &Progress::hidden(), |place, others, distance| {
                 assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");

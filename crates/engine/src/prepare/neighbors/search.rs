@@ -24,7 +24,7 @@ const CUTS: usize = 8;
 /// Widens a bound by the roundings of a distance and of a sum.
 const WIDER: f64 = 1.0 + 1e-14;
 
-/// Positions by place, a coordinate at a time, in the unit of distances: a power of two, so that scaling rounds nothing.
+/// Positions by place, a coordinate at a time, in the unit of distances.
 #[derive(Debug, Default)]
 pub(super) struct Columns {
     x: Vec<f64>,

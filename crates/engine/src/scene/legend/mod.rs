@@ -110,13 +110,20 @@ impl Legend {
         self.entries.iter().find(|entry| entry.files.iter().any(|known| known == file))
     }
 
-    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`].
+    /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks points that
+    /// are left out.
     ///
     /// # Errors
     /// The cloud lacks what `color_by` or a class is about.
-    pub(super) fn add(&mut self, coloring: &Coloring<'_>, clips: &Clips, fields: Option<&[f32]>) -> Result<(), Error> {
+    pub(super) fn add(
+        &mut self,
+        coloring: &Coloring<'_>,
+        clips: &Clips,
+        fields: Option<&[f32]>,
+        dropped: Option<&[bool]>,
+    ) -> Result<(), Error> {
         self.clouds += 1;
-        let Some(mut entry) = entry(coloring, clips, fields)? else { return Ok(()) };
+        let Some(mut entry) = entry(coloring, clips, fields, dropped)? else { return Ok(()) };
         let alike = |known: &&mut Entry| {
             known.by_cloud && entry.by_cloud
                 || (&known.heading, &known.values, &known.swatches) == (&entry.heading, &entry.values, &entry.swatches)
@@ -149,14 +156,19 @@ struct Met {
 type Scaled = Option<(Vec<f64>, Scale)>;
 
 /// The meaning of a cloud's colors, if they have any.
-fn entry(coloring: &Coloring<'_>, clips: &Clips, fields: Option<&[f32]>) -> Result<Option<Entry>, Error> {
+fn entry(
+    coloring: &Coloring<'_>,
+    clips: &Clips,
+    fields: Option<&[f32]>,
+    dropped: Option<&[bool]>,
+) -> Result<Option<Entry>, Error> {
     let Coloring { settings, cloud, index, .. } = coloring;
     let rules = Rules::of(settings, cloud)?;
     let scaled: Scaled = coloring.values(fields)?.map(|values| {
         let scale = coloring.scale(&values);
         (values, scale)
     });
-    let met = met(coloring, &rules, clips, &scaled);
+    let met = met(coloring, &rules, clips, &scaled, dropped);
     let file = settings.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let by_cloud = met.own && coloring.by() == Some(&ColorBy::Cloud);
     let mut swatches = Vec::new();
@@ -188,7 +200,7 @@ fn entry(coloring: &Coloring<'_>, clips: &Clips, fields: Option<&[f32]>) -> Resu
 }
 
 /// Looks at every point that is drawn.
-fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scaled) -> Met {
+fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scaled, dropped: Option<&[bool]>) -> Met {
     const CODES: usize = 256;
     let Coloring { settings, cloud, .. } = coloring;
     let count = cloud.len();
@@ -212,8 +224,12 @@ fn met(coloring: &Coloring<'_>, rules: &Rules<'_>, clips: &Clips, scaled: &Scale
         };
         seen(rules.visible_points(count), clips, &positions)
     };
-    let is_drawn =
-        |i: &usize| shown.as_ref().is_none_or(|s| s[*i]) && rules.opacity(*i).unwrap_or(settings.opacity) > 0.0;
+    let opacity = settings.surface_opacity.unwrap_or(settings.opacity);
+    let alpha = |i: usize| cloud.alphas.as_ref().map_or(1.0, |alphas| alphas[i]);
+    let is_drawn = |i: &usize| {
+        let is_there = shown.as_ref().is_none_or(|s| s[*i]) && dropped.is_none_or(|dropped| !dropped[*i]);
+        is_there && alpha(*i) * rules.opacity(*i).unwrap_or(opacity) > 0.0
+    };
     let none = || vec![false; missing + 1];
     let with = |mut all: Vec<bool>, i: usize| {
         all[meaning(i)] = true;

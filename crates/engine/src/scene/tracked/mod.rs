@@ -218,7 +218,8 @@ fn views<'a>(
 pub fn legend(scene: &Scene, clouds: &[Cloud], derived: &[DerivedColumns]) -> Result<Legend, Error> {
     let (mut legend, clips) = (Legend::default(), Clips::load(&scene.clips)?);
     for (index, (cloud, derived)) in clouds.iter().zip(derived).take(scene.clouds.len()).enumerate() {
-        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields())?;
+        let dropped = scene.clouds[index].strays.rule(Outliers::Drop).and_then(|rule| derived.dropped(rule));
+        legend.add(&Coloring::of(scene, index, cloud), &clips, derived.fields(), dropped)?;
     }
     Ok(legend)
 }
@@ -328,7 +329,11 @@ impl<'a> ColumnUpdate<'a> {
     /// Gives all columns their values, and returns the changed ones.
     fn all(&self, points: &mut Points) -> Changes {
         let colors = self.changed(|column_key| (column_key.color.clone(), column_key.classes.clone()));
-        let opacities = self.changed(|column_key| (column_key.opacity, column_key.classes.clone()));
+        let opacities = self.changed(|column_key| {
+            // The opacity of a disc of a surface depends on its radius.
+            let of_surface = column_key.surface_opacity.map(|opacity| (opacity, column_key.radius));
+            (column_key.opacity, of_surface, column_key.classes.clone())
+        });
         let radii = self.changed(|column_key| column_key.radius);
         Changes {
             colors: self.column(&mut points.colors, &colors, CloudView::color, bits_of),
@@ -346,9 +351,12 @@ impl<'a> ColumnUpdate<'a> {
             return false;
         }
         let radii = self.clouds.iter().enumerate().flat_map(|(cloud, view)| {
-            let is_finite = |i: &usize| assemble::placed(view.settings, view.cloud.positions[*i]).is_finite();
+            let is_there = |i: &usize| {
+                let dropped = view.dropped.is_some_and(|dropped| dropped[*i]);
+                !dropped && assemble::placed(view.settings, view.cloud.positions[*i]).is_finite()
+            };
             let left_out = self.origins.left_out(cloud, view.cloud.len());
-            left_out.into_iter().filter(is_finite).map(|i| view.radius(i))
+            left_out.into_iter().filter(is_there).map(|i| view.radius(i))
         });
         let before = std::mem::replace(&mut Arc::make_mut(unseen).radii, radii.collect());
         before != unseen.radii

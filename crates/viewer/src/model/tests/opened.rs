@@ -95,6 +95,22 @@ fn saved_files_are_named_until_others_are_saved() {
     );
 }
 
+#[test]
+fn dismissed_files_are_named_nowhere() {
+    let (mut model, _) = settled();
+    let saves = |model: &mut Model| model.take_in(News::Saved(vec!["s-1.toml".into()])).unwrap();
+    saves(&mut model);
+    assert!(model.message.is_some());
+    model.dismiss_saved();
+    assert_eq!((&model.saved, &model.message), (&None, &None));
+    // Something else that was said since stays.
+    saves(&mut model);
+    model.set("cloud.0.nonsense", Setting::Number(0.25));
+    let said = model.message.clone();
+    model.dismiss_saved();
+    assert!(said.is_some() && model.saved.is_none() && model.message == said);
+}
+
 /// The meaning of colors costs a look at all points, so that it is asked for only where it is shown, and then once.
 #[test]
 fn the_meaning_of_colors_is_asked_for_where_it_is_shown() {
