@@ -69,7 +69,22 @@ fn options_win_over_a_preset() {
         let off = found.iter().zip(wanted).map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f32::max);
         assert!(off < 1e-3, "{options:?}: {found:?}");
         // One line, with everything that was set.
-        assert!(said.starts_with("preset canopy: cloud.*.opacity = 0.05; ") && said.lines().count() == 1, "{said}");
+        let first = "preset canopy: cloud.*.opacity = 0.05, unless an option gives surface_opacity; ";
+        assert!(said.starts_with(first) && said.lines().count() == 1, "{said}");
+    }
+}
+
+#[test]
+fn every_preset_takes_the_opacity_of_a_surface() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    scan(&folder);
+    for preset in ["canopy", "building", "indoor", "heritage"] {
+        let (_, said) = picture(&folder, "plain.ply", &["--preset", preset, "--surface-opacity", "0.3"]);
+        // None is looked for.
+        assert!(!said.contains("trials"), "{said}");
     }
 }
 
