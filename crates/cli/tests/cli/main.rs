@@ -22,6 +22,7 @@ mod interrupted;
 mod iso;
 mod legend;
 mod measure;
+mod old_scenes;
 mod opacity;
 mod prepare;
 mod presets;

@@ -3,6 +3,7 @@
 pub(crate) mod depth_camera;
 pub mod field;
 pub mod shadow_texture;
+pub(crate) mod upright;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

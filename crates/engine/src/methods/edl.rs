@@ -12,9 +12,10 @@
 
 use rayon::prelude::*;
 
-use super::{Error, Timeline};
+use super::{Error, Frame, Timeline};
 use crate::gpu::shader::Shader;
 use crate::gpu::{Device, Dispatch, Kept, Memory, Run};
+use crate::passes::bands::Budget;
 use crate::scene::Edl;
 use crate::{gpu_struct, pass};
 
@@ -46,8 +47,14 @@ pub(crate) const PASSES: [&str; 3] = ["shading/depths", "shading/edl", "shading/
 /// Bytes that a pixel takes on the device and in the host memory that it sees.
 const PIXEL_BYTES: u64 = 16;
 
-/// Pixels of a band at most, for which there is always memory.
+/// Pixels of a band at most.
 const BAND_PIXELS: u64 = 1 << 22;
+
+/// The memory of a frame without that for bands, and that for bands, which is none unless the frame asks for the effect.
+pub(crate) fn divided(budget: Budget, frame: &Frame) -> (Budget, u64) {
+    let bands = if frame.shading.edl.edl { (BAND_PIXELS * PIXEL_BYTES).min(budget.bytes / 4) } else { 0 };
+    (Budget { bytes: budget.bytes - bands, ..budget }, bands)
+}
 
 /// Offsets to the pixels around at this radius: along an axis, and along each of both on a diagonal.
 fn offsets(radius: f32) -> [u32; 2] {
@@ -103,7 +110,7 @@ impl EyeDomeLighting {
         let [straight, diagonal] = offsets(edl.edl_radius);
         let [width, height] = surface.size.map(u64::from);
         let halo = u64::from(straight.max(diagonal)).min(height);
-        let most = BAND_PIXELS.min(budget / PIXEL_BYTES) / width;
+        let most = budget / PIXEL_BYTES / width;
         let rows = most.saturating_sub(2 * halo).max(1);
         for start in (0..height).step_by(rows as usize) {
             let end = (start + rows).min(height);

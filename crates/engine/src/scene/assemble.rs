@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::classes::{self, Rules};
 use super::clip::Clips;
-use super::coloring::Coloring;
+use super::coloring::{self, Coloring};
 use super::error::Error;
 use super::legend::Legend;
 use super::procedural::Generated;
@@ -60,7 +60,7 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let notes = request(scene, settings, needs_radii, scene.method.needs_field()).notes(cloud);
-        let idle = classes::note(settings, cloud);
+        let idle = classes::note(settings, cloud).into_iter().chain(coloring::note(settings, cloud));
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()

@@ -102,6 +102,21 @@ pub(super) struct Coloring<'a> {
     vertical: Vertical,
 }
 
+/// Says that keys about the color map have no effect on a cloud for which `auto` decides so.
+pub(super) fn note(settings: &CloudSettings, cloud: &Cloud) -> Option<String> {
+    let asked = ColorSettings { color_by: ColorBy::Auto, ..settings.coloring.clone() };
+    if settings.color.is_some() || settings.coloring != asked || asked == ColorSettings::default() {
+        return None;
+    }
+    let Choice { by, why, .. } = Choice::of(&ColorBy::Auto, cloud);
+    (!by.is_mapped()).then(|| {
+        format!(
+            "`colormap`, `range`, `reverse` and `log` have no effect, since {why}; color_by (--color-by) height or another \
+             value makes use of them"
+        )
+    })
+}
+
 /// Everything that the colors of a cloud's points depend on.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ColorKey {

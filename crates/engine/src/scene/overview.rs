@@ -1,6 +1,6 @@
 //! What a picture of a cloud would meet, found on the host without a device: spacing, and layers on a pixel.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::document::Document;
@@ -19,6 +19,9 @@ const RUN: usize = 1 << 14;
 
 /// Points that a camera is found for, at most: it fits all of them, one by one and several times.
 const FITTED: usize = 1 << 18;
+
+/// Rows of discs that are drawn, at most: where discs are larger or more, every nth of them stands for its neighbors.
+const ROWS: u64 = 1 << 28;
 
 /// What the automatic view of a cloud meets, at the default size and without any setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -65,22 +68,27 @@ fn automatic(cloud: &Cloud, points: &Points) -> Option<(Camera, [u32; 2], bool)>
 
 /// The mean number of discs on the pixels that have any; `None` if no pixel has.
 fn layers(camera: &Camera, size: [u32; 2], points: &Points) -> Option<f64> {
+    let disc = |position: &DVec3, radius: &f32| {
+        let (center, z) = camera.project(*position, size);
+        is_in_depth(camera, z).then(|| (center, f64::from(*radius) * camera.pixels_per_unit(z, size[1])))
+    };
+    let height = f64::from(size[1]);
+    let discs = points.positions.par_iter().zip(&points.radii);
+    let of_one = |radius: f64| (2.0 * radius + 1.0).min(height) as u64;
+    let rows: u64 = discs.filter_map(|(p, r)| disc(p, r)).map(|(_, radius)| of_one(radius)).sum();
+    let step = rows.div_ceil(ROWS).max(1) as usize;
     let runs = points.positions.par_chunks(RUN).zip(points.radii.par_chunks(RUN));
     let drawn = runs.fold(
         || Pixels::none(size),
         |mut pixels, (positions, radii)| {
-            for (position, radius) in positions.iter().zip(radii) {
-                let (center, z) = camera.project(*position, size);
-                if is_in_depth(camera, z) {
-                    pixels.cover(center, f64::from(*radius) * camera.pixels_per_unit(z, size[1]));
-                }
-            }
+            let discs = positions.iter().zip(radii).step_by(step).filter_map(|(p, r)| disc(p, r));
+            discs.for_each(|(center, radius)| pixels.cover(center, radius));
             pixels
         },
     );
     let all = drawn.reduce(|| Pixels::none(size), Pixels::joined);
     let covered: u64 = all.map.iter().map(|bits| u64::from(bits.count_ones())).sum();
-    (covered > 0).then(|| all.fragments as f64 / covered as f64)
+    (covered > 0).then(|| step as f64 * all.fragments as f64 / covered as f64)
 }
 
 fn is_in_depth(camera: &Camera, z: f64) -> bool {
@@ -149,7 +157,6 @@ fn inside(at: f64, reach: f64, length: u32) -> std::ops::Range<u32> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 

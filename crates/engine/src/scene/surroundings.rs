@@ -38,6 +38,8 @@ const FAR: f64 = 50.0;
 const ALIKE: f32 = 0.1;
 /// The share of points in the background's color from which on there is little to see.
 const HIDDEN: f64 = 0.9;
+/// The brightest channel of a color that is dark, in sRGB.
+const DARK: f32 = 0.15;
 
 /// Some of the points by their coordinates along right, front and up, and the range that each has for all but the
 /// outermost hundredths.
@@ -248,19 +250,33 @@ fn flat_along_another(layout: &Layout, vertical: Vertical) -> Option<String> {
     ))
 }
 
-/// Says that nearly all points have the background's color, where no shading tells them apart.
+/// Says that nearly all points have the background's color, where no shading tells them apart, or that most of them are dark on a
+/// dark background.
 fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
-    let shaded = scene.shading.model != ShadingModel::None && points.normals.is_some();
-    if shaded || points.is_empty() {
+    if points.is_empty() {
         return None;
     }
     let encoded = |color: Vec3| color.to_array().map(encode_srgb);
+    let picked = || points.colors.iter().step_by(points.len().div_ceil(SAMPLES)).map(|color| encoded(*color));
+    let share = |holds: &dyn Fn([f32; 3]) -> bool| {
+        picked().filter(|color| holds(*color)).count() as f64 / picked().count() as f64
+    };
     let background = encoded(scene.image.background);
-    let alike = |color: &&Vec3| encoded(**color).iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
-    let picked = || points.colors.iter().step_by(points.len().div_ceil(SAMPLES));
-    let share = picked().filter(alike).count() as f64 / picked().count() as f64;
-    (share >= HIDDEN).then(|| {
-        "nearly all points have the color of the background: --background with another one would show them".to_owned()
+    let shaded = scene.shading.model != ShadingModel::None && points.normals.is_some();
+    let is_alike = |color: [f32; 3]| color.iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
+    if !shaded && share(&is_alike) >= HIDDEN {
+        return Some(
+            "nearly all points have the color of the background: --background with another one would show them"
+                .to_owned(),
+        );
+    }
+    let is_dark = |color: [f32; 3]| color.iter().all(|c| *c <= DARK);
+    (points.len() >= FEWEST && is_dark(background) && share(&is_dark) >= 0.5).then(|| {
+        format!(
+            "{:.0} % of the points are nearly black, as the background is: --background white, or --color-by with height or \
+             something else that the file has, would show more of them",
+            100.0 * share(&is_dark)
+        )
     })
 }
 
@@ -389,6 +405,14 @@ mod tests {
         let scene = Scene::from_toml(&format!("{white}\n[[cloud]]\npath = 'a.ply'"), "s.toml".as_ref()).unwrap();
         let shaded = Points { normals: Some(vec![Vec3::Z; cube.len()]), ..scene_of(cube.clone()) };
         assert!(camera_notes(&scene, &shaded, UpAxis::Z).is_empty());
-        assert!(notes("", cube).is_empty(), "white on black");
+        assert!(notes("", cube.clone()).is_empty(), "white on black");
+        let scene = Scene::from_toml("[[cloud]]\npath = 'a.ply'", "s.toml".as_ref()).unwrap();
+        let colors = (0..cube.len()).map(|i| Vec3::splat(if i % 5 < 3 { 0.01 } else { 1.0 })).collect();
+        let dark = Points { colors, normals: Some(vec![Vec3::Z; cube.len()]), ..scene_of(cube.clone()) };
+        let said = camera_notes(&scene, &dark, UpAxis::Z);
+        assert!(said[0].contains("60 % of the points are nearly black") && said[0].contains("--background white"));
+        let grey =
+            Scene::from_toml("[image]\nbackground = '#888'\n[[cloud]]\npath = 'a.ply'", "s.toml".as_ref()).unwrap();
+        assert!(camera_notes(&grey, &dark, UpAxis::Z).is_empty());
     }
 }

@@ -9,7 +9,6 @@ use crate::census::Census;
 use crate::controls::{self, Presence, changes, short_number};
 use crate::legend;
 use crate::model::Model;
-use pellucid_engine::scene::legend::{Entry, Legend};
 use pellucid_engine::scene::{Change, CloudSettings, ColorBy, Setting};
 
 /// The clouds that the section is about.
@@ -26,13 +25,21 @@ impl Target {
             Self::One(i) => format!("cloud.{i}.{name}"),
         }
     }
+
+    /// The number of the first cloud.
+    fn first(self) -> usize {
+        match self {
+            Self::All => 0,
+            Self::One(i) => i,
+        }
+    }
 }
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     let clouds = model.scene().clouds.clone();
     let target = target(ui, &clouds);
-    let first = if let Target::One(i) = target { i } else { 0 };
+    let first = target.first();
     let Some(settings) = clouds.get(first) else { return };
     one_color(ui, model, target, settings);
     if settings.color.is_none() {
@@ -151,25 +158,15 @@ fn is_mapped(settings: &CloudSettings, census: Option<&Census>) -> bool {
 }
 
 /// The values of the first and the last color, as the picture has them.
-fn ends(model: &Model, settings: &CloudSettings) -> Option<[f64; 2]> {
-    let legend = model.picture()?.legend.as_ref()?;
-    Some(entry_of(legend, &model.scene().clouds, settings)?.values.as_ref()?.scale.ends())
-}
-
-/// The legend's entry about a cloud. It names files without folders: where several clouds have the same name, only an entry about
-/// all clouds is sure to be about this one.
-fn entry_of<'a>(legend: &'a Legend, clouds: &[CloudSettings], settings: &CloudSettings) -> Option<&'a Entry> {
-    let file = settings.path.file_name()?;
-    let entry = legend.entry_of(&file.to_string_lossy())?;
-    let alone = clouds.iter().filter(|other| other.path.file_name() == Some(file)).count() == 1;
-    (alone || legend.title(entry).is_none()).then_some(entry)
+fn ends(model: &Model, cloud: usize) -> Option<[f64; 2]> {
+    Some(model.picture()?.legend.as_ref()?.entry_of(cloud)?.values.as_ref()?.scale.ends())
 }
 
 /// The values of the first and the last color.
 fn range(ui: &mut Ui, model: &mut Model, target: Target, settings: &CloudSettings) {
     let key = target.key("range");
     let given = settings.coloring.range;
-    let Some([low, high]) = given.or_else(|| ends(model, settings)) else { return };
+    let Some([low, high]) = given.or_else(|| ends(model, target.first())) else { return };
     let speed = 0.005 * (high - low).abs().max(f64::MIN_POSITIVE);
     let shown = shown_decimals((high - low).abs());
     let mut ends = [low, high];
@@ -241,7 +238,7 @@ mod tests {
         let clouds = vec![cloud.clone(), cloud];
         let (_, legend) = arrange_with_legend(&scene, clouds, 0, &Progress::hidden()).unwrap();
         [0, 1].map(|i| {
-            let entry = entry_of(&legend, &scene.clouds, &scene.clouds[i])?;
+            let entry = legend.entry_of(i)?;
             Some(entry.values.as_ref()?.scale.ends())
         })
     }
@@ -251,7 +248,7 @@ mod tests {
         let (first, second) = ("range = [2.0, 5.0]", "range = [3.0, 9.0]");
         let wanted = [Some([2.0, 5.0]), Some([3.0, 9.0])];
         assert_eq!(ends_of(["a/scan.laz", "b/other.laz"], [first, second]), wanted);
-        assert_eq!(ends_of(["a/scan.laz", "b/scan.laz"], [first, second]), [None, None]);
+        assert_eq!(ends_of(["a/scan.laz", "b/scan.laz"], [first, second]), wanted);
         assert_eq!(ends_of(["a/scan.laz", "b/scan.laz"], [first, first]), [wanted[0]; 2]);
     }
 

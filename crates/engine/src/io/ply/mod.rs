@@ -29,6 +29,7 @@ use ply_rs_bw::ply::Encoding;
 use super::columns::{Column, Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::depth_camera::is_depth_camera;
+use crate::cloud::upright::is_z_up;
 use crate::cloud::{Cloud, UpAxis};
 use header::{Element, Kind};
 use splats::Splats;
@@ -97,7 +98,8 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
 const SURVEY: f64 = 1e4;
 
 /// The vertical of a PLY file, which can't say it: Y, as of models, but Z of what stands far from the origin along X and Y alone, as
-/// surveys do whose coordinates are eastings, northings and heights, and −Y in the frame of a depth camera.
+/// surveys do whose coordinates are eastings, northings and heights, −Y in the frame of a depth camera, and Z where only then the
+/// shape lies or stands as things do.
 fn vertical(cloud: &Cloud) -> UpAxis {
     let surveyed = cloud.bounds().is_some_and(|bounds| {
         let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
@@ -107,6 +109,8 @@ fn vertical(cloud: &Cloud) -> UpAxis {
         UpAxis::Z
     } else if is_depth_camera(&cloud.positions) {
         UpAxis::NegativeY
+    } else if is_z_up(&cloud.positions) {
+        UpAxis::Z
     } else {
         UpAxis::Y
     }

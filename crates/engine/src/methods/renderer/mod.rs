@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use super::abuffer::{self, ListEngine, Lists};
 use super::bytes::aggregate;
 use super::cost::Load;
-use super::edl::{EyeDomeLighting, Surface};
+use super::edl::{self, EyeDomeLighting, Surface};
 use super::engine::{Counts, Engine, Fragments, Switches, Work, project};
 use super::{
     Buffers, Error, Facts, Frame, FrameProfile, Outcome, Target, Timeline, engine_of, shadows, spbr, stochastic,
@@ -119,6 +119,7 @@ impl Renderer {
         let light_views = light_views(cloud, frame);
         self.cast_shadows(engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(engine, cloud, frame);
+        let (budget, shading) = edl::divided(budget, frame);
         let windows = engine.windows(frame, budget)?;
         self.target.reserve(&self.device, largest(&windows))?;
 
@@ -144,7 +145,7 @@ impl Renderer {
             let medians = self.medians_of(cloud, frame, budget, &mut timeline)?;
             let Image { rgba, depth, .. } = &mut image;
             let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
-            self.eye_dome.apply(&self.device, &frame.shading.edl, budget.bytes, surface, rgba, &mut timeline)?;
+            self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, &mut timeline)?;
         }
         let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
         facts.peak_device_bytes = self.device.peak_bytes();
@@ -271,7 +272,7 @@ impl Renderer {
         let engine = engine_of(&frame.method);
         self.place(engine.as_ref(), cloud, frame, false)?;
         let budget = self.budget(engine.as_ref(), cloud, frame);
-        self.medians_of(cloud, frame, budget, &mut Timeline::new(&self.progress))
+        self.medians_of(cloud, frame, edl::divided(budget, frame).0, &mut Timeline::new(&self.progress))
     }
 
     /// The same, of a frame that is being rendered.
@@ -299,6 +300,7 @@ impl Renderer {
         let engine = engine.as_ref();
         self.place(engine, cloud, frame, true)?;
         let budget = self.budget(engine, cloud, frame);
+        let (budget, _) = edl::divided(budget, frame);
         let windows = engine.windows(frame, budget)?;
         if engine.renders_to_survey() {
             self.target.reserve(&self.device, largest(&windows))?;

@@ -36,6 +36,8 @@ pub struct Legend {
 /// The meaning of the colors of some clouds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
+    /// Their numbers in the scene, from 0.
+    clouds: Vec<usize>,
     /// The names of their files, without folders.
     files: Vec<String>,
     /// What the colors show, with its unit; `None` if single colors were given to some points.
@@ -105,9 +107,9 @@ impl Legend {
         }
     }
 
-    /// The entry about a cloud, by its file's name without folders.
-    pub fn entry_of(&self, file: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.files.iter().any(|known| known == file))
+    /// The entry about a cloud, by its number in the scene.
+    pub fn entry_of(&self, cloud: usize) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.clouds.contains(&cloud))
     }
 
     /// Adds the meaning of the colors of the scene's next cloud. `fields` as for [`Coloring::colors`]; `dropped` marks points that
@@ -130,6 +132,7 @@ impl Legend {
         };
         match self.entries.iter_mut().find(alike) {
             Some(known) => {
+                known.clouds.append(&mut entry.clouds);
                 known.files.append(&mut entry.files);
                 entry.swatches.retain(|swatch| !known.swatches.contains(swatch));
                 known.swatches.append(&mut entry.swatches);
@@ -196,7 +199,7 @@ fn entry(
     let heading = if shown { coloring.by().and_then(quantity) } else { None };
     let heading = heading.or_else(|| met.classes.contains(&true).then(|| "class".to_owned()));
     let anything = values.is_some() || !swatches.is_empty();
-    Ok(anything.then(|| Entry { files: vec![file], heading, values, swatches, by_cloud }))
+    Ok(anything.then(|| Entry { clouds: vec![*index], files: vec![file], heading, values, swatches, by_cloud }))
 }
 
 /// Looks at every point that is drawn.

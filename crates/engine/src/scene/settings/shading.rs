@@ -52,7 +52,7 @@ settings! {
         /// How dark it gets.
         edl_strength: f32 = 1.0, in Range::NOT_NEGATIVE, slider Slider::Linear(0.0, 4.0);
         /// How far away the pixels are that it compares with.
-        edl_radius: f32 = 1.4, in Range::open(0.0, 1000.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
+        edl_radius: f32 = 1.4, in Range::open(0.0, 100.0), unit "pixels", slider Slider::Linear(1.0, 8.0);
     }
 }
 
