@@ -10,7 +10,6 @@ use crate::cloud::depth_camera::hundredths;
 use crate::cloud::{Bounds, UpAxis};
 use crate::color::encode_srgb;
 use crate::points::Points;
-use crate::random::threefry2x32;
 
 /// Points that are looked at, at most.
 const SAMPLES: usize = 1 << 18;
@@ -38,8 +37,8 @@ const FAR: f64 = 50.0;
 const ALIKE: f32 = 0.1;
 /// The share of points in the background's color from which on there is little to see.
 const HIDDEN: f64 = 0.9;
-/// The brightest channel of a color that is dark, in sRGB.
-const DARK: f32 = 0.15;
+/// The brightest channel of a color that is dark, linear: 0.15 in sRGB.
+const DARK: f32 = 0.0195;
 
 /// Some of the points by their coordinates along right, front and up, and the range that each has for all but the
 /// outermost hundredths.
@@ -84,17 +83,33 @@ impl Layout {
         [0, 1, 2].map(|axis| (place[axis] - self.low[axis]) / self.side(axis))
     }
 
+    /// An eye within a room and a place to look at; `None` unless the points surround their middle as those of a room do.
+    fn within(&self) -> Option<[DVec3; 2]> {
+        if (0..3).any(|axis| self.side(axis) <= 0.0) {
+            return None;
+        }
+        let plan = Plan::of(self);
+        if !plan.is_room() {
+            return None;
+        }
+        Some([stand(self, &plan)?, self.at([0.5, 0.5, LOOKED_AT])])
+    }
+
     /// The axis along which the points are much flatter than along both others.
     fn flattest(&self) -> Option<usize> {
         (0..3).find(|axis| (0..3).all(|other| other == *axis || self.side(*axis) < FLAT * self.side(other)))
     }
 }
 
-/// A number that is as good as random, the same for equal positions.
+/// A number that has nothing to do with where a position lies, the same for equal positions: each coordinate's bits are
+/// multiplied by 2⁶⁴ over the golden ratio, whose high half depends on all of them, and folded (Knuth, The Art of Computer
+/// Programming 3, 6.4).
 fn scattered(position: DVec3) -> u32 {
-    let [x, y, z] = position.to_array().map(f64::to_bits);
-    let fold = |bits: u64| (bits >> 32) as u32 ^ bits as u32;
-    threefry2x32([fold(x), fold(y)], [fold(z), 0])[0]
+    let mixed = position.to_array().into_iter().fold(0, |all: u64, x| {
+        let product = (all ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        product ^ product >> 32
+    });
+    mixed as u32
 }
 
 /// Which parts of the height have points in a cell of the plan.
@@ -186,22 +201,17 @@ fn stand(layout: &Layout, plan: &Plan) -> Option<DVec3> {
 /// The settings of a camera within the points, if these surround the middle of the scene as those of a room do: floor and
 /// ceiling, and walls around. `None` where the settings say anything of eye, target, view, lens or depths, and of other scenes.
 pub(super) fn inside(settings: &CameraSettings, points: &Points, vertical: Vertical) -> Option<CameraSettings> {
-    let free = CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() };
-    if *settings != free {
+    if !may_be_inside(settings) {
         return None;
     }
-    let layout = Layout::of(points, vertical)?;
-    if (0..3).any(|axis| layout.side(axis) <= 0.0) {
-        return None;
-    }
-    let plan = Plan::of(&layout);
-    if !plan.is_room() {
-        return None;
-    }
-    let eye = stand(&layout, &plan)?;
-    let target = layout.at([0.5, 0.5, LOOKED_AT]);
+    let [eye, target] = Layout::of(points, vertical)?.within()?;
     let up = settings.up.unwrap_or(vertical.up());
     Some(CameraSettings { eye: Some(eye), target: Some(target), up: Some(up), ..*settings })
+}
+
+/// True if the settings leave it open whether the camera stands within the points.
+fn may_be_inside(settings: &CameraSettings) -> bool {
+    *settings == CameraSettings { up: settings.up, fov_y: settings.fov_y, ..CameraSettings::default() }
 }
 
 /// Notes about the camera that [`super::camera`] finds: that it stands within the points, that another axis may be the
@@ -210,15 +220,16 @@ pub fn camera_notes(scene: &Scene, points: &Points, up: UpAxis) -> Vec<String> {
     let settings = &scene.camera;
     let vertical = super::framing::vertical_of(settings, up);
     let mut notes = Vec::new();
-    if inside(settings, points, vertical).is_some() {
+    let layout = if settings.eye.is_none() { Layout::of(points, vertical) } else { None };
+    if may_be_inside(settings) && layout.as_ref().is_some_and(|layout| layout.within().is_some()) {
         notes.push(
             "the points surround the middle of the scene, as those of a room do, so that the camera stands among them; \
              --view iso looks from outside"
                 .to_owned(),
         );
     }
-    if settings.eye.is_none() && settings.up.is_none() {
-        notes.extend(Layout::of(points, vertical).and_then(|layout| flat_along_another(&layout, vertical)));
+    if settings.up.is_none() {
+        notes.extend(layout.and_then(|layout| flat_along_another(&layout, vertical)));
     }
     notes.extend(points.bounds().and_then(|bounds| in_degrees(&bounds)));
     notes.extend(in_the_background(scene, points));
@@ -256,22 +267,21 @@ fn in_the_background(scene: &Scene, points: &Points) -> Option<String> {
     if points.is_empty() {
         return None;
     }
+    let picked = || points.colors.iter().step_by(points.len().div_ceil(SAMPLES));
+    let share =
+        |holds: &dyn Fn(Vec3) -> bool| picked().filter(|color| holds(**color)).count() as f64 / picked().count() as f64;
     let encoded = |color: Vec3| color.to_array().map(encode_srgb);
-    let picked = || points.colors.iter().step_by(points.len().div_ceil(SAMPLES)).map(|color| encoded(*color));
-    let share = |holds: &dyn Fn([f32; 3]) -> bool| {
-        picked().filter(|color| holds(*color)).count() as f64 / picked().count() as f64
-    };
     let background = encoded(scene.image.background);
     let shaded = scene.shading.model != ShadingModel::None && points.normals.is_some();
-    let is_alike = |color: [f32; 3]| color.iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
+    let is_alike = |color: Vec3| encoded(color).iter().zip(background).all(|(c, b)| (c - b).abs() <= ALIKE);
     if !shaded && share(&is_alike) >= HIDDEN {
         return Some(
             "nearly all points have the color of the background: --background with another one would show them"
                 .to_owned(),
         );
     }
-    let is_dark = |color: [f32; 3]| color.iter().all(|c| *c <= DARK);
-    (points.len() >= FEWEST && is_dark(background) && share(&is_dark) >= 0.5).then(|| {
+    let is_dark = |color: Vec3| color.max_element() <= DARK;
+    (points.len() >= FEWEST && is_dark(scene.image.background) && share(&is_dark) >= 0.5).then(|| {
         format!(
             "{:.0} % of the points are nearly black, as the background is: --background white, or --color-by with height or \
              something else that the file has, would show more of them",
