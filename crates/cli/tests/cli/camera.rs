@@ -83,6 +83,30 @@ fn wrong_guesses_are_noted() {
 }
 
 #[test]
+fn the_vertical_of_a_ply_file_that_lies_is_z() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    write_grid(&folder, "a.xyz", [40, 40, 2]);
+    let positions = fs::read_to_string(inside(&folder, "a.xyz")).unwrap();
+    let header = "ply\nformat ascii 1.0\nelement vertex 3200\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    fs::write(inside(&folder, "a.ply"), format!("{header}{positions}")).unwrap();
+    let picture = |file: &str, options: &[&str]| {
+        let (status, _, stderr) = run(&folder, &[&["render", file], &SMALL[..], options].concat());
+        assert_eq!(status, 0, "{stderr}");
+        (stderr, read_image(&inside(&folder, "a.png")).unwrap().pixels)
+    };
+    let (note, lying) = picture("a.ply", &[]);
+    assert!(note.starts_with("a.ply: its vertical") && note.contains("flattest along z; --up y"), "{note}");
+    assert!(lying == picture("a.xyz", &[]).1);
+    for up in ["y", "z"] {
+        let (note, asked) = picture("a.ply", &["--up", up]);
+        assert!((asked == lying) == (up == "z") && !note.contains("its vertical"), "{up}: {note}");
+    }
+}
+
+#[test]
 fn outliers_are_counted_where_they_are_asked_for() {
     let folder = folder();
     write_grid(&folder, "a.xyz", [20, 20, 1]);

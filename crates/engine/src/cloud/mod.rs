@@ -82,6 +82,8 @@ pub struct Cloud {
     pub non_finite: usize,
     /// The file's vertical.
     pub up: UpAxis,
+    /// Why it isn't the one of the file's format, if its points say so alone: the end of a sentence.
+    pub up_reason: Option<&'static str>,
     /// Data that `pellucid prepare` stored with the points, if they are unchanged since then.
     pub prepared: Option<Prepared>,
     /// Oddities of the file that did not prevent reading it, one sentence each.

@@ -19,20 +19,21 @@ const FALLS: f64 = PI + FRAC_PI_2;
 /// See [`FALLS`].
 const STANDS: f64 = 0.9 * PI;
 
-/// True if a shape with Y up would stand on its edge, as ground does, or fall over, and stands with Z up.
-pub(crate) fn is_z_up(positions: &[DVec3]) -> bool {
+/// The reason why Z is up, as the end of a sentence: a shape with Y up would stand on its edge, as ground does, or fall over, and
+/// would not with Z up.
+pub(crate) fn reason_for_z(positions: &[DVec3]) -> Option<&'static str> {
     let count = positions.len();
     if count < FEWEST {
-        return false;
+        return None;
     }
     let ranges = [0, 1, 2].map(|axis| hundredths(positions.par_iter().map(|p| p[axis]).collect()));
     let [x, y, z] = ranges.map(|[low, high]| high - low);
     if z < FLAT * x.min(y) {
-        return true;
+        return Some("since its points are flattest along z");
     }
     // Slopes have one foot; they lie along X and Z.
     if y <= x.min(z) {
-        return false;
+        return None;
     }
     let centroid = positions.iter().sum::<DVec3>() / count as f64;
     let unsupported = |up: usize| {
@@ -42,7 +43,7 @@ pub(crate) fn is_z_up(positions: &[DVec3]) -> bool {
         let feet = positions.par_iter().filter(|p| p[up] <= foot);
         widest_gap(feet.map(|p| (p[b] - centroid[b]).atan2(p[a] - centroid[a])).collect())
     };
-    unsupported(1) > FALLS && unsupported(2) < STANDS
+    (unsupported(1) > FALLS && unsupported(2) < STANDS).then_some("since with y up it would fall over")
 }
 
 /// The widest angle in a circle between neighboring ones of some angles in radians.
@@ -74,13 +75,17 @@ mod tests {
         table
     }
 
+    fn is_z_up(positions: &[DVec3]) -> bool {
+        reason_for_z(positions).is_some()
+    }
+
     fn turned(positions: Vec<DVec3>) -> Vec<DVec3> {
         positions.into_iter().map(|p| DVec3::new(p.x, p.z, -p.y)).collect()
     }
 
     #[test]
     fn a_table_stands_on_its_legs() {
-        assert!(is_z_up(&table()));
+        assert!(reason_for_z(&table()).unwrap().contains("fall over"));
         assert!(!is_z_up(&turned(table())), "Y is up");
         let moved = table().into_iter().map(|p| 1e-3 * p + DVec3::splat(50.0)).collect::<Vec<_>>();
         assert!(is_z_up(&moved), "millimetres");
@@ -90,7 +95,7 @@ mod tests {
     #[test]
     fn ground_lies() {
         let ground = |slope: f64| points(5000, |p| DVec3::new(80.0 * p.x, 50.0 * p.y, 4.0 * p.z + slope * p.x));
-        assert!(is_z_up(&ground(2.0)));
+        assert!(reason_for_z(&ground(2.0)).unwrap().contains("flattest along z"));
         assert!([2.0, 20.0, 40.0].iter().all(|slope| !is_z_up(&turned(ground(*slope)))));
     }
 

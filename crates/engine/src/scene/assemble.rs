@@ -60,10 +60,17 @@ pub fn notes(scene: &Scene, clouds: &[Cloud], needs_radii: bool) -> Vec<String> 
     let prefixed_notes = |(settings, cloud): (&CloudSettings, &Cloud)| {
         let path = settings.path.display().to_string();
         let notes = request(scene, settings, needs_radii, scene.method.needs_field()).notes(cloud);
-        let idle = classes::note(settings, cloud).into_iter().chain(coloring::note(settings, cloud));
+        let idle = [classes::note(settings, cloud), coloring::note(settings, cloud), upright_note(scene, cloud)];
+        let idle = idle.into_iter().flatten();
         notes.into_iter().chain(idle).map(move |note| format!("{path}: {note}"))
     };
     scene.clouds.iter().zip(clouds).flat_map(prefixed_notes).collect()
+}
+
+/// Says that the vertical was guessed, where the camera depends on it.
+fn upright_note(scene: &Scene, cloud: &Cloud) -> Option<String> {
+    let reason = cloud.up_reason.filter(|_| scene.camera.eye.is_none() && scene.camera.up.is_none())?;
+    Some(format!("its vertical, which the file doesn't say, is taken to be z, {reason}; --up y if it is y"))
 }
 
 /// The shadow texture that is stored with the scene's cloud, if it matches the scene; else the reason as one sentence,

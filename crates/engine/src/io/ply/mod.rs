@@ -29,7 +29,7 @@ use ply_rs_bw::ply::Encoding;
 use super::columns::{Column, Columns, FullScale};
 use super::{Error, PROGRESS_STEP, Source};
 use crate::cloud::depth_camera::is_depth_camera;
-use crate::cloud::upright::is_z_up;
+use crate::cloud::upright::reason_for_z;
 use crate::cloud::{Cloud, UpAxis};
 use header::{Element, Kind};
 use splats::Splats;
@@ -86,7 +86,7 @@ pub(super) fn read(source: &mut Source, progress: &Progress) -> Result<Cloud, Er
     }
     progress.set_position(vertex.count);
     let mut cloud = columns.finish();
-    cloud.up = vertical(&cloud);
+    (cloud.up, cloud.up_reason) = vertical(&cloud);
     prepared::recognize(&mut cloud, &header.comments);
     if splats.is_some() {
         cloud.warnings.push(splats::NOTE.to_owned());
@@ -99,21 +99,20 @@ const SURVEY: f64 = 1e4;
 
 /// The vertical of a PLY file, which can't say it: Y, as of models, but Z of what stands far from the origin along X and Y alone, as
 /// surveys do whose coordinates are eastings, northings and heights, −Y in the frame of a depth camera, and Z where only then the
-/// shape lies or stands as things do.
-fn vertical(cloud: &Cloud) -> UpAxis {
+/// shape lies or stands as things do, with the reason.
+fn vertical(cloud: &Cloud) -> (UpAxis, Option<&'static str>) {
     let surveyed = cloud.bounds().is_some_and(|bounds| {
         let (center, diagonal) = (bounds.center().abs(), bounds.diagonal());
         center.x >= SURVEY && center.y >= SURVEY && center.z < SURVEY && diagonal < center.truncate().length()
     });
     if surveyed {
-        UpAxis::Z
-    } else if is_depth_camera(&cloud.positions) {
-        UpAxis::NegativeY
-    } else if is_z_up(&cloud.positions) {
-        UpAxis::Z
-    } else {
-        UpAxis::Y
+        return (UpAxis::Z, None);
     }
+    if is_depth_camera(&cloud.positions) {
+        return (UpAxis::NegativeY, None);
+    }
+    let reason = reason_for_z(&cloud.positions);
+    (if reason.is_some() { UpAxis::Z } else { UpAxis::Y }, reason)
 }
 
 /// Compares the claimed number of elements, up to the vertices, with the bytes that follow the header.

@@ -114,6 +114,7 @@ pub(super) fn recognize(cloud: &mut Cloud, comments: &[(u64, String)]) {
         Up::Z => UpAxis::Z,
         Up::NegativeY => UpAxis::NegativeY,
     };
+    cloud.up_reason = None;
     let at = cloud.scalars.iter().position(|(name, _)| name == FIELD);
     let values = at.map(|at| cloud.scalars.remove(at).1).unwrap_or_default();
     let whole = values.len() == cloud.len() && values.iter().all(|value| (0.0..=1.0).contains(value));
