@@ -4,7 +4,7 @@ use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::neighbors::Places;
+use super::neighbors::{Again, Places};
 
 /// Differences of mean distances below this share of their mean are rounding.
 const LEAST_DIFFERENCE: f64 = 1e-9;
@@ -28,7 +28,8 @@ pub fn find(positions: &[DVec3], rule: Rule, progress: &Progress) -> Vec<bool> {
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
         return vec![false; positions.len()];
     };
-    let (distances, _) = places.visit(k, false, progress, |place, others, _| mean_distance(&places, place, others, k));
+    let (distances, _) =
+        places.visit(k, Again::No, progress, |place, others, _| mean_distance(&places, place, others, k));
     let limit = limit(&places, &distances, f64::from(rule.factor));
     let mut marks = vec![false; positions.len()];
     for place in (0..places.len()).filter(|&place| distances[place] > limit) {

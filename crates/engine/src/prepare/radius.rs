@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::neighbors::{Lists, Places};
+use super::neighbors::{Again, Lists, Places, least_of_median};
 
 /// Default of the cap.
 pub const DEFAULT_CAP: f32 = 4.0;
@@ -40,10 +40,15 @@ pub fn both(positions: &[DVec3], neighbors: usize, cap: f32, progress: &Progress
     let Some(places) = Places::group(positions, None).filter(|_| k > 0) else {
         return Radii { capped: vec![0.0; positions.len()], uncapped: vec![0.0; positions.len()] };
     };
-    let (distances, lists) = places.visit(k, cap > 0.0, progress, |_, _, distance| distance);
+    let (distances, lists) = places.visit(k, again(cap), progress, |_, _, distance| distance);
     let ranks = places.ranks();
     let uncapped = of_distances(&places, &ranks, k, &distances);
     Radii { capped: of_distances(&places, &ranks, k, &capped(&places, (k, cap), &lists, distances)), uncapped }
+}
+
+/// The neighbors that [`capped`] needs.
+pub(super) fn again(cap: f32) -> Again {
+    if cap == 0.0 { Again::No } else { Again::Capped(cap) }
 }
 
 /// The distances of the last neighbors of each place, at most `cap` times the median of those of a point's K neighbors and
@@ -56,9 +61,9 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
     let by_rank: Vec<f64> = ranks.into_par_iter().map(|rank| distances[places.place_of(rank)]).collect();
     let one = |around: &mut Vec<f64>, place: usize, others: &[u32]| {
         let own = distances[place];
-        // More than half of the radii around are large enough, and so is their median: nearly all places.
+        // Enough of the radii around are large enough, and so is their median: nearly all places.
         let beside = others.iter().filter(|&&rank| f64::from(cap) * by_rank[rank as usize] >= own).count();
-        if others.is_empty() || beside > k / 2 + 1 {
+        if others.is_empty() || beside >= least_of_median(k) {
             return own;
         }
         around.clear();
@@ -68,7 +73,10 @@ pub(super) fn capped(places: &Places, (k, cap): (usize, f32), lists: &Lists, dis
         own.min(f64::from(cap) * median(around))
     };
     let all = (0..places.len()).into_par_iter().with_min_len(1 << 10);
-    all.map_init(Vec::new, |around, place| lists.others(places, place, |others| one(around, place, others))).collect()
+    all.map_init(Vec::new, |around, place| {
+        lists.others(places, place, |others| one(around, place, others)).unwrap_or(distances[place])
+    })
+    .collect()
 }
 
 /// The middle one of some values, of an even number the mean of the two middle ones; 0 for none.
@@ -95,7 +103,28 @@ pub(super) fn of_distance(distance: f64, k: usize) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::neighbors::tests::cloud;
     use super::*;
+
+    #[test]
+    fn lists_that_are_not_kept_are_not_needed() {
+        let cloud = cloud(4000, 7);
+        let places = Places::group(&cloud, None).unwrap();
+        for k in [1, 2, 3, 8, 24] {
+            for cap in [0.5, 1.0, 1.2, 2.0, 4.0, 100.0] {
+                let capped_by = |again: Again| {
+                    let (distances, lists) = places.visit(k, again, &Progress::hidden(), |_, _, distance| distance);
+                    let kept =
+                        (0..places.len()).filter(|place| lists.others(&places, *place, |_| ()).is_some()).count();
+                    (capped(&places, (k, cap), &lists, distances), kept)
+                };
+                let ((all, every), (some, kept)) = (capped_by(Again::All), capped_by(Again::Capped(cap)));
+                assert!(all == some, "K = {k}, at most {cap}");
+                assert_eq!(every, places.len());
+                assert!(cap < 4.0 || k < 8 || kept < every / 2, "K = {k}, at most {cap}: {kept} of {every}");
+            }
+        }
+    }
 
     #[test]
     fn medians_by_hand() {

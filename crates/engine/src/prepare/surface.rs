@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::neighbors::{Lists, Places};
+use super::neighbors::{Again, Lists, Places};
 use super::normal::{Moments, SmallestAxis, smallest_axes};
 use super::radius;
 use crate::cloud::field;
@@ -69,7 +69,7 @@ fn look(
         let moments = if missing { moments(&places, place, others) } else { Moments::default() };
         (distance, moments)
     };
-    let again = wants_fields || cap > 0.0;
+    let again = if wants_fields { Again::All } else { radius::again(cap) };
     let (seen, lists) = places.visit_blocks(k, again, progress, see, |seen| {
         let (distances, moments): (Vec<f64>, Vec<Moments>) = seen.into_iter().unzip();
         let axes = if missing { smallest_axes(&moments) } else { vec![SmallestAxis::default(); moments.len()] };
@@ -102,8 +102,10 @@ fn look(
 
 /// Eq. 21 of all points by rank, without a factor common to all.
 fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: &[(Vec3, bool)]) -> Vec<f64> {
-    let of_place =
-        |place: usize| lists.others(places, place, |others| spread(places, place, others, k, distances[place], ranked));
+    let of_place = |place: usize| {
+        let of = |others: &[u32]| spread(places, place, others, k, distances[place], ranked);
+        lists.others(places, place, of).unwrap_or_else(|| vec![0.0; places.members(place).len()])
+    };
     (0..places.len()).into_par_iter().with_min_len(1 << 10).flat_map_iter(of_place).collect()
 }
 

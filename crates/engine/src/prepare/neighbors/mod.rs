@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use self::search::{Columns, Search};
+use self::search::{Columns, Found, Search};
 use self::tree::{LEAF, Tree};
 use super::morton;
 use crate::cloud::Bounds;
@@ -159,14 +159,14 @@ impl Places {
     pub fn others(&self, place: usize, k: usize) -> (Vec<u32>, f64) {
         let mut ranks = Vec::new();
         let mut search = Search::new(&self.tree, &self.columns, k);
-        let (found, last) = search.one(place);
-        let distance = self.take(place, k, found, last, &mut ranks);
+        let distance = self.take(place, k, search.one(place), &mut ranks);
         (ranks, distance)
     }
 
-    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one, of this
-    /// squared distance; the distance of the last in units.
-    fn take(&self, place: usize, k: usize, found: &[u32], last: f64, ranks: &mut Vec<u32>) -> f64 {
+    /// Takes the ranks of [`Places::others`] out of the places that were found, those as near as the k-th other one; the distance
+    /// of the last in units.
+    fn take(&self, place: usize, k: usize, found: Found<'_>, ranks: &mut Vec<u32>) -> f64 {
+        let Found { places: found, last, .. } = found;
         ranks.clear();
         let wanted = self.elsewhere(place, k);
         if wanted == 0 {
@@ -214,12 +214,12 @@ impl Places {
         places
     }
 
-    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: the lists are
+    /// Calls `see` for each place with [`Places::others`], on all cores, and keeps what it returns. `again`: which lists are
     /// kept for a second visit, if memory allows.
     pub fn visit<T: Send>(
         &self,
         k: usize,
-        again: bool,
+        again: Again,
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
     ) -> (Vec<T>, Lists) {
@@ -230,26 +230,26 @@ impl Places {
     pub fn visit_blocks<T, U: Send>(
         &self,
         k: usize,
-        again: bool,
+        again: Again,
         progress: &Progress,
         see: impl Fn(usize, &[u32], f64) -> T + Sync,
         finish: impl Fn(Vec<T>) -> Vec<U> + Sync,
     ) -> (Vec<U>, Lists) {
         progress.set_length(self.len() as u64);
-        let keep = again && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
-        let blocks: Vec<(Vec<U>, Vec<u32>)> = (0..self.len().div_ceil(BLOCK))
+        let keep = again != Again::No && self.len().saturating_mul(4 * k) <= MAX_LIST_BYTES;
+        let blocks: Vec<(Vec<U>, Kept)> = (0..self.len().div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
                 let places = block * BLOCK..((block + 1) * BLOCK).min(self.len());
-                let mut kept = Vec::with_capacity(if keep { places.len() * k } else { 0 });
+                let mut kept = Kept::default();
                 let mut seen = Vec::with_capacity(places.len());
                 let mut ranks = Vec::with_capacity(k);
-                self.search(places.clone(), k, |place, found, last| {
-                    let distance = self.take(place, k, found, last, &mut ranks);
+                self.search(places.clone(), k, |place, found| {
+                    let distance = self.take(place, k, found, &mut ranks);
                     seen.push(see(place, &ranks, distance));
                     if keep {
-                        kept.extend_from_slice(&ranks);
-                        kept.resize((place + 1 - places.start) * k, 0);
+                        let again = again.wants(k, found.squared, distance);
+                        kept.add(again.then_some(ranks.as_slice()));
                     }
                 });
                 progress.inc(places.len() as u64);
@@ -262,9 +262,8 @@ impl Places {
         (all, Lists { k, kept: keep.then_some(kept) })
     }
 
-    /// Calls `see` for each of some places with the places as near as the k-th other one, in ascending order, and that one's
-    /// squared distance.
-    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, &[u32], f64)) {
+    /// Calls `see` for each of some places with the places as near as the k-th other one.
+    fn search(&self, places: Range<usize>, k: usize, mut see: impl FnMut(usize, Found<'_>)) {
         let mut search = Search::new(&self.tree, &self.columns, k);
         for &leaf in &self.tree.leaves[self.tree.leaf_of(places.start)..] {
             let leaf = self.tree.nodes[leaf as usize];
@@ -277,35 +276,88 @@ impl Places {
     }
 }
 
-/// The neighbors elsewhere of all places, if they were kept.
-pub(super) struct Lists {
-    k: usize,
-    /// By block of places, `k` entries per place.
-    kept: Option<Vec<Vec<u32>>>,
+/// The neighbors that are needed a second time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Again {
+    No,
+    All,
+    /// Those of places that a cap of so many times the median around them may change ([`super::radius::capped`]).
+    Capped(f32),
 }
 
-impl Lists {
-    /// Hands those of a place to `see`.
-    pub fn others<T>(&self, places: &Places, place: usize, see: impl FnOnce(&[u32]) -> T) -> T {
-        match &self.kept {
-            Some(kept) => {
-                let from = place % BLOCK * self.k;
-                see(&kept[place / BLOCK][from..from + places.elsewhere(place, self.k)])
+impl Again {
+    /// True if the neighbors of a place are needed, those found at these squared distances, itself among them, and the last of
+    /// the K nearest at this distance.
+    ///
+    /// A neighbor at δ has its own K-th one at d − δ or beyond: a smaller ball around it lies within the ball of radius d around
+    /// this place, which has no more points inside. Where that is d / cap for so many that their median is as large, the cap changes
+    /// nothing.
+    fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
+        match self {
+            Self::No => false,
+            Self::All => true,
+            Self::Capped(cap) => {
+                // A little less, for what was rounded.
+                let near = (1.0 - 1.0 / f64::from(cap)) * distance * (1.0 - 1e-9);
+                let limit = if near > 0.0 { near * near } else { 0.0 };
+                let count = squared.iter().fold(0, |count, squared| count + u64::from(*squared <= limit));
+                count < least_of_median(k) as u64
             }
-            None => see(&places.others(place, self.k).0),
         }
     }
 }
 
+/// How many of `k` neighbors and the point itself have a value or a larger one, if their median does.
+pub(super) fn least_of_median(k: usize) -> usize {
+    k.div_ceil(2) + 1
+}
+
+/// The neighbors elsewhere of a block of places.
+#[derive(Default)]
+struct Kept {
+    ranks: Vec<u32>,
+    /// By place the first of its neighbors in `ranks`, or [`NOT_NEEDED`].
+    starts: Vec<u32>,
+}
+
+/// Instead of the first of neighbors that aren't kept.
+const NOT_NEEDED: u32 = u32::MAX;
+
+impl Kept {
+    /// Adds those of the next place, if they are needed.
+    fn add(&mut self, ranks: Option<&[u32]>) {
+        self.starts.push(ranks.map_or(NOT_NEEDED, |_| self.ranks.len() as u32));
+        self.ranks.extend_from_slice(ranks.unwrap_or_default());
+    }
+}
+
+/// The neighbors elsewhere of places, if they were kept.
+pub(super) struct Lists {
+    k: usize,
+    /// By block of places.
+    kept: Option<Vec<Kept>>,
+}
+
+impl Lists {
+    /// Hands those of a place to `see`; `None` if they aren't needed.
+    pub fn others<T>(&self, places: &Places, place: usize, see: impl FnOnce(&[u32]) -> T) -> Option<T> {
+        let Some(kept) = &self.kept else { return Some(see(&places.others(place, self.k).0)) };
+        let Kept { ranks, starts } = &kept[place / BLOCK];
+        let start = starts[place % BLOCK];
+        let list = || &ranks[start as usize..][..places.elsewhere(place, self.k)];
+        (start != NOT_NEEDED).then(|| see(list()))
+    }
+}
+
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
     use super::*;
 
     /// Points on a plane and in a ball, copies of some, and strays far from all.
-    fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
+    pub fn cloud(count: usize, seed: u64) -> Vec<DVec3> {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut number = || random.random::<f64>();
         let mut points: Vec<DVec3> = (0..count).map(|_| DVec3::new(number(), number(), 0.01 * number())).collect();
@@ -344,7 +396,7 @@ mod tests {
                 assert_eq!((others.to_vec(), distance), brute_force(&places, place, k), "{count} {k} {place}");
                 assert_eq!(places.others(place, k), (others.to_vec(), distance), "{count} {k} {place}");
             };
-            places.visit(k, false, &Progress::hidden(), see);
+            places.visit(k, Again::No, &Progress::hidden(), see);
         }
     }
 
@@ -368,11 +420,11 @@ mod tests {
     fn a_block_that_cuts_a_leaf_changes_nothing() {
         let places = Places::group(&cloud(1000, 5), None).unwrap();
         let mut all = Vec::new();
-        places.search(0..places.len(), 24, |place, found, last| all.push((place, found.to_vec(), last)));
+        places.search(0..places.len(), 24, |place, found| all.push((place, found.places.to_vec(), found.last)));
         let mut parts = Vec::new();
         for from in (0..places.len()).step_by(7) {
             let part = from..(from + 7).min(places.len());
-            places.search(part, 24, |place, found, last| parts.push((place, found.to_vec(), last)));
+            places.search(part, 24, |place, found| parts.push((place, found.places.to_vec(), found.last)));
         }
         assert_eq!(all, parts);
         assert!(all.iter().map(|(place, ..)| *place).eq(0..places.len()));
@@ -384,7 +436,7 @@ mod tests {
             let mut points: Vec<DVec3> = cloud(300, 9).into_iter().map(|p| p * (scale * 0.01)).collect();
             points[0] *= stray;
             let places = Places::group(&points, None).unwrap();
-            places.visit(24, false, &Progress::hidden(), |place, others, distance| {
+            places.visit(24, Again::No, &Progress::hidden(), |place, others, distance| {
                 assert_eq!((others.to_vec(), distance), brute_force(&places, place, 24), "{scale} {place}");
             });
         }

@@ -80,6 +80,17 @@ pub(super) struct Search<'a> {
     wanted: usize,
 }
 
+/// The places as near to one as the last one wanted, itself among them. All places if there are no more than wanted.
+#[derive(Clone, Copy)]
+pub(super) struct Found<'a> {
+    /// In ascending order.
+    pub places: &'a [u32],
+    /// The squared distance of each.
+    pub squared: &'a [f64],
+    /// The largest of them.
+    pub last: f64,
+}
+
 /// The leaves around one.
 #[derive(Default)]
 struct Around {
@@ -116,9 +127,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Calls `see` for each of some places of one leaf, with the places as near as the last one wanted, itself among them, in
-    /// ascending order, and with that one's squared distance. All places if there are no more than wanted.
-    pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, &[u32], f64)) {
+    /// Calls `see` for each of some places of one leaf with what was found around it.
+    pub fn leaf(&mut self, leaf: Node, places: std::ops::Range<usize>, mut see: impl FnMut(usize, Found<'_>)) {
         let here = self.columns.position(places.start);
         let farthest = places.clone().map(|place| self.columns.squared_between(places.start, place));
         let farthest = farthest.fold(0.0, f64::max).sqrt();
@@ -140,7 +150,7 @@ impl<'a> Search<'a> {
                     near = self.gather(&leaf, reach);
                 }
             }
-            see(place, &self.found[..self.count], last);
+            see(place, Found { places: &self.found[..self.count], squared: &self.squared[..self.count], last });
         }
     }
 
@@ -150,10 +160,10 @@ impl<'a> Search<'a> {
     }
 
     /// Like [`Search::leaf`] of one place.
-    pub fn one(&mut self, place: usize) -> (&[u32], f64) {
+    pub fn one(&mut self, place: usize) -> Found<'_> {
         self.through_tree(self.columns.position(place));
         let last = self.keep_nearest();
-        (&self.found[..self.count], last)
+        Found { places: &self.found[..self.count], squared: &self.squared[..self.count], last }
     }
 
     /// A distance within which as many places lie as are wanted, and the one that is asked for.
