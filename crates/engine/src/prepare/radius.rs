@@ -121,7 +121,8 @@ mod tests {
                 let ((all, every), (some, kept)) = (capped_by(Again::All), capped_by(Again::Capped(cap)));
                 assert!(all == some, "K = {k}, at most {cap}");
                 assert_eq!(every, places.len());
-                assert!(cap < 4.0 || k < 8 || kept < every / 2, "K = {k}, at most {cap}: {kept} of {every}");
+                // Nearly all neighbors are nearer than 0.99 of the last one's distance.
+                assert!(cap < 100.0 || k < 8 || kept < every / 2, "K = {k}, at most {cap}: {kept} of {every}");
             }
         }
     }
