@@ -54,7 +54,7 @@ pub struct PrepareArgs {
     /// With --field distance-to-axis: a point of the axis; by default the centre of the bounds.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_point: Option<String>,
-    /// With --field distance-to-axis: the direction of the axis; by default the vertical (Y for PLY, Z for all other point clouds).
+    /// With --field distance-to-axis: the direction of the axis; by default the vertical, as of the automatic camera.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     axis_direction: Option<String>,
     /// Where a point has no normal, store the one estimated from its neighbors. Then solid points become oriented and

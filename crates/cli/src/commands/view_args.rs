@@ -24,7 +24,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = elevation)]
     elevation: Option<f64>,
     /// The vertical, as in y or -z: the axis that points to the top of the image. By default the scene file's camera.up, else Y for
-    /// PLY (Z for one in survey coordinates), Z for all other point clouds; −Y for PLY and PCD of a depth camera.
+    /// PLY (Z for one in survey coordinates, or that only lies or stands with Z up), Z for all other point clouds; −Y for PLY and PCD of
+    /// a depth camera.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = axis)]
     up: Option<Vertical>,
     /// An orthographic camera; without camera.height it shows the whole scene.

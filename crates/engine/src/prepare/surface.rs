@@ -104,6 +104,7 @@ fn look(
 fn spreads(places: &Places, lists: &Lists, k: usize, distances: &[f64], ranked: &[(Vec3, bool)]) -> Vec<f64> {
     let of_place = |place: usize| {
         let of = |others: &[u32]| spread(places, place, others, k, distances[place], ranked);
+        // Here all are kept, or found again.
         lists.others(places, place, of).unwrap_or_else(|| vec![0.0; places.members(place).len()])
     };
     (0..places.len()).into_par_iter().with_min_len(1 << 10).flat_map_iter(of_place).collect()

@@ -289,9 +289,9 @@ impl Again {
     /// True if the neighbors of a place are needed, those found at these squared distances, itself among them, and the last of
     /// the K nearest at this distance.
     ///
-    /// A neighbor at δ has its own K-th one at d − δ or beyond: a smaller ball around it lies within the ball of radius d around
-    /// this place, which has no more points inside. Where that is d / cap for so many that their median is as large, the cap changes
-    /// nothing.
+    /// A neighbor at δ has its own K-th one at d − δ or beyond: the ball of that radius around it lies within the ball of radius d
+    /// around this place, whose inside holds fewer than K others. Where d − δ is d / cap or more for so many that their median is, the
+    /// cap changes nothing.
     fn wants(self, k: usize, squared: &[f64], distance: f64) -> bool {
         match self {
             Self::No => false,
