@@ -2,8 +2,9 @@
 # Runs every test; arguments go to `cargo test`. A machine without a Vulkan device fails: set PELLUCID_REQUIRE_GPU=0 to run the
 # others there. What is skipped is printed, as `skipped: <test>: <reason>`.
 #
-# With CI=true all that CI demands: tools/check.sh's lints and `pellucid check` of the release build before the tests, the
-# long tests in a short form among them, and no skip but for the reasons that are named below.
+# With CI=true all that CI demands: tools/check.sh's lints, `pellucid check` of the release build and the budget of registers on
+# a GPU (docs/gpu-shape.md) before the tests, the long tests in a short form among them, and no skip but for the reasons that
+# are named below.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,7 +13,7 @@ export PELLUCID_REQUIRE_GPU="${PELLUCID_REQUIRE_GPU:-1}"
 # What is built for the first time has nothing to be incremental to.
 if [[ ! -d target/debug/incremental ]]; then export CARGO_INCREMENTAL=0; fi
 # What has tests. With no target named, `cargo test` builds every example as well, which tools/check.sh's clippy does faster.
-targets=(--lib --bins --tests --example drivers)
+targets=(--lib --bins --tests --example drivers --example gpu-shape)
 if [[ ${CI:-} != true ]]; then
     # Arguments may name targets of their own.
     if (($# > 0)); then exec cargo test --locked --workspace "$@"; fi
@@ -28,6 +29,8 @@ tools/check.sh --lints
 echo "== pellucid check, release build"
 cargo build --locked --release
 target/release/pellucid check
+echo "== registers, scratch and code size on a GPU's compiler"
+cargo run --locked --release -p pellucid-lab --example gpu-shape -- --check
 echo "== cargo test"
 export PELLUCID_SHORT_SWEEPS=1
 # GPU-assisted validation needs layers that no distribution has yet: CONTRIBUTING.md says how it is run.

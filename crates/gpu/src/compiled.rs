@@ -1,0 +1,97 @@
+//! What a driver's compiler made of a pipeline: registers, scratch, occupancy (VK_KHR_pipeline_executable_properties).
+
+use std::time::{Duration, Instant};
+
+use ash::vk;
+
+use super::pipeline::Pipeline;
+use super::{Device, Error, Outputs, Pass, Variant};
+
+/// A pipeline as the driver compiled it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compiled {
+    /// From SPIR-V to the pipeline.
+    pub time: Duration,
+    /// One for each stage, or more where a driver cuts stages.
+    pub executables: Vec<Executable>,
+}
+
+/// A piece of a pipeline that the driver compiled as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Executable {
+    /// The driver's name of it.
+    pub name: String,
+    /// Invocations of a subgroup; 0 if the driver doesn't say.
+    pub subgroup: u32,
+    /// The driver's own statistics, names and values.
+    pub statistics: Vec<(String, f64)>,
+}
+
+/// True if pipelines of this device can be asked what became of them.
+pub(super) fn is_supported(instance: &ash::Instance, physical: vk::PhysicalDevice) -> bool {
+    let mut feature = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+    // SAFETY: plain queries on a live instance; the struct is only asked for where its extension is present.
+    unsafe {
+        let extensions = instance.enumerate_device_extension_properties(physical).unwrap_or_default();
+        let name = ash::khr::pipeline_executable_properties::NAME;
+        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name)) {
+            return false;
+        }
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut feature);
+        instance.get_physical_device_features2(physical, &mut features);
+    }
+    feature.pipeline_executable_info == vk::TRUE
+}
+
+impl Device {
+    /// Compiles a variant of a pass, to draw where there are `outputs`, and asks the driver what became of it. Nothing runs.
+    ///
+    /// # Errors
+    /// The shader does not compile, or the device was opened without
+    /// [`DeviceOptions::statistics`](super::DeviceOptions::statistics).
+    pub(super) fn compiled<P: Pass>(&self, variant: &Variant, outputs: Option<Outputs>) -> Result<Compiled, Error> {
+        let context = &self.0;
+        let Some(loader) = &context.executables else {
+            let missing = "pipelineExecutableInfo, or it was not asked for".to_owned();
+            return Err(Error::Lacks { device: context.info.name.clone(), missing });
+        };
+        let begin = Instant::now();
+        let pipeline = match outputs {
+            None => Pipeline::compute::<P>(context, variant, P::NAME)?,
+            Some(outputs) => Pipeline::draw::<P>(context, variant, outputs, P::NAME)?,
+        };
+        let time = begin.elapsed();
+        let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
+        // SAFETY: the pipeline is alive and was made with the flag for statistics.
+        let listed = unsafe { loader.get_pipeline_executable_properties(&info) }
+            .map_err(Error::call("vkGetPipelineExecutablePropertiesKHR"))?;
+        let mut executables = Vec::new();
+        for (index, properties) in (0u32..).zip(&listed) {
+            let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
+            // SAFETY: as above, and the index is one of those listed.
+            let found = unsafe { loader.get_pipeline_executable_statistics(&info) }
+                .map_err(Error::call("vkGetPipelineExecutableStatisticsKHR"))?;
+            let name = properties.name_as_c_str().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let statistics = found.iter().map(|statistic| {
+                let name = statistic.name_as_c_str().map(|name| name.to_string_lossy().into_owned());
+                (name.unwrap_or_default(), number(statistic))
+            });
+            executables.push(Executable { name, subgroup: properties.subgroup_size, statistics: statistics.collect() });
+        }
+        Ok(Compiled { time, executables })
+    }
+}
+
+fn number(statistic: &vk::PipelineExecutableStatisticKHR<'_>) -> f64 {
+    use vk::PipelineExecutableStatisticFormatKHR as Format;
+    // SAFETY: the format says which member the driver has written.
+    unsafe {
+        match statistic.format {
+            Format::BOOL32 => f64::from(statistic.value.b32),
+            Format::INT64 => statistic.value.i64 as f64,
+            Format::UINT64 => statistic.value.u64 as f64,
+            Format::FLOAT64 => statistic.value.f64,
+            _ => f64::NAN,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The shapes of passes as a Markdown table: of each label the worst of its pipelines.
+
+use std::fmt::Write;
+
+use crate::compile::Shape;
+use crate::record::Recorded;
+
+/// The worst of some pipelines with one label.
+pub struct Line {
+    pub label: String,
+    pub pipelines: usize,
+    pub worst: Shape,
+}
+
+/// One line for each label, the fewest waves first, then the most scratch and registers.
+pub fn by_label(recorded: &[Recorded], shapes: &[Shape]) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for (recorded, shape) in recorded.iter().zip(shapes) {
+        match lines.iter_mut().find(|line| line.label == recorded.label) {
+            Some(line) => {
+                line.pipelines += 1;
+                line.worst = worst(&line.worst, shape);
+            }
+            None => lines.push(Line { label: recorded.label.clone(), pipelines: 1, worst: *shape }),
+        }
+    }
+    let rank = |line: &Line| [line.worst.waves, -line.worst.scratch_bytes, -line.worst.vgprs, -line.worst.code_bytes];
+    lines.sort_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
+    lines
+}
+
+/// The worse of each.
+fn worst(a: &Shape, b: &Shape) -> Shape {
+    Shape {
+        lanes: a.lanes.max(b.lanes),
+        vgprs: a.vgprs.max(b.vgprs),
+        sgprs: a.sgprs.max(b.sgprs),
+        spilled_vgprs: a.spilled_vgprs.max(b.spilled_vgprs),
+        spilled_sgprs: a.spilled_sgprs.max(b.spilled_sgprs),
+        scratch_bytes: a.scratch_bytes.max(b.scratch_bytes),
+        lds_bytes: a.lds_bytes.max(b.lds_bytes),
+        waves: a.waves.min(b.waves),
+        code_bytes: a.code_bytes.max(b.code_bytes),
+        latency: a.latency.max(b.latency),
+        inverse_throughput: a.inverse_throughput.max(b.inverse_throughput),
+        compile_ms: a.compile_ms.max(b.compile_ms),
+    }
+}
+
+pub fn markdown(lines: &[Line]) -> String {
+    let mut text = "| pass | pipelines | waves of 16 | VGPRs | SGPRs | spilled | scratch B/lane | LDS B | code KiB | latency | inverse throughput | compile ms |
+|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
+        .to_owned();
+    for Line { label, pipelines, worst: s } in lines {
+        let spilled = s.spilled_vgprs + s.spilled_sgprs;
+        let _ = writeln!(
+            text,
+            "| {label} | {pipelines} | {} | {} | {} | {spilled} | {} | {} | {:.1} | {} | {} | {:.0} |",
+            s.waves,
+            s.vgprs,
+            s.sgprs,
+            s.scratch_bytes,
+            s.lds_bytes,
+            s.code_bytes / 1024.0,
+            s.latency,
+            s.inverse_throughput,
+            s.compile_ms
+        );
+    }
+    text
+}
