@@ -126,6 +126,25 @@ find_missing() {
     fi
 }
 
+# The distribution's suite that offers the newest Mesa, as in bookworm-backports; nothing without apt's lists.
+newest_mesa_suite() {
+    apt-cache madison mesa-vulkan-drivers 2>/dev/null | awk -F ' *[|] *' '{ print $2, $3 }' | sort -rV |
+        awk 'NR == 1 { sub("/.*", "", $3); print $3 }'
+}
+
+# Which Mesa drives the CPU, and whether the distribution has a newer one, which is faster.
+say_mesa() {
+    command -v dpkg-query >/dev/null && command -v apt-cache >/dev/null || return 0
+    local installed offered
+    installed=$(dpkg-query -W -f '${Version}' mesa-vulkan-drivers 2>/dev/null) || return 0
+    offered=$(apt-cache madison mesa-vulkan-drivers 2>/dev/null | awk -F ' *[|] *' '{ print $2 }' | sort -rV | head -n 1)
+    if [[ -n $offered ]] && dpkg --compare-versions "$offered" gt "$installed"; then
+        say "Mesa $installed is installed; $offered is offered, and faster: apt-get install -t $(newest_mesa_suite) mesa-vulkan-drivers"
+    elif $installs; then
+        say "took Mesa $installed"
+    fi
+}
+
 list() { printf '  %s\n' "$@" >&2; }
 
 install() {
@@ -137,14 +156,21 @@ install() {
     say "installing ${packages[*]}"
     # Old lists may still do when a mirror is out of reach, so that a failed update decides nothing.
     "${as_root[@]}" apt-get update -qq || say "apt-get update failed; trying with the lists at hand"
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y -qq -o=Dpkg::Use-Pty=0 --no-install-recommends "${packages[@]}" >&2 ||
-        fail "apt-get could not install ${packages[*]}"
+    local get=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o=Dpkg::Use-Pty=0 --no-install-recommends)
+    local suite=""
+    if [[ " ${packages[*]} " == *" mesa-vulkan-drivers "* ]]; then suite=$(newest_mesa_suite); fi
+    # Backports are enabled by whoever wants newer packages, but taken only where asked for by name.
+    if [[ $suite == *-backports ]]; then
+        "${as_root[@]}" "${get[@]}" -t "$suite" mesa-vulkan-drivers >&2 ||
+            say "apt-get could not install mesa-vulkan-drivers of $suite; taking the distribution's own"
+    fi
+    "${as_root[@]}" "${get[@]}" "${packages[@]}" >&2 || fail "apt-get could not install ${packages[*]}"
 }
 
 has_rust || fail "cargo $min_rust or newer is needed, found $(cargo --version 2>/dev/null || echo none); get it at https://rustup.rs"
 
 find_missing
+installs=false
 if ((${#packages[@]} > 0)); then
     if ! command -v apt-get >/dev/null; then
         say "missing:"
@@ -152,6 +178,7 @@ if ((${#packages[@]} > 0)); then
         fail "please install them with your system's package manager and try again"
     fi
     install
+    installs=true
     libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p 2>/dev/null || true)
     find_missing
     if ((${#packages[@]} > 0)); then
@@ -160,3 +187,4 @@ if ((${#packages[@]} > 0)); then
         exit 1
     fi
 fi
+say_mesa

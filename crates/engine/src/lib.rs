@@ -99,7 +99,7 @@ mod words;
 pub use error::{Error, Result};
 pub use pellucid_gpu as gpu;
 pub use pellucid_gpu::{choices, gpu_struct, group};
-pub use shaders::{SHADERS, shaders};
+pub use shaders::{NUMBERS, SHADERS, key_without_numbers, shaders};
 
 /// Declares a pass whose shader is one of [`SHADERS`]; see [`gpu::pass!`].
 #[macro_export]

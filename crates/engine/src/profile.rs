@@ -81,7 +81,7 @@ impl Profile {
             .iter()
             .map(|f| {
                 let passes: Vec<Value> = f.passes.iter().map(pass).collect();
-                json!({"gpu_ms": ms(f.gpu()), "wall_ms": ms(f.wall), "passes": passes})
+                json!({"gpu_ms": ms(f.gpu()), "wall_ms": ms(f.wall), "waits": f.waits, "passes": passes})
             })
             .collect();
         json!({

@@ -2,6 +2,7 @@
 
 use include_dir::include_dir;
 
+use crate::gpu::Variant;
 use crate::gpu::shader::{Shader, Sources};
 use crate::methods::{
     abuffer, approximate, edl, image_space, linked_list, one_layer, opaque, peel, peel_layers, points, shadows, soft,
@@ -18,6 +19,8 @@ pub static SHADERS: Sources = Sources {
         &compose::CONSTANTS,
         &image_space::CONSTANTS,
         &opaque::CONSTANTS,
+        &radix::CONSTANTS,
+        &scan::CONSTANTS,
         &project::CONSTANTS,
         &soft::CONSTANTS,
         &sorted::CONSTANTS,
@@ -26,6 +29,16 @@ pub static SHADERS: Sources = Sources {
     ],
     floats: &[&image_space::FLOATS],
 };
+
+/// Overrides whose values a frame or a device decides, be they whatever they may: a list of variants has some of them.
+pub const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
+
+/// A variant's key without the values of [`NUMBERS`].
+pub fn key_without_numbers(variant: &Variant) -> String {
+    let mut variant = variant.clone();
+    variant.overrides.iter_mut().filter(|(name, _)| NUMBERS.contains(name)).for_each(|(_, value)| *value = 0.0);
+    variant.key()
+}
 
 /// Every pass with all its variants, as each stage lists them.
 pub fn shaders() -> Vec<Shader> {

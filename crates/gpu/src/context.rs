@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
-use super::device::{DeviceInfo, Limits, queue_family};
+use super::device::{DeviceInfo, DeviceOptions, Limits, queue_family};
 use super::instance::Instance;
-use super::pipeline::{Pipeline, PipelineKey};
-use super::{Error, Variant, cache, guard};
+use super::pipeline::{Made, Pipeline, PipelineKey};
+use super::{Error, cache, compiled, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
 const BLOCK_BYTES: u64 = 8 << 20;
@@ -35,6 +35,8 @@ pub struct Context {
     pub limits: Limits,
     pub debug: Option<ext::debug_utils::Device>,
     pub pipeline_cache: vk::PipelineCache,
+    /// There if the driver keeps what it finds out about pipelines.
+    pub executables: Option<khr::pipeline_executable_properties::Device>,
     pub instance: Instance,
     /// Held for every submission: a queue must not be used from two threads at once.
     pub submission: Mutex<()>,
@@ -46,6 +48,8 @@ pub struct Context {
     peak: AtomicU64,
     /// Bytes of [`super::Buffer::upload`] so far.
     pub uploaded: AtomicU64,
+    /// Submissions that the host has waited for so far.
+    pub waits: AtomicU64,
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
@@ -63,11 +67,12 @@ impl Context {
         instance: Instance,
         physical: vk::PhysicalDevice,
         info: DeviceInfo,
-        robust: bool,
+        options: &DeviceOptions,
     ) -> Result<Self, Error> {
         let family = queue_family(&instance, physical)
             .ok_or_else(|| Error::Lacks { device: info.name.clone(), missing: "a queue".to_owned() })?;
-        let device = create_device(&instance, physical, family, &info, robust)?;
+        let statistics = options.statistics && compiled::is_supported(&instance.raw, physical);
+        let device = create_device(&instance, physical, family, &info, (options.robust, statistics))?;
         // SAFETY: the family and index are those the device was created with.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -81,7 +86,9 @@ impl Context {
         .map_err(|_| Error::OutOfMemory { name: "the allocator".to_owned(), bytes: 0, in_use: 0 })?;
 
         let (limits, cache_key) = limits(&instance, physical);
-        let initial = cache::load("pipelines", &cache_key).unwrap_or_default();
+        // A pipeline that comes out of a cache may have lost what the driver found out about it.
+        let kept = (!options.statistics).then(|| cache::load("pipelines", &cache_key)).flatten();
+        let initial = kept.unwrap_or_default();
         let cache_info = vk::PipelineCacheCreateInfo::default().initial_data(&initial);
         // The cache of an earlier run is optional.
         let (filled, empty) = (cache_info, vk::PipelineCacheCreateInfo::default());
@@ -90,6 +97,7 @@ impl Context {
             device.create_pipeline_cache(&filled, None).or_else(|_| device.create_pipeline_cache(&empty, None))
         }
         .map_err(Error::call("vkCreatePipelineCache"))?;
+        let executables = statistics.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &device));
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &device));
         Ok(Self {
             device,
@@ -101,6 +109,7 @@ impl Context {
             limits,
             debug,
             pipeline_cache,
+            executables,
             instance,
             submission: Mutex::new(()),
             idle_commands: Mutex::default(),
@@ -109,6 +118,7 @@ impl Context {
             peak: AtomicU64::new(0),
             allowed: AtomicU64::new(u64::MAX),
             uploaded: AtomicU64::new(0),
+            waits: AtomicU64::new(0),
             pipelines: Mutex::default(),
             compiling: AtomicU64::new(0),
             cache_key,
@@ -120,9 +130,9 @@ impl Context {
         Duration::from_nanos(self.compiling.load(Ordering::Relaxed))
     }
 
-    /// Shaders and variants of all pipelines.
-    pub fn variants(&self) -> Vec<(&'static str, Variant)> {
-        lock(&self.pipelines).values().map(|pipeline| pipeline.made_from.clone()).collect()
+    /// What all pipelines were made from.
+    pub fn made(&self) -> Vec<Made> {
+        lock(&self.pipelines).values().map(|pipeline| pipeline.made.clone()).collect()
     }
 
     /// Runs `f` with the allocator and then notes the peak.
@@ -232,7 +242,7 @@ impl Drop for Context {
             for (_, pipeline) in lock(&self.pipelines).drain() {
                 pipeline.destroy(&self.device);
             }
-            if let Ok(data) = self.device.get_pipeline_cache_data(self.pipeline_cache) {
+            if let (Ok(data), None) = (self.device.get_pipeline_cache_data(self.pipeline_cache), &self.executables) {
                 cache::store("pipelines", &self.cache_key, &data);
             }
             self.device.destroy_pipeline_cache(self.pipeline_cache, None);
@@ -250,7 +260,7 @@ fn create_device(
     physical: vk::PhysicalDevice,
     family: u32,
     info: &DeviceInfo,
-    robust: bool,
+    (robust, statistics): (bool, bool),
 ) -> Result<ash::Device, Error> {
     let mut robustness = if robust { Robustness::query(instance, physical) } else { Robustness::default() };
     let priorities = [1.0];
@@ -273,14 +283,20 @@ fn create_device(
         .compute_full_subgroups(info.subgroup.is_some());
     let mut extensions = Vec::new();
     #[cfg(feature = "window")]
-    extensions.extend(instance.surface.is_some().then_some(ash::khr::swapchain::NAME.as_ptr()));
+    extensions.extend(instance.surface.is_some().then_some(khr::swapchain::NAME.as_ptr()));
     extensions.extend(robustness.second.is_some().then_some(ext::robustness2::NAME.as_ptr()));
+    extensions.extend(statistics.then_some(khr::pipeline_executable_properties::NAME.as_ptr()));
+    let mut executables =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
     let mut create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&extensions)
         .enabled_features(&core)
         .push_next(&mut features12)
         .push_next(&mut features13);
+    if statistics {
+        create = create.push_next(&mut executables);
+    }
     if let Some(second) = &mut robustness.second {
         create = create.push_next(second);
     }

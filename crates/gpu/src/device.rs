@@ -10,7 +10,7 @@ use ash::vk;
 use super::context::Context;
 use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
-use super::{Buffer, Error, GpuType, Memory, Recorder};
+use super::{Buffer, Error, GpuType, Made, Memory, Preferences, Recorder};
 
 /// Options for opening a device.
 #[derive(Debug, Clone, Default)]
@@ -26,17 +26,23 @@ pub struct DeviceOptions {
     pub robust: bool,
     /// Bind no more bytes at a time than this, even if the device allows more: shows on any device how work is cut.
     pub binding_bytes: Option<u64>,
+    /// Shape work like this, whatever the device prefers: shows on any device what another one does.
+    pub prefers: Option<Preferences>,
+    /// Have the driver keep what it finds out about each pipeline, as far as it can:
+    /// [`Shader::compiled`](super::shader::Shader::compiled).
+    pub statistics: bool,
 }
 
 impl DeviceOptions {
     /// The best device. With the environment variable `PELLUCID_VALIDATION` at `1` validation and robust access are on, at
-    /// `gpu` GPU-assisted validation is.
+    /// `gpu` GPU-assisted validation is. `PELLUCID_PREFER` at `cpu` or `gpu` shapes work as for one of these.
     pub fn from_env() -> Self {
+        let prefers = Preferences::from_env();
         match std::env::var("PELLUCID_VALIDATION").as_deref() {
-            Ok("1") => Self { validation: true, robust: true, ..Self::default() },
+            Ok("1") => Self { validation: true, robust: true, prefers, ..Self::default() },
             // Robust access would silently correct wrong indices, which this validation should report.
-            Ok("gpu") => Self { validation: true, gpu_assisted: true, ..Self::default() },
-            _ => Self::default(),
+            Ok("gpu") => Self { validation: true, gpu_assisted: true, prefers, ..Self::default() },
+            _ => Self { prefers, ..Self::default() },
         }
     }
 
@@ -95,8 +101,8 @@ pub struct DeviceInfo {
     /// Optional: invocations of the subgroups of compute shaders, 8 to 32, if ballots and shuffles work in them and
     /// their size is known beforehand.
     pub subgroup: Option<u32>,
-    /// The number of sequential pieces that work is cut into to occupy the device: few on CPUs, where more only cost.
-    pub concurrent_runs: u64,
+    /// The shapes of work that it prefers.
+    pub prefers: Preferences,
     rank: u32,
 }
 
@@ -217,7 +223,7 @@ fn describe(instance: &Instance, index: usize, physical: vk::PhysicalDevice) -> 
         subgroup: (features13.subgroup_size_control == vk::TRUE && features13.compute_full_subgroups == vk::TRUE)
             .then(|| subgroup_size(&subgroups, &subgroup_sizes))
             .flatten(),
-        concurrent_runs: if basic.device_type == vk::PhysicalDeviceType::CPU { 32 } else { 4096 },
+        prefers: Preferences::of(basic.device_type),
         rank,
     }
 }
@@ -273,7 +279,8 @@ impl Device {
         if !info.lacks.is_empty() {
             return Err(Error::Lacks { device: info.name.clone(), missing: info.lacks.join(", ") });
         }
-        let mut context = Context::new(instance, *physical, info.clone(), options.robust)?;
+        let prefers = options.prefers.unwrap_or(info.prefers);
+        let mut context = Context::new(instance, *physical, DeviceInfo { prefers, ..info.clone() }, options)?;
         let allowed = &mut context.limits.binding_bytes;
         *allowed = options.binding_bytes.map_or(*allowed, |bytes| bytes.min(*allowed));
         Ok(Self(Arc::new(context)))
@@ -340,6 +347,12 @@ impl Device {
         self.0.uploaded.load(Ordering::Relaxed)
     }
 
+    /// How many submissions the host has waited for so far, those of uploads and reads among them. Those that show pictures in a
+    /// window don't count.
+    pub fn waits(&self) -> u64 {
+        self.0.waits.load(Ordering::Relaxed)
+    }
+
     /// Names and sizes of all allocations: a leak report when it should be empty.
     pub fn live_allocations(&self) -> Vec<(String, u64)> {
         self.0.live_allocations()
@@ -350,9 +363,9 @@ impl Device {
         self.0.compile_time()
     }
 
-    /// Every shader that ran so far by its stem, with the variant; in no order.
-    pub fn variants(&self) -> Vec<(&'static str, super::Variant)> {
-        self.0.variants()
+    /// What every pipeline so far was made from; in no order.
+    pub fn made(&self) -> Vec<Made> {
+        self.0.made()
     }
 
     /// Everything that the validation layers said so far.

@@ -6,6 +6,7 @@
 mod agree;
 mod buffer;
 pub mod cache;
+mod compiled;
 mod context;
 mod device;
 mod error;
@@ -17,6 +18,7 @@ mod kept;
 pub mod layout;
 mod pass;
 mod pipeline;
+mod preferences;
 mod recorder;
 pub mod shader;
 mod spirv;
@@ -25,6 +27,7 @@ pub mod window;
 
 pub use agree::{Agree, Expected};
 pub use buffer::{Buffer, Memory, RawSlice, Slice};
+pub use compiled::{Compiled, Executable};
 pub use device::{Device, DeviceInfo, DeviceOptions, Limits, ValidationLog, devices};
 pub use error::Error;
 pub use guard::BYTES as GUARD_BYTES;
@@ -32,7 +35,8 @@ pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples,
 pub use kept::Kept;
 pub use layout::{GpuType, Member, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
-pub use pipeline::{Blend, Outputs};
+pub use pipeline::{Blend, Made, Outputs};
+pub use preferences::Preferences;
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use shader::Variant;
 

@@ -36,12 +36,27 @@ impl Outputs {
     pub const NONE: Self = Self { color: None, depth: false, samples: 1 };
 }
 
+/// What a pipeline was made from.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// The label under which it ran first, as in `abuffer/resolve-8`.
+    pub label: &'static str,
+    /// The pass.
+    pub pass: &'static str,
+    /// Stem of its shader file.
+    pub stem: &'static str,
+    /// The variant.
+    pub variant: Variant,
+    /// What a draw has for outputs; `None` for compute.
+    pub outputs: Option<Outputs>,
+}
+
 /// Bytes of push constants that every device has.
 const PUSH_BYTES: usize = 128;
 
 pub struct Pipeline {
-    /// Stem of the shader, and the variant.
-    pub made_from: (&'static str, Variant),
+    /// What it was made from.
+    pub made: Made,
     pub raw: vk::Pipeline,
     pub layout: vk::PipelineLayout,
     pub set_layout: vk::DescriptorSetLayout,
@@ -50,11 +65,12 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The compute pipeline of a pass.
-    pub fn compute<P: Pass>(context: &Context, variant: &Variant) -> Result<Arc<Self>, Error> {
+    /// The compute pipeline of a pass, by the label under which it runs.
+    pub fn compute<P: Pass>(context: &Context, variant: &Variant, label: &'static str) -> Result<Arc<Self>, Error> {
         context.pipeline((P::SHADER, P::PIECE, variant.key(), None), || {
             let words = shader::compile::<P>(variant)?;
-            Self::build::<P>(context, variant, vk::ShaderStageFlags::COMPUTE, |layout| {
+            let made = made::<P>(label, variant, None);
+            Self::build::<P>(context, made, vk::ShaderStageFlags::COMPUTE, |layout| {
                 let module = Module::new(context, &words)?;
                 let mut stage = module.stage(vk::ShaderStageFlags::COMPUTE);
                 let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
@@ -63,7 +79,7 @@ impl Pipeline {
                     stage =
                         stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS).push_next(&mut size);
                 }
-                let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+                let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout).flags(flags(context));
                 // SAFETY: the module and layout live through the call.
                 let made = unsafe { context.device.create_compute_pipelines(context.pipeline_cache, &[info], None) };
                 made.map(|p| p[0]).map_err(|(_, result)| Error::call("vkCreateComputePipelines")(result))
@@ -71,12 +87,18 @@ impl Pipeline {
         })
     }
 
-    /// The graphics pipeline of a pass that draws triangles.
-    pub fn draw<P: Pass>(context: &Context, variant: &Variant, outputs: Outputs) -> Result<Arc<Self>, Error> {
+    /// The graphics pipeline of a pass that draws triangles, by the label under which it runs.
+    pub fn draw<P: Pass>(
+        context: &Context,
+        variant: &Variant,
+        outputs: Outputs,
+        label: &'static str,
+    ) -> Result<Arc<Self>, Error> {
         context.pipeline((P::SHADER, P::PIECE, variant.key(), Some(outputs)), || {
             let [vertex, fragment] = shader::compile_draw::<P>(variant)?;
             let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-            Self::build::<P>(context, variant, stages, |layout| {
+            let made = made::<P>(label, variant, Some(outputs));
+            Self::build::<P>(context, made, stages, |layout| {
                 let modules = [Module::new(context, &vertex)?, Module::new(context, &fragment)?];
                 let stages =
                     [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
@@ -111,6 +133,7 @@ impl Pipeline {
                     .color_blend_state(&blending)
                     .dynamic_state(&dynamic)
                     .layout(layout)
+                    .flags(flags(context))
                     .push_next(&mut rendering);
                 // SAFETY: all states, modules and the layout live through the call.
                 let made = unsafe { context.device.create_graphics_pipelines(context.pipeline_cache, &[info], None) };
@@ -121,7 +144,7 @@ impl Pipeline {
 
     fn build<P: Pass>(
         context: &Context,
-        variant: &Variant,
+        made: Made,
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
@@ -159,26 +182,19 @@ impl Pipeline {
         // SAFETY: as above.
         let layout =
             unsafe { device.create_pipeline_layout(&layout_info, None) }.map_err(Error::call("vkCreatePipelineLayout"));
-        let made = layout.and_then(|layout| match make(layout) {
-            Ok(raw) => Ok(Self {
-                made_from: (P::SHADER, variant.clone()),
-                raw,
-                layout,
-                set_layout,
-                descriptor_types,
-                push_stages,
-            }),
+        let built = layout.and_then(|layout| match make(layout) {
+            Ok(raw) => Ok(Self { made, raw, layout, set_layout, descriptor_types, push_stages }),
             Err(e) => {
                 // SAFETY: just made, used by nothing.
                 unsafe { device.destroy_pipeline_layout(layout, None) };
                 Err(e)
             }
         });
-        if made.is_err() {
+        if built.is_err() {
             // SAFETY: just made, used by nothing.
             unsafe { device.destroy_descriptor_set_layout(set_layout, None) };
         }
-        made
+        built
     }
 
     /// Destroys the handles.
@@ -192,6 +208,17 @@ impl Pipeline {
             device.destroy_pipeline_layout(self.layout, None);
             device.destroy_descriptor_set_layout(self.set_layout, None);
         }
+    }
+}
+
+fn made<P: Pass>(label: &'static str, variant: &Variant, outputs: Option<Outputs>) -> Made {
+    Made { label, pass: P::NAME, stem: P::SHADER, variant: variant.clone(), outputs }
+}
+
+fn flags(context: &Context) -> vk::PipelineCreateFlags {
+    match context.executables {
+        Some(_) => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+        None => vk::PipelineCreateFlags::empty(),
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard};
 
-use pellucid_engine::gpu::{Device, DeviceOptions};
+use pellucid_engine::gpu::{Device, DeviceOptions, Preferences};
 
 use crate::skip::{NO_DEVICE, skip};
 
@@ -63,6 +63,18 @@ pub fn with_device_that_binds(binding_bytes: Option<u64>, test: impl FnOnce(&Dev
 /// As [`with_device`], with a device that was never used: for tests of how much memory it reserves.
 pub fn with_new_device(test: impl FnOnce(&Device)) {
     match apart(|| open(None)) {
+        Ok(device) => {
+            let device = Lent::new(device, false).run(test);
+            apart(|| drop(device));
+        }
+        Err(error) => skip(NO_DEVICE, &error),
+    }
+}
+
+/// As [`with_new_device`], with work shaped like this, whatever the device prefers.
+pub fn with_device_that_prefers(prefers: Preferences, test: impl FnOnce(&Device)) {
+    let options = DeviceOptions { prefers: Some(prefers), ..DeviceOptions::validated() };
+    match apart(|| Device::open(&options).map_err(|error| error.to_string())) {
         Ok(device) => {
             let device = Lent::new(device, false).run(test);
             apart(|| drop(device));

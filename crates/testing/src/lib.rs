@@ -20,7 +20,9 @@ use pellucid_engine::scene::{ColorSpace, DiscShape, Discs, Falloff, Light, Metho
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-pub use devices::{alone, has_device, with_device, with_device_that_binds, with_new_device, with_only_device};
+pub use devices::{
+    alone, has_device, with_device, with_device_that_binds, with_device_that_prefers, with_new_device, with_only_device,
+};
 pub use places::{Clouds, clouds, root, whole_clouds};
 pub use rendering::{render, rendered, rendered_by_both_atomics};
 

@@ -18,6 +18,16 @@ pub struct DevicesArgs {
     json: bool,
 }
 
+/// The first Mesa whose driver for CPUs was measured to be faster.
+const FAST_MESA: u32 = 25;
+
+/// Mesa's version where its driver for CPUs has a faster successor.
+fn slow_mesa(driver: &str) -> Option<&str> {
+    let version = driver.strip_prefix("llvmpipe Mesa ")?.split_whitespace().next()?;
+    let major = version.split('.').next()?.parse::<u32>().ok()?;
+    (major < FAST_MESA).then_some(version)
+}
+
 pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
     let (devices, taken) = gpu::devices(args.device.as_deref())?;
     if args.json {
@@ -41,8 +51,27 @@ pub fn run(args: DevicesArgs, _talk: Console) -> Result<ExitCode> {
             format!("subgroups of 8 to 32 invocations, which {methods} need, and soft methods with solid points")
         };
         text += &format!("{mark} {} {} ({}, {}); lacks {lacks}\n", d.index, d.name, d.kind, d.driver);
+        if let Some(version) = slow_mesa(&d.driver) {
+            text += &format!(
+                "    Mesa {version} is an old one: with Mesa 25 most methods take half the time on a CPU (docs/performance.md)\n"
+            );
+        }
     }
     text += if taken.is_some() { "* would be taken\n" } else { "none can be taken\n" };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_old_driver_for_cpus_is_told_from_a_new_one_and_from_others() {
+        assert_eq!(slow_mesa("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"), Some("22.3.6"));
+        assert_eq!(slow_mesa("llvmpipe Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"), None);
+        assert_eq!(slow_mesa("llvmpipe Mesa git"), None);
+        assert_eq!(slow_mesa("radv Mesa 22.3.6"), None);
+        assert_eq!(slow_mesa(""), None);
+    }
 }

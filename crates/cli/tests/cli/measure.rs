@@ -63,7 +63,8 @@ fn assert_profile(profile: &Value, frames: usize, pixels: u64) {
     let list = profile["frames"].as_array().unwrap();
     assert_eq!(list.len(), frames);
     for frame in list {
-        assert_eq!(keys(frame), ["gpu_ms", "wall_ms", "passes"]);
+        assert_eq!(keys(frame), ["gpu_ms", "wall_ms", "waits", "passes"]);
+        assert!(frame["waits"].as_u64().unwrap() >= 1, "the host waits for the picture at least");
         let mut sum = 0.0;
         for pass in frame["passes"].as_array().unwrap() {
             assert_eq!(keys(pass), ["name", "gpu_ms", "invocations", "bytes"]);

@@ -4,6 +4,8 @@
 // One subgroup per run of splats and block of tiles takes its splats one by one. A tile belongs to one invocation by its
 // place in a pattern of LANE_COLUMNS x LANE_ROWS: its cursor is nobody else's, so that the entries keep the order
 // without atomics or barriers.
+//
+// An entry says, too, which of the tile's 2 x 2 blocks of pixels the splat's rectangle meets.
 #import tile_push
 #import dispatch
 @group(0) @binding(2) var<storage, read_write> cursors: array<u32>;
@@ -12,6 +14,15 @@
 // The first tile at or after `low` that has this place in the pattern.
 fn own(low: u32, place: u32, period: u32) -> u32 {
     return low + (place + period - low % period) % period;
+}
+
+// One bit for each block of a tile that a rectangle meets which meets the tile.
+fn blocks_met(rectangle: vec2<u32>, tile: vec2<u32>) -> u32 {
+    let middle = view.window.xy + tile * TILE_SIDE + BLOCK_SIDE;
+    let before = (rectangle & vec2<u32>(0xffffu)) < middle;
+    let behind = (rectangle >> vec2<u32>(16u)) > middle;
+    let columns = select(0u, 1u, before.x) | select(0u, 2u, behind.x);
+    return select(0u, columns, before.y) | select(0u, columns << 2u, behind.y);
 }
 
 @compute @workgroup_size(SUBGROUP)
@@ -29,14 +40,14 @@ fn main(
     let end = min(start + push.run_length, push.count);
     let place = vec2<u32>(lane % LANE_COLUMNS, lane / LANE_COLUMNS);
     for (var step = start; step < end; step += SUBGROUP) {
-        let met = tiles_of(rectangles[min(step + lane, end - 1u)]);
-        let met_low = max(met.xy, block_low);
-        let met_high = min(met.zw, block_high);
+        let lane_rectangle = rectangles[min(step + lane, end - 1u)];
         // Conditions stand at the ends of the loops: CPU drivers run every loop once.
         var k = 0u;
         loop {
-            let low = vec2<u32>(subgroupShuffle(met_low.x, k), subgroupShuffle(met_low.y, k));
-            let high = vec2<u32>(subgroupShuffle(met_high.x, k), subgroupShuffle(met_high.y, k));
+            let rectangle = vec2<u32>(subgroupShuffle(lane_rectangle.x, k), subgroupShuffle(lane_rectangle.y, k));
+            let met = tiles_of(rectangle);
+            let low = max(met.xy, block_low);
+            let high = min(met.zw, block_high);
             let first = vec2<u32>(own(low.x, place.x, LANE_COLUMNS), own(low.y, place.y, LANE_ROWS));
             var tile = first;
             loop {
@@ -46,7 +57,7 @@ fn main(
                     cursors[cell] = slot + 1u;
                     // Both passes walk the same tiles; should a driver ever disagree with itself, nothing is written outside.
                     if slot < arrayLength(&entries) {
-                        entries[slot] = step + k;
+                        entries[slot] = (step + k) | blocks_met(rectangle, tile) << RANK_BITS;
                     }
                 }
                 tile.x += LANE_COLUMNS;

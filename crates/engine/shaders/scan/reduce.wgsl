@@ -1,4 +1,4 @@
-// scan/reduce: sums of runs of RUN elements. One invocation per run. A sum over 32 bits sets the flag.
+// scan/reduce: sums of runs of SCAN_RUN elements. One invocation per run. A sum over 32 bits sets the flag.
 // First half of reduce-then-scan (Harris, Sengupta, Owens 2007), without barriers or forward progress between workgroups.
 #import dispatch
 
@@ -10,7 +10,6 @@ struct Push {
 @group(0) @binding(1) var<storage, read_write> sums: array<u32>;
 @group(0) @binding(2) var<storage, read_write> overflow: array<atomic<u32>>;
 var<immediate> push: Push;
-override RUN: u32 = 64u;
 
 @compute @workgroup_size(WG_SIZE)
 fn main(
@@ -19,11 +18,11 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let run = invocation_index(workgroup, groups, local);
-    let start = run * RUN;
+    let start = run * SCAN_RUN;
     if start >= push.count {
         return;
     }
-    let end = min(start + RUN, push.count);
+    let end = min(start + SCAN_RUN, push.count);
     var sum = 0u;
     var carried = false;
     for (var i = start; i < end; i++) {

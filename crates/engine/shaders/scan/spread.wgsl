@@ -1,4 +1,4 @@
-// scan/spread: exclusive prefix sums of each run of RUN elements, begun at the run's own offset. One invocation per run.
+// scan/spread: exclusive prefix sums of each run of SCAN_RUN elements, begun at the run's own offset. One invocation per run.
 // Second half of reduce-then-scan; at the top level there is one run, and it begins at zero.
 #import dispatch
 
@@ -11,7 +11,6 @@ struct Push {
 @group(0) @binding(2) var<storage, read_write> offsets: array<u32>;
 @group(0) @binding(3) var<storage, read_write> overflow: array<atomic<u32>>;
 var<immediate> push: Push;
-override RUN: u32 = 64u;
 override TOP: u32 = 0u;
 
 @compute @workgroup_size(WG_SIZE)
@@ -21,11 +20,11 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     let run = invocation_index(workgroup, groups, local);
-    let start = run * RUN;
+    let start = run * SCAN_RUN;
     if start >= push.count {
         return;
     }
-    let end = min(start + RUN, push.count);
+    let end = min(start + SCAN_RUN, push.count);
     var sum = 0u;
     if TOP == 0u {
         sum = starts[run];

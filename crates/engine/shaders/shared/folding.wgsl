@@ -13,28 +13,30 @@ override FALLOFF: u32 = 0u;
 
 // A splat as it is handed from lane to lane.
 struct Handed {
+    // Its pixel is there only for its own lane.
     splat: Splat,
+    // From the corner in work to the pixel of the centre; once handed over, from that to the invocation's first pixel.
+    whole: vec2<f32>,
     tilt: Tilt,
     color: vec4<f32>,
     // Depth key over the nearest, and index; in sorted/blend the rank.
     record: vec2<u32>,
-    // false: it stands in where no splat is left.
-    present: bool,
 }
 
 // A splat by its rank; `record` as the stage wants it.
-fn whole_splat(rank: u32, record: vec2<u32>) -> Handed {
+fn whole_splat(rank: u32, record: vec2<u32>, corner: vec2<u32>) -> Handed {
     var splat = splat_of(footprints[rank]);
     var tilt = Tilt(vec4<f32>(0.0));
     if SHAPE == SHAPE_ORIENTED {
         tilt.normal = slopes[rank];
         splat.depth = key_depth(records[rank].x + push.walk.nearest);
     }
-    return Handed(splat, tilt, colors[rank], record, true);
+    return Handed(splat, -whole_to(splat, corner), tilt, colors[rank], record);
 }
 
-// That of lane k.
-fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
+// That of lane k to an invocation whose first pixel lies at `first` from the corner in work; without `present` it covers no
+// pixel.
+fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
     var tilt = Tilt(vec4<f32>(0.0));
     if SHAPE == SHAPE_ORIENTED {
         tilt.normal = vec4<f32>(
@@ -47,7 +49,12 @@ fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
         subgroupShuffle(own.color.b, k), subgroupShuffle(own.color.a, k),
     );
     let record = vec2<u32>(subgroupShuffle(own.record.x, k), subgroupShuffle(own.record.y, k));
-    return Handed(handed_splat(own.splat, k), tilt, color, record, present);
+    var splat = handed_splat(own.splat, k);
+    if SHAPE == SHAPE_ORIENTED {
+        // No ray meets the plane of a tilted disc exactly where its centre is not.
+        splat.radius = select(0.0, splat.radius, present);
+    }
+    return Handed(splat, handed_whole(own.whole, k, present, first), tilt, color, record);
 }
 
 // A splat in a pixel; what a stage does not read costs nothing.
@@ -63,9 +70,10 @@ struct Fragment {
     radius: f32,
 }
 
-fn fragment_of(h: Handed, pixel: vec2<u32>) -> Fragment {
-    let coverage = cover(h.splat, h.tilt, pixel, view);
-    let hit = coverage.hit && h.present;
+// In the invocation's pixel, `further` along from its first one.
+fn fragment_of(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> Fragment {
+    let coverage = cover_from(h.splat, h.tilt, h.whole + vec2<f32>(further), pixel, view);
+    let hit = coverage.hit;
     var c = h.color;
     if FALLOFF == FALLOFF_GAUSSIAN {
         c.a *= gaussian(coverage.rho);

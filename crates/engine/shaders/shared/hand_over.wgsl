@@ -1,5 +1,5 @@
 // Goes through the splats of each tile and shows each to every pixel that it may cover. One subgroup per tile of
-// BLOCKS x BLOCKS blocks of 8 x 8 pixels (shared/blocks.wgsl); nobody else touches the tile's pixels, so that sums need no
+// BLOCKS x BLOCKS blocks of 8 x 8 pixels (shared/blocks.wgsl), or per block; nobody else touches its pixels, so that sums need no
 // atomics and come in the same order every time.
 //
 // A step takes one splat per invocation. For each block a ballot says which of them may touch it, and these are handed to
@@ -8,8 +8,9 @@
 //     begin(pixel) -> PixelState                   before the run's first splat, pixels outside the window included
 //     begin_run(cut)                               after that; `cut`: the tile has splats behind the run
 //     take(rank, corner) -> Handed                 a splat by its rank, for a tile's corner
-//     may_touch(own, block, corner) -> bool
-//     handed(own, k, present, lane) -> Handed      that of lane k; without `present` it must change nothing
+//     may_touch(own, block, corner) -> bool        of one whose rectangle meets the block
+//     handed(own, k, present, first) -> Handed     that of lane k, for pixels from `first` on, relative to the corner; without
+//                                                  `present` it must change nothing
 //     show(state, handed, i, pixel) -> PixelState  to the invocation's i-th pixel
 //     STOPS, is_done(state) -> bool                whether pixels may be done before the last splat, and whether one is
 //     finish(state, pixel)                         after the run's last splat
@@ -17,7 +18,7 @@
 #import tile_run
 #import dispatch
 
-// Subgroups that share a tile: 1, or one for each block where the stage holds much for each pixel.
+// Subgroups that share a tile: 1, or one for each block where the stage holds more than a number for each pixel.
 override SHARED: u32 = 1u;
 // Steps between two tests for an early stop.
 const LOOK = 4u;
@@ -29,7 +30,7 @@ fn over_block(block: u32, hits: u32, own: Handed, corner: vec2<u32>, lane: u32) 
     var left = hits;
     loop {
         let k = firstTrailingBit(left) & (SUBGROUP - 1u);
-        let h = handed(own, k, left != 0u, lane);
+        let h = handed(own, k, left != 0u, vec2<f32>(place(lane, 0u)));
 #each held         if {held}u / HELD == block { held{held} = show(held{held}, h, {held}u, corner + place(lane, {held}u)); }
         left &= left - 1u;
         if left == 0u {
@@ -67,12 +68,20 @@ fn main(
     let corner = tile_corner(tile) + block_corner(group % SHARED);
 #each held     held{held} = begin(corner + place(lane, {held}u));
     begin_run(run.y < tile_end(tile));
-    var live = (1u << (BLOCKS * BLOCKS)) - 1u;
+    var live = (1u << (BLOCKS * BLOCKS / SHARED)) - 1u;
     var steps = 0u;
     for (var next = run.x; next < run.y && live != 0u; next += SUBGROUP) {
         let present = next + lane < run.y;
-        let own = take(entries[min(next + lane, run.y - 1u)], corner);
-#each block         let hits{block} = subgroupBallot(present && may_touch(own, {block}u, corner)).x;
+        let entry = entries[min(next + lane, run.y - 1u)];
+        var near = false;
+#each block         let near{block} = present && meets_block(entry, group % SHARED + {block}u);
+#each block         near = near || near{block};
+        // CPU drivers load lane by lane, and only for those that take part.
+        var own: Handed;
+        if near {
+            own = take(rank_of(entry), corner);
+        }
+#each block         let hits{block} = subgroupBallot(near{block} && may_touch(own, {block}u, corner)).x;
 #each block         over_block({block}u, select(0u, hits{block}, is_live(live, {block}u)), own, corner, lane);
         if STOPS {
             steps += 1u;

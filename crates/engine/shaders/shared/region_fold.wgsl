@@ -21,15 +21,14 @@ const REGION = vec2<u32>(REGION_COLUMNS, SUBGROUP / REGION_COLUMNS);
 var<workgroup> picked: array<u32, PICKED>;
 
 // Picks the splats that may touch a block, in their order; returns how many.
-fn pick(low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
+fn pick(block: u32, low: vec2<u32>, run: vec2<u32>, lane: u32) -> u32 {
     var count = 0u;
     for (var next = run.x; next < run.y; next += SUBGROUP) {
-        let rank = entries[min(next + lane, run.y - 1u)];
-        var near = next + lane < run.y;
-        if SHAPE == SHAPE_ORIENTED {
-            near = near && meets(rank, low, vec2<u32>(BLOCK_SIDE));
-        } else {
-            near = near && touches(splat_of(footprints[rank]), low);
+        let entry = entries[min(next + lane, run.y - 1u)];
+        let rank = rank_of(entry);
+        var near = next + lane < run.y && meets_block(entry, block);
+        if near && SHAPE != SHAPE_ORIENTED {
+            near = touches(splat_of(footprints[rank]), low);
         }
         let found = subgroupBallot(near).x;
         if near {
@@ -60,14 +59,15 @@ fn touches_region(splat: Splat, rank: u32, low: vec2<u32>) -> bool {
 // The picked splats to the pixels of one region.
 fn over_region(low: vec2<u32>, pixel: vec2<u32>, count: u32, lane: u32) {
     begin(pixel);
+    let first = vec2<f32>(pixel - low);
     for (var next = 0u; next < count; next += SUBGROUP) {
         let rank = picked[min(next + lane, count - 1u)];
-        let own = whole_splat(rank, records[rank]);
+        let own = whole_splat(rank, records[rank], low);
         var left = subgroupBallot(next + lane < count && touches_region(own.splat, rank, low)).x;
         while left != 0u {
             let k = firstTrailingBit(left);
             left &= left - 1u;
-            visit(pixel, fragment_of(handed(own, k, true, lane), pixel));
+            visit(pixel, fragment_of(handed(own, k, true, first), vec2<u32>(0u), pixel));
         }
     }
     finish(pixel);
@@ -88,8 +88,9 @@ fn main(
     if is_idle(run) {
         return;
     }
-    let corner = tile_corner(tile) + block_corner(group % (BLOCKS * BLOCKS));
-    let count = pick(corner, run, lane);
+    let block = group % (BLOCKS * BLOCKS);
+    let corner = tile_corner(tile) + block_corner(block);
+    let count = pick(block, corner, run, lane);
     workgroupBarrier();
     let across = BLOCK_SIDE / REGION.x;
     for (var region = 0u; region < HELD; region += 1u) {

@@ -56,18 +56,22 @@ fn center_pixel(splat: Splat) -> vec2<i32> {
     return vec2<i32>((packed << 16u) >> 16u, packed >> 16u);
 }
 
+// From the pixel of the projected centre to another one: whole numbers.
+fn whole_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
+    return vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
+}
+
 // From the projected centre to a pixel's centre, in pixels: exact up to one rounding.
-fn offset_to(splat: Splat, pixel: vec2<u32>) -> vec2<f32> {
-    let whole = vec2<f32>(vec2<i32>(pixel) - center_pixel(splat));
+fn offset_of(splat: Splat, whole: vec2<f32>) -> vec2<f32> {
     return whole + (0.5 - vec2<f32>(splat.fraction_x, splat.fraction_y));
 }
 
 // The ray through a pixel against the disc's plane, with everything in pixels at the centre's depth and relative to the
 // centre, so that nothing cancels: with o = (pixel - centre, 0), d the ray and t = n.o / n.d, the hit lies at o - d t from
 // the centre and t pixels nearer than it.
-fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -> Coverage {
+fn cover_oriented(splat: Splat, tilt: vec4<f32>, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
     let normal = tilt.xyz;
-    let o = offset_to(splat, pixel);
+    let o = offset_of(splat, whole);
     let along = normal.x * o.x + normal.y * o.y;
     var ray = vec3<f32>(0.0, 0.0, 1.0);
     var unit = 1.0 / view.focal.x;
@@ -86,7 +90,7 @@ fn cover_oriented(splat: Splat, tilt: vec4<f32>, pixel: vec2<u32>, view: View) -
     if squared <= splat.radius * splat.radius && (view.orthographic != 0u || depth + view.eye_hi.w > 0.0) {
         return Coverage(true, depth, relative_distance(sqrt(squared), splat.radius));
     }
-    return Coverage(all(center_pixel(splat) == vec2<i32>(pixel)), splat.depth, 1.0);
+    return Coverage(all(whole == vec2<f32>(0.0)), splat.depth, 1.0);
 }
 
 fn relative_distance(distance: f32, radius: f32) -> f32 {
@@ -109,14 +113,19 @@ fn moved_depth(splat: Splat, squared: f32, view: View) -> f32 {
 }
 
 fn cover(splat: Splat, tilt: Tilt, pixel: vec2<u32>, view: View) -> Coverage {
-    let in_center = all(center_pixel(splat) == vec2<i32>(pixel));
+    return cover_from(splat, tilt, whole_to(splat, pixel), pixel, view);
+}
+
+// The same where the way from the centre's pixel is known.
+fn cover_from(splat: Splat, tilt: Tilt, whole: vec2<f32>, pixel: vec2<u32>, view: View) -> Coverage {
+    let in_center = all(whole == vec2<f32>(0.0));
     if SHAPE == SHAPE_POINT {
         return Coverage(in_center, splat.depth, 1.0);
     }
     if SHAPE == SHAPE_ORIENTED && any(tilt.normal.xyz != vec3<f32>(0.0)) {
-        return cover_oriented(splat, tilt.normal, pixel, view);
+        return cover_oriented(splat, tilt.normal, whole, pixel, view);
     }
-    let offset = offset_to(splat, pixel);
+    let offset = offset_of(splat, whole);
     if SHAPE == SHAPE_SQUARE {
         let inside = all(abs(offset) <= vec2<f32>(splat.radius));
         // The rim counts where only the centre's own pixel is covered.

@@ -19,13 +19,13 @@ fn begin_run(cut: bool) {
 }
 
 fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return whole_splat(rank, records[rank]);
+    return whole_splat(rank, records[rank], corner);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
-    return touches(own.splat, corner + block_corner(block));
+    return SHAPE == SHAPE_ORIENTED || touches(own.splat, corner + block_corner(block));
 }
 
 fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
-    return visit(held, fragment_of(h, pixel));
+    return visit(held, fragment_of(h, place(0u, i), pixel));
 }

@@ -19,8 +19,9 @@ alias PixelState = u32;
 
 struct Handed {
     splat: Splat,
+    // As in shared/folding.
+    whole: vec2<f32>,
     rank: u32,
-    present: bool,
 }
 
 const STOPS = false;
@@ -33,19 +34,24 @@ fn begin_run(cut: bool) {
 }
 
 fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return Handed(splat_of(footprints[rank]), rank, true);
+    let splat = splat_of(footprints[rank]);
+    return Handed(splat, -whole_to(splat, corner), rank);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return touches(own.splat, corner + block_corner(block));
 }
 
-fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
-    return Handed(handed_splat(own.splat, k), subgroupShuffle(own.rank, k), present);
+fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
+    return Handed(handed_splat(own.splat, k), handed_whole(own.whole, k, present, first), subgroupShuffle(own.rank, k));
+}
+
+fn covers(h: Handed, further: vec2<u32>, pixel: vec2<u32>) -> bool {
+    return cover_from(h.splat, Tilt(vec4<f32>(0.0)), h.whole + vec2<f32>(further), pixel, view).hit;
 }
 
 fn show(number: u32, h: Handed, i: u32, pixel: vec2<u32>) -> u32 {
-    return visit(number, h.present && cover(h.splat, Tilt(vec4<f32>(0.0)), pixel, view).hit, h.rank);
+    return visit(number, covers(h, place(0u, i), pixel), h.rank);
 }
 
 // Index in the window of a pixel of the band, NOTHING for others.

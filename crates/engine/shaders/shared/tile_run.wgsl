@@ -39,6 +39,15 @@ fn is_idle(run: vec2<u32>) -> bool {
     return push.walk.segment > 0u && run.x >= run.y;
 }
 
+// An entry is a splat's rank and, in its highest bits, the blocks of the tile that its rectangle meets.
+fn rank_of(entry: u32) -> u32 {
+    return entry & ((1u << RANK_BITS) - 1u);
+}
+
+fn meets_block(entry: u32, block: u32) -> bool {
+    return (entry >> (RANK_BITS + block) & 1u) != 0u;
+}
+
 fn tile_corner(tile: u32) -> vec2<u32> {
     return view.window.xy + vec2<u32>(tile % push.walk.columns, tile / push.walk.columns) * TILE_SIDE;
 }
@@ -47,12 +56,19 @@ fn splat_of(footprint: vec4<u32>) -> Splat {
     return Splat(bitcast<f32>(footprint.x), bitcast<f32>(footprint.y), footprint.z, 0.0, bitcast<f32>(footprint.w));
 }
 
-// The splat of lane k.
+// Where a splat lies that stands in where none is left, in pixels: beyond any radius.
+const NOWHERE = 1e19;
+
+// The way from the centre of lane k's splat to an invocation's first pixel.
+fn handed_whole(own: vec2<f32>, k: u32, present: bool, first: vec2<f32>) -> vec2<f32> {
+    return first - vec2<f32>(select(NOWHERE, subgroupShuffle(own.x, k), present), subgroupShuffle(own.y, k));
+}
+
+// The splat of lane k, but for its pixel.
 fn handed_splat(own: Splat, k: u32) -> Splat {
     var s: Splat;
     s.fraction_x = subgroupShuffle(own.fraction_x, k);
     s.fraction_y = subgroupShuffle(own.fraction_y, k);
-    s.pixel = subgroupShuffle(own.pixel, k);
     s.radius = subgroupShuffle(own.radius, k);
     if SHAPE == SHAPE_ORIENTED {
         s.depth = subgroupShuffle(own.depth, k);

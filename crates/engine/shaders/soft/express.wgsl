@@ -64,9 +64,6 @@ struct Handed {
     color: vec4<f32>,
 }
 
-// Where a disc lies that is none, in pixels: beyond any radius.
-const NOWHERE = 1e19;
-
 // Whole pixels and their parts are kept apart, so that an offset is rounded but once, wherever the tile lies.
 fn disc_of(splat: Splat, key: u32, color: vec4<f32>, corner: vec2<u32>) -> Handed {
     let pixel = vec2<f32>(center_pixel(splat) - vec2<i32>(corner));
@@ -123,12 +120,12 @@ fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
     return own.key < far && touches(own.splat, corner + block_corner(block));
 }
 
-fn handed(own: Handed, k: u32, present: bool, lane: u32) -> Handed {
-    let first = vec2<f32>(place(lane, 0u));
+fn handed(own: Handed, k: u32, present: bool, first: vec2<f32>) -> Handed {
     var d: Handed;
     d.pixel = vec2<f32>(select(NOWHERE, subgroupShuffle(own.pixel.x, k), present), subgroupShuffle(own.pixel.y, k)) - first;
     d.rest = vec2<f32>(subgroupShuffle(own.rest.x, k), subgroupShuffle(own.rest.y, k));
-    d.scale = subgroupShuffle(own.scale, k);
+    // A lane that took no disc has a scale of 0, by which everything would be near.
+    d.scale = select(1.0, subgroupShuffle(own.scale, k), present);
     d.key = subgroupShuffle(own.key, k);
     if COUNTED != 0u {
         d.radius = subgroupShuffle(own.radius, k);

@@ -37,15 +37,15 @@ fn begin_run(cut: bool) {
 
 // Flat splats bring their rank; one look-up at the end gives the depth.
 fn take(rank: u32, corner: vec2<u32>) -> Handed {
-    return whole_splat(rank, vec2<u32>(rank, 0u));
+    return whole_splat(rank, vec2<u32>(rank, 0u), corner);
 }
 
 fn may_touch(own: Handed, block: u32, corner: vec2<u32>) -> bool {
-    return touches(own.splat, corner + block_corner(block));
+    return SHAPE == SHAPE_ORIENTED || touches(own.splat, corner + block_corner(block));
 }
 
 fn show(held: PixelState, h: Handed, i: u32, pixel: vec2<u32>) -> PixelState {
-    let fragment = fragment_of(h, pixel);
+    let fragment = fragment_of(h, place(0u, i), pixel);
     let key = select(h.record.x, fragment.depth_key, SHAPE == SHAPE_ORIENTED);
     return PixelState(behind(held.sum, key, fragment.color), held.front);
 }

@@ -28,6 +28,8 @@ pub struct FrameProfile {
     pub submitted: Duration,
     /// From the first submission to the end of the last read-back.
     pub wall: Duration,
+    /// How many submissions the host waited for.
+    pub waits: u64,
 }
 
 impl FrameProfile {

@@ -20,8 +20,17 @@ gpu_struct! {
 }
 
 pass! {
-    /// Counts the records of each run by their digit; runs once for each digit.
+    /// Counts the records of each run by their digit, straight into their counters or in the memory of a workgroup first
+    /// (`radix/count_group`), whichever the device prefers; runs once for each digit.
     pub Count(RadixPush) = "radix/count" {
+        records: Read<[u32; 2]>,
+        counts: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Counts the records of each run by their digit, in the memory of the run's workgroup first.
+    pub CountGroup(RadixPush) = "radix/count" in "radix/count_group" {
         records: Read<[u32; 2]>,
         counts: ReadWrite<u32>,
     }
@@ -41,6 +50,11 @@ pass! {
 const MOST_BITS: u32 = 9;
 /// Narrowest.
 const LEAST_BITS: u32 = 4;
+/// Subgroups below this size find equal digits by shuffles, larger ones by ballots.
+const MOST_SHUFFLED: u32 = 16;
+
+/// Constants that shaders share with this module.
+pub(crate) const CONSTANTS: [(&str, u32); 2] = [("DIGIT_VALUES", 1 << MOST_BITS), ("MOST_SHUFFLED", MOST_SHUFFLED)];
 
 /// How records are cut into runs, each of which one subgroup takes in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,7 +158,12 @@ impl Radix {
                 RadixPush { count: records.len() as u32, runs, run_length: length, shift: digit * digit_bits, mask };
             let (counts, cursors) = (self.counts.get().slice(0, counters), self.cursors.get().slice(0, counters));
             recorder.fill("radix/clear", counts, 0)?;
-            recorder.run(&Count { records, counts }, push, &Run::new(Dispatch::Groups(u64::from(runs))))?;
+            let over = Run::new(Dispatch::Groups(u64::from(runs)));
+            if device.info().prefers.shared_work {
+                recorder.run(&CountGroup { records, counts }, push, &over)?;
+            } else {
+                recorder.run(&Count { records, counts }, push, &over)?;
+            }
             scan.record(recorder, counts, cursors, self.overflow.all())?;
             let run = Run::new(Dispatch::Groups(u64::from(runs))).variant(scatter_variant(subgroup));
             recorder.run(&Scatter { records, cursors, moved }, push, &run)?;
@@ -170,7 +189,7 @@ pub fn agree<'a>(
 }
 
 fn runs(device: &Device, records: u64) -> Runs {
-    Runs::new(device.info().concurrent_runs, records, 1024, 1 << 17)
+    Runs::new(device.info().prefers.concurrent_runs, records, 1024, 1 << 17)
 }
 
 /// The widest digit whose counters do not outweigh the records.
@@ -190,5 +209,9 @@ pub fn scatter_variant(subgroup: u32) -> Variant {
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    vec![Shader::plain::<Count>(), Shader::new::<Scatter>(SUBGROUPS.map(scatter_variant))]
+    vec![
+        Shader::plain::<Count>(),
+        Shader::plain::<CountGroup>(),
+        Shader::new::<Scatter>(SUBGROUPS.map(scatter_variant)),
+    ]
 }

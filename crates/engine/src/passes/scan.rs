@@ -4,8 +4,12 @@ use crate::gpu::shader::Shader;
 use crate::gpu::{Buffer, Device, Dispatch, Error, Memory, Recorder, Run, Slice, Variant};
 use crate::{gpu_struct, pass};
 
-/// Elements of one run: the loop of one invocation, and the factor from level to level.
-const RUN: u64 = 64;
+/// Elements of one run where each invocation takes one, and of one that a workgroup shares: the factors from level to level.
+const SCAN_RUN: u64 = 64;
+const GROUP_RUN: u64 = 2048;
+
+/// Constants that shaders share with this module.
+pub(crate) const CONSTANTS: [(&str, u32); 2] = [("SCAN_RUN", SCAN_RUN as u32), ("GROUP_RUN", GROUP_RUN as u32)];
 
 gpu_struct! {
     /// Push constants: how many elements.
@@ -16,7 +20,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Sums runs of 64 counters, level by level. A carry out of 32 bits sets the overflow flag.
+    /// Sums runs of counters, level by level: of 64 by an invocation each, or of 2048 by a workgroup each
+    /// (`scan/reduce_group`), whichever the device prefers. A carry out of 32 bits sets the overflow flag.
     pub Reduce(ScanPush) = "scan/reduce" {
         values: Read<u32>,
         sums: ReadWrite<u32>,
@@ -25,8 +30,17 @@ pass! {
 }
 
 pass! {
-    /// Writes the prefix sums of each run from the level above. It serves pixels, tiles of large splats, digits and
-    /// tiles of ordered splats, and so does `scan/reduce`.
+    /// Sums runs of 2048 counters, each by a workgroup.
+    pub ReduceGroup(ScanPush) = "scan/reduce" in "scan/reduce_group" {
+        values: Read<u32>,
+        sums: ReadWrite<u32>,
+        overflow: ReadWrite<u32>,
+    }
+}
+
+pass! {
+    /// Writes the prefix sums of each run from the level above, over the same runs as `scan/reduce`. It serves pixels, tiles
+    /// of large splats, digits and tiles of ordered splats, and so does `scan/reduce`.
     pub Spread(ScanPush) = "scan/spread" {
         values: Read<u32>,
         starts: Read<u32>,
@@ -35,9 +49,19 @@ pass! {
     }
 }
 
-/// The variants that a scan uses.
-pub fn variants() -> [Variant; 2] {
-    [0.0, 1.0].map(|top| Variant::plain().with("RUN", RUN as f64).with("TOP", top))
+pass! {
+    /// Writes the prefix sums of each run of 2048, each by a workgroup.
+    pub SpreadGroup(ScanPush) = "scan/spread" in "scan/spread_group" {
+        values: Read<u32>,
+        starts: Read<u32>,
+        offsets: ReadWrite<u32>,
+        overflow: ReadWrite<u32>,
+    }
+}
+
+/// The variant of `scan/spread` at the top level, or at one below.
+pub fn spread_variant(top: bool) -> Variant {
+    Variant::plain().with("TOP", u32::from(top))
 }
 
 /// Buffers of a scan of up to `capacity` elements.
@@ -45,26 +69,36 @@ pub struct Scan {
     /// Sums and their prefix sums, level by level.
     levels: Vec<[Buffer<u32>; 2]>,
     capacity: u64,
+    /// Whether workgroups share runs.
+    shared: bool,
+}
+
+/// What a dispatch of either half goes through.
+#[derive(Clone, Copy)]
+struct Level<'a> {
+    values: Slice<'a, u32>,
+    overflow: Slice<'a, u32>,
 }
 
 impl Scan {
     /// Room for scans of up to `capacity` elements.
     pub fn new(device: &Device, capacity: u64) -> Result<Self, Error> {
+        let shared = device.info().prefers.shared_work;
         let mut levels = Vec::new();
         let mut len = capacity;
-        while len > RUN {
-            len = len.div_ceil(RUN);
+        while len > run(shared) {
+            len = len.div_ceil(run(shared));
             levels.push([
                 device.buffer("scan sums", len, Memory::Device)?,
                 device.buffer("scan offsets", len, Memory::Device)?,
             ]);
         }
-        Ok(Self { levels, capacity })
+        Ok(Self { levels, capacity, shared })
     }
 
-    /// Device bytes that a scan of `capacity` elements needs.
+    /// Device bytes that a scan of `capacity` elements needs at most.
     pub fn bytes(capacity: u64) -> u64 {
-        capacity.div_ceil(RUN) * 8 * 2
+        capacity.div_ceil(SCAN_RUN) * 8 * 2
     }
 
     /// How many elements fit.
@@ -81,22 +115,16 @@ impl Scan {
         overflow: Slice<'a, u32>,
     ) -> Result<(), Error> {
         assert!(values.len() <= self.capacity, "scan of {} elements, room for {}", values.len(), self.capacity);
-        let [inner, top] = variants();
-        let push = |len: u64| ScanPush { count: len as u32 };
-        let run =
-            |len: u64, variant: &Variant| Run::new(Dispatch::Invocations(len.div_ceil(RUN))).variant(variant.clone());
+        let run = run(self.shared);
         // Up: each level holds the sums of the one below.
         let mut lens = vec![values.len()];
         let mut current = values;
         for [sums, _] in &self.levels {
-            let len = current.len();
-            if len <= RUN {
+            if current.len() <= run {
                 break;
             }
-            let sums = sums.slice(0, len.div_ceil(RUN));
-            let reduce = Reduce { values: current, sums, overflow };
-            let over = Run::new(Dispatch::Invocations(sums.len()));
-            recorder.run(&reduce, push(len), &over.variant(Variant::plain().with("RUN", RUN as f64)))?;
+            let sums = sums.slice(0, current.len().div_ceil(run));
+            self.reduce(recorder, Level { values: current, overflow }, sums)?;
             lens.push(sums.len());
             current = sums;
         }
@@ -108,16 +136,60 @@ impl Scan {
                 None => (values, offsets),
                 Some(i) => (self.levels[i][0].slice(0, len), self.levels[i][1].slice(0, len)),
             };
-            // The top has one run, which starts at zero; `starts` is then bound but not read.
-            let (starts, variant) =
-                if level == depth { (values, &top) } else { (self.levels[level][1].slice(0, lens[level + 1]), &inner) };
-            recorder.run(&Spread { values, starts, offsets: out, overflow }, push(len), &run(len, variant))?;
+            let starts = (level < depth).then(|| self.levels[level][1].slice(0, lens[level + 1]));
+            self.spread(recorder, Level { values, overflow }, starts, out)?;
         }
         Ok(())
     }
+
+    fn reduce<'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        Level { values, overflow }: Level<'a>,
+        sums: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        let push = ScanPush { count: values.len() as u32 };
+        if self.shared {
+            let over = Run::new(Dispatch::Groups(sums.len()));
+            return recorder.run(&ReduceGroup { values, sums, overflow }, push, &over);
+        }
+        recorder.run(&Reduce { values, sums, overflow }, push, &Run::new(Dispatch::Invocations(sums.len())))
+    }
+
+    /// The top has one run, which starts at zero: it has no `starts`.
+    fn spread<'a>(
+        &self,
+        recorder: &mut Recorder<'a>,
+        Level { values, overflow }: Level<'a>,
+        starts: Option<Slice<'a, u32>>,
+        offsets: Slice<'a, u32>,
+    ) -> Result<(), Error> {
+        let push = ScanPush { count: values.len() as u32 };
+        let runs = values.len().div_ceil(run(self.shared));
+        let variant = spread_variant(starts.is_none());
+        // What is bound is not read then.
+        let starts = starts.unwrap_or(values);
+        if self.shared {
+            let over = Run::new(Dispatch::Groups(runs)).variant(variant);
+            return recorder.run(&SpreadGroup { values, starts, offsets, overflow }, push, &over);
+        }
+        let over = Run::new(Dispatch::Invocations(runs)).variant(variant);
+        recorder.run(&Spread { values, starts, offsets, overflow }, push, &over)
+    }
+}
+
+/// Elements of a run.
+fn run(shared: bool) -> u64 {
+    if shared { GROUP_RUN } else { SCAN_RUN }
 }
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {
-    vec![Shader::new::<Reduce>([Variant::plain().with("RUN", RUN as f64)]), Shader::new::<Spread>(variants())]
+    let spread = || [false, true].map(spread_variant);
+    vec![
+        Shader::plain::<Reduce>(),
+        Shader::plain::<ReduceGroup>(),
+        Shader::new::<Spread>(spread()),
+        Shader::new::<SpreadGroup>(spread()),
+    ]
 }

@@ -279,7 +279,7 @@ fn spread(device: &Device, count: u32, room: u64, within: bool) -> Result<(), Er
     let values = device.upload("values", &vec![1u32; count as usize]).expect("fits");
     let offsets = device.upload("offsets", &vec![3u32; room as usize + if within { 64 } else { 0 }]).expect("fits");
     let overflow = device.upload("flag", &[0u32]).expect("fits");
-    let [_, top] = scan::variants();
+    let top = scan::spread_variant(true);
     let run = Run::new(Dispatch::Invocations(1)).variant(top);
     let (values, offsets) = (values.all(), offsets.slice(0, room));
     let mut recorder = device.recorder()?;
@@ -314,7 +314,7 @@ fn what_a_pass_may_write_behind_another_range_is_no_error() {
     with_device(|device| {
         let (values, flag) = (device.upload("values", &[1u32; 64]).unwrap(), device.upload("flag", &[0u32]).unwrap());
         let offsets = device.upload("offsets", &[7u32; 128]).unwrap();
-        let [_, top] = scan::variants();
+        let top = scan::spread_variant(true);
         let run = Run::new(Dispatch::Invocations(1)).variant(top);
         let mut recorder = device.recorder().unwrap();
         for offsets in [offsets.slice(0, 64), offsets.slice(64, 64)] {
@@ -341,7 +341,7 @@ fn indirect_arguments_of_fewer_than_three_words_are_refused() {
                 offsets: offsets.all(),
                 overflow: flag.all(),
             };
-            let [_, top] = scan::variants();
+            let top = scan::spread_variant(true);
             let run = Run::new(Dispatch::Indirect(arguments.slice(0, words))).variant(top);
             recorder.run(&pass, ScanPush { count: 64 }, &run).unwrap();
             recorder.submit("an indirect dispatch").unwrap();

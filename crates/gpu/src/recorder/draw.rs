@@ -79,7 +79,7 @@ impl<'a> Recorder<'a> {
         if size[0] > limit[0] || size[1] > limit[1] {
             return Err(Error::Framebuffer { name: P::NAME.to_owned(), size, limit });
         }
-        let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs())?;
+        let pipeline = Pipeline::draw::<P>(&self.context, variant, draw.targets.outputs(), P::NAME)?;
         let set = self.descriptors::<P>(&pipeline, P::NAME, &pass.resources())?;
         self.begin_pass(P::NAME, true)?;
         let extent = vk::Extent2D { width: draw.area[0], height: draw.area[1] };

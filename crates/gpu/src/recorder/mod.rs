@@ -177,7 +177,7 @@ impl<'a> Recorder<'a> {
         run: &Run<'_>,
         name: &'static str,
     ) -> Result<(Arc<Pipeline>, vk::DescriptorSet), Error> {
-        let pipeline = Pipeline::compute::<P>(&self.context, &run.variant)?;
+        let pipeline = Pipeline::compute::<P>(&self.context, &run.variant, name)?;
         let set = self.descriptors::<P>(&pipeline, name, &pass.resources())?;
         Ok((pipeline, set))
     }
@@ -282,6 +282,7 @@ impl<'a> Recorder<'a> {
                 crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
             // Whoever shows pictures in a window may submit while this one waits.
             drop(guard);
+            context.waits.fetch_add(1, Ordering::Relaxed);
             let result = submitted
                 .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX))
                 .and_then(|()| crate::fault::vulkan("wait"));

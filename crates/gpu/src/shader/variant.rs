@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::{Reflection, check, reflection};
-use crate::{Error, Pass};
+use crate::{Compiled, Device, Error, Outputs, Pass};
 
 /// Which of a shader's variants: values of overrides by name, and text constants.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -174,6 +174,7 @@ pub struct Shader {
     pub variants: Vec<Variant>,
     check: fn(&[Variant]) -> Result<(), Error>,
     reflection: fn(&Variant) -> Result<Reflection, Error>,
+    compiled: fn(&Device, &Variant, Option<Outputs>) -> Result<Compiled, Error>,
 }
 
 impl Shader {
@@ -186,6 +187,7 @@ impl Shader {
             variants: variants.into_iter().filter(|variant| known.insert(variant.key())).collect(),
             check: check::<P>,
             reflection: reflection::<P>,
+            compiled: Device::compiled::<P>,
         }
     }
 
@@ -208,5 +210,13 @@ impl Shader {
     /// As [`reflection`].
     pub fn reflection(&self, variant: &Variant) -> Result<Reflection, Error> {
         (self.reflection)(variant)
+    }
+
+    /// Compiles a variant on a device that was opened for statistics, to draw where there are `outputs`; nothing runs.
+    ///
+    /// # Errors
+    /// The shader does not compile, or the device has no statistics.
+    pub fn compiled(&self, device: &Device, variant: &Variant, outputs: Option<Outputs>) -> Result<Compiled, Error> {
+        (self.compiled)(device, variant, outputs)
     }
 }

@@ -5,13 +5,13 @@
 
 use std::collections::HashSet;
 
-use pellucid_engine::gpu::{self, Device, Variant};
+use pellucid_engine::gpu::{self, Device, Preferences, Variant};
 use pellucid_engine::image::Image;
 use pellucid_engine::methods::{Error, Facts, Frame, Rendered, Renderer};
 use pellucid_engine::prepare::Arranged;
 use pellucid_engine::scene::{Discs, Method, MethodChoice};
 use pellucid_lab::check::{self, Follows, Lack, Subject};
-use pellucid_testing::{is_llvmpipe, long_or, with_device, with_device_that_binds};
+use pellucid_testing::{is_llvmpipe, long_or, with_device, with_device_that_binds, with_device_that_prefers};
 
 /// Subjects, all of which llvmpipe renders.
 const SUBJECTS: usize = 44;
@@ -75,14 +75,9 @@ impl Wrong {
     }
 }
 
-/// Overrides whose values a frame or a device decides, be they whatever they may.
-const NUMBERS: [&str; 5] = ["PART_LENGTH", "STRIPES", "SHELLS", "SHELL_BITS", "PIXELS_PER_SHELL"];
-
-/// A shader and its variant, without the values of [`NUMBERS`].
+/// A shader and its variant, without the numbers that a frame or a device decides.
 fn key(stem: &str, variant: &Variant) -> String {
-    let mut variant = variant.clone();
-    variant.overrides.iter_mut().filter(|(name, _)| NUMBERS.contains(name)).for_each(|(_, value)| *value = 0.0);
-    format!("{stem}: {}", variant.key())
+    format!("{stem}: {}", pellucid_engine::key_without_numbers(variant))
 }
 
 /// Those of some variants that no stage lists, so that the tests of shaders don't go through them.
@@ -97,7 +92,7 @@ fn unlisted(ran: &[(&'static str, Variant)]) -> Vec<String> {
 
 /// Every shader that ran on the device must be listed by its stage, in that variant.
 fn assert_listed(device: &Device) {
-    let ran = device.variants();
+    let ran: Vec<_> = device.made().into_iter().map(|made| (made.stem, made.variant)).collect();
     let missing = unlisted(&ran);
     assert!(missing.is_empty(), "{} of {}:\n{}", missing.len(), ran.len(), missing.join("\n"));
 }
@@ -227,6 +222,24 @@ fn the_same_bytes_however_the_work_is_cut() {
         let mut wrong = Wrong::default();
         for known in all.iter().filter(|known| known.arranged.points().len() <= 65_536) {
             wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "bindings of 100 000 bytes");
+        }
+        wrong.assert_none();
+        assert_listed(device);
+    });
+}
+
+/// What a GPU prefers, on whatever device there is.
+#[test]
+fn the_same_bytes_whatever_shape_of_work_a_device_prefers() {
+    let mut all = Vec::new();
+    with_device_that_prefers(Preferences::CPU, |device| {
+        all = known(device);
+        assert_listed(device);
+    });
+    with_device_that_prefers(Preferences::GPU, |device| {
+        let mut wrong = Wrong::default();
+        for known in &all {
+            wrong.compare_frame(known, &mut fresh(device), known.subject.frame, "work shaped for a GPU");
         }
         wrong.assert_none();
         assert_listed(device);

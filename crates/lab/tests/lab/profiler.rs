@@ -36,12 +36,14 @@ fn by_hand() -> Profile {
                 timeline: vec![run("x/a", 1, 0), run("x/b", 2, 1), run("x/b", 3, 4)],
                 submitted: ms(8),
                 wall: ms(10),
+                waits: 3,
             },
             FrameProfile {
                 passes: vec![pass("x/a", 3, None, None), pass("x/b", 7, Some(128), Some(1 << 20))],
                 timeline: vec![run("x/a", 3, 0), run("x/b", 7, 3)],
                 submitted: ms(12),
                 wall: ms(20),
+                waits: 1,
             },
         ],
     }
@@ -62,9 +64,9 @@ fn the_json_is_the_documented_one() {
             { "name": "write", "ms": 1.0 },
         ],
         "frames": [
-            { "gpu_ms": 6.0, "wall_ms": 10.0,
+            { "gpu_ms": 6.0, "wall_ms": 10.0, "waits": 3,
               "passes": [pass("x/a", 1.0, None, None), pass("x/b", 5.0, Some(128), Some(1_048_576))] },
-            { "gpu_ms": 10.0, "wall_ms": 20.0,
+            { "gpu_ms": 10.0, "wall_ms": 20.0, "waits": 1,
               "passes": [pass("x/a", 3.0, None, None), pass("x/b", 7.0, Some(128), Some(1_048_576))] },
         ],
     });

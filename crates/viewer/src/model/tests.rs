@@ -57,7 +57,7 @@ fn picture(request: &Request, whole: bool) -> News {
         draft: String::new(),
         accuracy: History::default().accuracy(None),
         method: "sorted",
-        profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall },
+        profile: FrameProfile { passes: Vec::new(), timeline: Vec::new(), submitted: wall, wall, waits: 1 },
         facts: Facts::default(),
         plan: Vec::new(),
         field: None,

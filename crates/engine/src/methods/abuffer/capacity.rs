@@ -112,7 +112,7 @@ pub(super) struct Need {
 impl Need {
     pub(super) fn for_window(job: &WindowJob<'_>, counted: &Counted) -> Self {
         let links = matches!(job.storing, Storing::Links);
-        let sorted = matches!(job.storing, Storing::Ordered(_));
+        let sorted = matches!(job.storing, Storing::Ordered(..));
         let runs = !sorted && counted.lengths.in_long_lists > 0;
         let fragment = if sorted { RANK_BYTES } else { FRAGMENT_BYTES };
         let segments = runs && job.storing.spheres().is_some_and(|spheres| spheres.kind.interior.is_integrated());

@@ -56,9 +56,10 @@ impl ABuffer {
         recorder.fill("abuffer/clear", self.overflow.all(), 0)?;
         recorder.fill("abuffer/clear", self.lengths.all(), 0)?;
         let whole = Band::whole(job.raster.window, 0);
-        if let Storing::Ordered(tiles) = job.storing {
+        if let Storing::Ordered(bins, binned) = job.storing {
             let counts = counts.all();
             let view = job.raster.cloud.view();
+            let tiles = bins.record_tiles(&mut recorder, view, binned)?;
             tiles.record(&mut recorder, view, job.raster.window, &whole, |tiles| CountTiles { tiles, counts })?;
         } else if let Some(spheres) = job.storing.spheres() {
             recorder.fill("abuffer/clear", self.spheres.get().all(), 0)?;

@@ -119,7 +119,7 @@ impl Engine for ListEngine {
             && let Bin::Done(binned) = bins.bin(device, &bin, work.timeline)?
         {
             work.facts.note_binned(binned);
-            job.storing = Storing::Ordered(bins.tiles(binned));
+            job.storing = Storing::Ordered(bins, binned);
             job.budget.tiles += bins.bytes();
             ordered = 1;
         }

@@ -32,7 +32,7 @@ use super::{Error, Outcome, Timeline};
 use crate::gpu::shader::{SUBGROUPS, Shader};
 use crate::gpu::{Buffer, Device, Expected, Kept, Memory, Recorder};
 use crate::passes::bands::{self, Band, Budget, Window};
-use crate::passes::bin::{self, OrderedTiles};
+use crate::passes::bin::{self, Binned, Bins};
 use crate::passes::compose::Cut;
 use crate::passes::project::Footprint;
 use crate::passes::raster::{self, Chunk, Raster};
@@ -78,12 +78,11 @@ pub struct ABuffer {
 
 /// How fragments get to their pixels' ranges of the buffer.
 #[derive(Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "there is one for each window, passed on by reference")]
 pub enum Storing<'a> {
     /// Each into a slot that its pixel hands out.
     Slots,
     /// Tile by tile, in the order of blending: flat discs alone have one.
-    Ordered(OrderedTiles<'a>),
+    Ordered(&'a Bins, Binned),
     /// Through linked lists: `linked-list`.
     Links,
     /// Events of soft spheres, into slots as they come.
@@ -255,8 +254,8 @@ impl ABuffer {
                 let to = (fragments, self.records.get().all());
                 spheres.record_store(recorder, &job.raster, band, counts, to)?;
             }
-            Storing::Ordered(tiles) => {
-                let view = job.raster.cloud.view();
+            Storing::Ordered(bins, binned) => {
+                let (tiles, view) = (bins.tiles(binned), job.raster.cloud.view());
                 tiles.record(recorder, view, job.raster.window, band, |tiles| StoreTiles {
                     tiles,
                     cursors: counts,

@@ -46,8 +46,8 @@ group! {
 }
 
 pass! {
-    /// Sums the splats of a tile with weights that fall with depth: one subgroup per tile keeps the sums of its pixels
-    /// in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the sums.
+    /// Sums the splats of a tile with weights that fall with depth: one subgroup per block of a tile keeps the sums of
+    /// its pixels in registers and finds the pixels from them. A run takes 2048 splats, and the next goes on from the sums.
     pub Weighted(SumPush) = "weighted/accumulate" in "approximate/weighted" {
         tiles: Shared<FoldingGroup>,
         sums: Shared<SumsGroup>,
@@ -244,7 +244,8 @@ impl Approximations {
         rounds: &[u32],
         target: &'a Target,
     ) -> Result<(), Error> {
-        let tiles = bins.tiles(binned).folding(job.bin.raster.cloud.view());
+        let view = job.bin.raster.cloud.view();
+        let tiles = bins.record_tiles(recorder, view, binned)?.folding(view);
         let sums = Sums { image: target.image(), depths: target.depths(), kept: self.state.get().all() };
         let stage = Stage { shape: compose::shape_variant(job.bin.raster.footprint, job.discs.falloff), binned };
         match job.kind {
@@ -253,7 +254,7 @@ impl Approximations {
             Kind::Unsorted => stage.record(recorder, &Unsorted { tiles, sums }),
             Kind::Hybrid(k) if rounds.is_empty() => stage.each_run(|run| {
                 let push = HybridPush { walk: binned.walk(run.number), k };
-                let over = Run::new(Dispatch::Groups(binned.tiles().into()));
+                let over = Run::new(Dispatch::Groups(binned.blocks()));
                 Ok(recorder.run(
                     &HybridFlat { tiles, sums },
                     push,
@@ -306,7 +307,7 @@ impl Stage {
     fn record<'a, P: Pass<Push = SumPush> + 'a>(&self, recorder: &mut Recorder<'a>, pass: &P) -> Result<(), Error> {
         self.each_run(|run| {
             let push = SumPush { walk: self.binned.walk(run.number) };
-            let over = Run::new(Dispatch::Groups(self.binned.tiles().into()));
+            let over = Run::new(Dispatch::Groups(self.binned.blocks()));
             Ok(recorder.run(pass, push, &over.variant(sum_variant(self.shape.clone(), run)))?)
         })
     }
@@ -330,7 +331,7 @@ impl Stage {
 
 /// A variant of the stages, from that of shape and falloff.
 fn sum_variant(shape: Variant, run: OneRun) -> Variant {
-    bin::fold_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
+    bin::fold_blocks_variant(shape, run.number > 0, run.subgroup).with("KEPT", u32::from(run.of > 1))
 }
 
 /// A variant of `hybrid` over oriented discs.

@@ -116,6 +116,7 @@ impl Renderer {
         self.device.reset_peak();
         engine.prepare(&self.device, cloud, frame)?;
         let mut timeline = Timeline::new(&self.progress);
+        let waits = self.device.waits();
         let light_views = light_views(cloud, frame);
         self.cast_shadows(engine, cloud, frame, &mut timeline)?;
         let budget = self.budget(engine, cloud, frame);
@@ -152,7 +153,8 @@ impl Renderer {
         let lengths = image.fragments.as_deref().unwrap_or_default();
         let passes = aggregate(engine, &timeline.passes, &facts, frame, cloud, lengths);
         let submitted = timeline.submitted;
-        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall };
+        let waits = self.device.waits() - waits;
+        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall, waits };
         Ok(Rendered { image, profile, facts })
     }
 

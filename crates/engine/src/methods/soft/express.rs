@@ -133,7 +133,7 @@ impl SoftDiscs {
         let cloud = job.bin.raster.cloud;
         // Without solid points the shader does not look at their depths.
         let solid = job.layer.map_or(cloud.fields.all(), Layer::depths);
-        let tiles = bins.tiles(binned).folding(cloud.view());
+        let tiles = bins.record_tiles(recorder, cloud.view(), binned)?.folding(cloud.view());
         let counts = self.counts.get().all();
         let express = Express { tiles, solid, image: target.image(), depths: target.depths(), counts };
         let (stop, max_color) = sorted::stop(frame.stop, frame.color, job.max_color);

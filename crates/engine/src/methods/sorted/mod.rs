@@ -28,8 +28,8 @@ gpu_struct! {
 }
 
 pass! {
-    /// Composes the splats of a tile front to back: one subgroup per tile hands them from lane to lane and keeps pixels
-    /// in registers. A run takes 2048 splats; runs are joined.
+    /// Composes the splats of a tile front to back: one subgroup per block of a tile hands them from lane to lane and
+    /// keeps pixels in registers. A run takes 2048 splats; runs are joined.
     pub Blend(BlendPush) = "sorted/blend" {
         tiles: Shared<FoldingGroup>,
         image: ReadWrite<[f32; 4]>,
@@ -94,14 +94,14 @@ fn record_blend<'a>(
     target: &'a Target,
 ) -> Result<(), Error> {
     let cloud = job.bin.raster.cloud;
-    let tiles = bins.tiles(binned).folding(cloud.view());
+    let tiles = bins.record_tiles(recorder, cloud.view(), binned)?.folding(cloud.view());
     let blend = Blend { tiles, image: target.image(), depths: target.depths() };
     let (stop, max_color) = stop(frame.stop, frame.color, job.max_color);
     let shape = compose::shape_variant(job.bin.raster.footprint, job.discs.falloff);
     for segment in 0..binned.segments() {
         let push = BlendPush { walk: binned.walk(segment), max_opacity: cloud.max_opacity(), max_color };
         let variant = blend_variant(shape.clone(), stop, segment > 0, binned.subgroup());
-        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.tiles().into())).variant(variant))?;
+        recorder.run(&blend, push, &Run::new(Dispatch::Groups(binned.blocks())).variant(variant))?;
     }
     Ok(())
 }
@@ -133,7 +133,7 @@ pub fn stop(stop: Stop, space: ColorSpace, most: f32) -> (u32, f32) {
 
 /// A variant of `sorted/blend`, from that of shape and falloff; `later`: a run that goes on from the image.
 fn blend_variant(shape: Variant, stop: u32, later: bool, subgroup: u32) -> Variant {
-    bin::fold_variant(shape, later, subgroup).with("STOP", stop)
+    bin::fold_blocks_variant(shape, later, subgroup).with("STOP", stop)
 }
 
 /// The passes with their variants.

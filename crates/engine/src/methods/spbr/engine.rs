@@ -84,7 +84,7 @@ impl Engine for EnsembleEngine {
             form,
             streamed,
             most_epoch_bits: work.switches.epoch_bits,
-            concurrent: device.info().concurrent_runs,
+            concurrent: device.info().prefers.concurrent_runs,
             budget: work.budget,
         };
         work.facts.renewed |= job.is_renewed();

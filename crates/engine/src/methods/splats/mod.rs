@@ -121,7 +121,7 @@ impl Splatter {
             Bin::Done(binned) => {
                 let pixels = bands::pixels(window);
                 self.limits.reserve(device, pixels)?;
-                self.excess.reserve(device, if binned.segments() > 1 { pixels } else { 1 })?;
+                self.excess.reserve(device, if binned.region_segments() > 1 { pixels } else { 1 })?;
                 work.facts.note_binned(binned);
                 work.facts.splatted += 1;
                 recorder = device.recorder()?;
@@ -141,7 +141,8 @@ impl Splatter {
         binned: Binned,
         into: Pixels<'a>,
     ) -> Result<(), Error> {
-        let (ordered, raster) = (bins.tiles(binned), job.bin.raster);
+        let raster = job.bin.raster;
+        let ordered = bins.record_tiles(recorder, raster.cloud.view(), binned)?;
         let (tiles, rectangles) = (ordered.folding(raster.cloud.view()), ordered.rectangles);
         let limits = self.limits.get().all();
         // Without a layer nothing is read from there.
@@ -151,17 +152,17 @@ impl Splatter {
         let attributes = Attributes { tiles, rectangles, layer, limits, image, excess };
         let run = |number: u32| OneRun {
             later: number > 0,
-            kept: binned.segments() > 1,
+            kept: binned.region_segments() > 1,
             behind: job.layer.is_some(),
             subgroup: binned.subgroup(),
         };
         let over = |number: u32| (SplatsPush { walk: binned.walk(number), blend_depth: job.blend_depth }, run(number));
-        for number in 0..binned.segments() {
+        for number in 0..binned.region_segments() {
             let (push, run) = over(number);
             let groups = Run::new(Dispatch::Groups(binned.blocks()));
             recorder.run(&visibility, push, &groups.variant(run.visibility(raster.footprint)))?;
         }
-        for number in 0..binned.segments() {
+        for number in 0..binned.region_segments() {
             let (push, run) = over(number);
             let groups = Run::new(Dispatch::Groups(binned.blocks()));
             recorder.run(&attributes, push, &groups.variant(run.attributes(raster.footprint)))?;

@@ -237,7 +237,11 @@ impl Sampler {
                 self.reserve(device, job)?;
                 for batch in batches(job.settings.samples) {
                     recorder = device.recorder()?;
-                    self.record_tiles(&mut recorder, job, bins.tiles(binned), batch, target)?;
+                    let tiles = match batch.before {
+                        0 => bins.record_tiles(&mut recorder, job.bin.raster.cloud.view(), binned)?,
+                        _ => bins.tiles(binned),
+                    };
+                    self.record_tiles(&mut recorder, job, tiles, batch, target)?;
                     self.record_gather(&mut recorder, job, batch, target)?;
                     work.timeline.submit(recorder, "stochastic/visibility and accumulate")?;
                     work.progress.set_message(format!("rendering, {} samples", batch.before + batch.left));

@@ -85,13 +85,13 @@ impl Sampler {
             (push, tile_variant(shape.clone(), batch.strata, segment > 0, binned.subgroup()))
         };
         let dispatch = || Run::new(Dispatch::Groups(binned.blocks()));
-        for segment in 0..binned.segments() {
+        for segment in 0..binned.region_segments() {
             let (push, variant) = runs(segment);
             recorder.run(&visibility, push, &dispatch().variant(variant))?;
         }
         // All strata have the same exact A: the first ones find it.
         let kind = Kind { exact: job.kind().exact && batch.before == 0, ..job.kind() };
-        for segment in 0..binned.segments() {
+        for segment in 0..binned.region_segments() {
             let (push, variant) = runs(segment);
             recorder.run(&accumulate, push, &dispatch().variant(kind.apply_to(variant)))?;
         }

@@ -16,6 +16,8 @@ pub(super) const TILE_SIDE: u32 = 16;
 pub(super) const BLOCK_SIDE: u32 = 8;
 /// Blocks of a tile.
 pub(super) const BLOCKS: u32 = (TILE_SIDE / BLOCK_SIDE).pow(2);
+/// Bits of an entry that hold a splat's rank; the others say which blocks of its tile the splat's rectangle meets.
+pub(super) const RANK_BITS: u32 = 32 - BLOCKS;
 /// Tiles along the side of a block of tiles that one subgroup walks, where splats meet very many.
 const WALK_BLOCK: u32 = 32;
 /// Most iterations of an invocation that walks tiles: below what one driver allows (65 535).
@@ -23,8 +25,14 @@ const MOST_ITERATIONS: u64 = 50_000;
 /// Splats of a tile that one run takes, at five iterations each. Runs are composed by themselves and then joined, so that
 /// the smallest opacities don't round away in a sum of millions.
 pub(super) const SEGMENT: u32 = 2048;
+/// The same for stages that go through tiles region by region: as many as a workgroup may note without taking the room of others.
+pub(super) const REGION_SEGMENT: u32 = 1024;
 /// Shortest run of splats that a subgroup walks.
 pub(super) const SHORTEST_RUN: u64 = 256;
+/// Counters of tiles by run that a splat may have on average, if there are more than a few runs.
+const COUNTERS_PER_SPLAT: u64 = 4;
+/// Runs that there may be however many tiles there are.
+const LEAST_RUNS: u64 = 32;
 /// Shorter than any run that fills up, whatever the splats' extent.
 const LEAST_RUN: u64 = 128;
 
@@ -48,7 +56,7 @@ impl Binning {
         let subgroup = info.subgroup.ok_or_else(|| Error::NoSubgroups { device: info.name.clone() })?;
         let Raster { stats, window, .. } = job.raster;
         let drawn: u64 = stats.iter().map(|s| u64::from(s.visible)).sum();
-        let binning = || Self::new(info.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
+        let binning = || Self::new(info.prefers.concurrent_runs, window, drawn, Stats::extent(stats), subgroup);
         Ok((drawn > 0).then(binning))
     }
 
@@ -63,7 +71,9 @@ impl Binning {
         let block = if steps(met_tiles, subgroup) > steps(walk, subgroup) { walk } else { [columns, rows] };
         let most = steps([met_tiles[0].min(block[0]), met_tiles[1].min(block[1])], subgroup);
         let longest = MOST_ITERATIONS / (most + 2);
-        let runs = Runs::new(concurrent, drawn, SHORTEST_RUN.min(longest), longest);
+        // Each run has a counter of each tile: more of them than a few for each splat would cost more than they help.
+        let affordable = COUNTERS_PER_SPLAT * drawn / (u64::from(columns) * u64::from(rows)).max(1);
+        let runs = Runs::new(concurrent.min(affordable.max(LEAST_RUNS)), drawn, SHORTEST_RUN.min(longest), longest);
         Self { drawn, runs, columns, rows, block, met_tiles, subgroup }
     }
 
@@ -116,9 +126,10 @@ impl Binning {
         let used = splats(self.drawn) + table(cells);
         // `bin/tile-count` visits the tiles of a splat one by one.
         let met = u64::from(self.met_tiles[0]) * u64::from(self.met_tiles[1]);
-        let fits = cells * 4 <= binding && self.drawn * 16 <= binding && met <= MOST_ITERATIONS;
+        let most = (binding / 16).min(1 << RANK_BITS);
+        let fits = cells * 4 <= binding && self.drawn <= most && met <= MOST_ITERATIONS;
         if !fits && bands::pixels(job.raster.window) == 1 {
-            return Err(Error::TooManyPoints { points: self.drawn, limit: binding / 16 });
+            return Err(Error::TooManyPoints { points: self.drawn, limit: most });
         }
         Ok((fits && used <= available).then(|| (available - used).min(binding)))
     }
@@ -180,6 +191,11 @@ impl Binned {
     pub fn segments(&self) -> u32 {
         self.longest.div_ceil(SEGMENT).max(1)
     }
+
+    /// The same for stages that go through tiles region by region.
+    pub fn region_segments(&self) -> u32 {
+        self.longest.div_ceil(REGION_SEGMENT).max(1)
+    }
 }
 
 /// Steps in which a subgroup walks so many columns and rows of tiles.
@@ -239,8 +255,8 @@ mod tests {
         for subgroup in [4, 8, 16, 32] {
             assert!(SEGMENT * 4 + SEGMENT / subgroup < 60_000);
             // Block by block: the steps to pick splats; then every splat and the steps, for each of the block's regions.
-            let steps = SEGMENT.div_ceil(subgroup);
-            assert!(steps + (SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
+            let steps = REGION_SEGMENT.div_ceil(subgroup);
+            assert!(steps + (REGION_SEGMENT + steps + 1) * (BLOCK_SIDE.pow(2) / subgroup) < 60_000);
         }
     }
 

@@ -17,20 +17,20 @@ pub(crate) use ordered_tiles::{fold_blocks_variant, fold_variant, gather_variant
 pub use passes::*;
 pub use sort::{order_runs, sort_bytes};
 
-use self::binning::{BLOCK_SIDE, Binning, TILE_SIDE};
+use self::binning::{BLOCK_SIDE, Binning, RANK_BITS, TILE_SIDE};
 use self::keys::{ORDER_DEPTH, ORDER_INDEX, depth_keys, keys_variant};
 use self::sort::{order_bytes, presorted_variant, splat_bytes};
 use self::tile_lists::store_variant;
 use super::Error;
 use super::bands::Budget;
 use super::compose;
-use super::project::DeviceCloud;
+use super::project::{DeviceCloud, View};
 use super::radix::Radix;
 use super::raster::Raster;
 use super::scan::Scan;
 use super::timeline::Timeline;
 use crate::gpu::shader::{SUBGROUPS, Shader};
-use crate::gpu::{Buffer, Device, Kept, Memory};
+use crate::gpu::{Buffer, Device, Kept, Memory, Recorder, Slice};
 use crate::prepare::axes::Axis;
 
 /// The order of splats in tiles.
@@ -127,14 +127,22 @@ impl Bins {
         })
     }
 
-    /// Sorts and bins a window's splats for stages that go through its tiles ([`Self::tiles`]).
+    /// Sorts a window's splats and counts those of each tile. The tiles' lists are there once [`Self::record_tiles`] has run.
     pub fn bin(&mut self, device: &Device, job: &Job<'_>, timeline: &mut Timeline) -> Result<Bin, Error> {
         let Some(binning) = Binning::for_window(device, job)? else { return Ok(Bin::Nothing) };
-        let Some(binned) = self.sort_and_count(device, job, binning, timeline)? else { return Ok(Bin::TooLarge) };
-        let mut recorder = device.recorder()?;
-        self.record_tile_store(&mut recorder, job, &binning)?;
-        timeline.submit(recorder, "bin/tile-store")?;
-        Ok(Bin::Done(binned))
+        Ok(self.sort_and_count(device, job, binning, timeline)?.map_or(Bin::TooLarge, Bin::Done))
+    }
+
+    /// Records the lists of a binned window's tiles, for the stages after it that go through them. Once for each window: in the
+    /// submission of the first such stage, so that nobody waits for them.
+    pub fn record_tiles<'a>(
+        &'a self,
+        recorder: &mut Recorder<'a>,
+        view: Slice<'a, View>,
+        binned: Binned,
+    ) -> Result<OrderedTiles<'a>, Error> {
+        self.record_tile_store(recorder, view, &binned.binning)?;
+        Ok(self.tiles(binned))
     }
 
     /// Sorts a window's splats and counts those of each tile; `None` if the window must be cut.
@@ -164,7 +172,7 @@ impl Bins {
         Ok(Some(Binned { binning, records: last, nearest: depth_keys(job.depth_range)[0], entries, longest }))
     }
 
-    /// A binned window's tiles, for stages that go through them.
+    /// A binned window's tiles, for stages behind [`Self::record_tiles`].
     pub fn tiles(&self, binned: Binned) -> OrderedTiles<'_> {
         OrderedTiles {
             binned,
@@ -234,8 +242,13 @@ impl Bins {
 }
 
 /// Constants that shaders share with this module.
-pub(crate) const CONSTANTS: [(&str, u32); 4] =
-    [("TILE_SIDE", TILE_SIDE), ("BLOCK_SIDE", BLOCK_SIDE), ("ORDER_DEPTH", ORDER_DEPTH), ("ORDER_INDEX", ORDER_INDEX)];
+pub(crate) const CONSTANTS: [(&str, u32); 5] = [
+    ("TILE_SIDE", TILE_SIDE),
+    ("BLOCK_SIDE", BLOCK_SIDE),
+    ("RANK_BITS", RANK_BITS),
+    ("ORDER_DEPTH", ORDER_DEPTH),
+    ("ORDER_INDEX", ORDER_INDEX),
+];
 
 /// The passes with their variants.
 pub fn shaders() -> Vec<Shader> {

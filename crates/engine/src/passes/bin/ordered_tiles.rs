@@ -1,6 +1,6 @@
 //! Tiles with their splats in order, and the stages that go through them.
 
-use super::binning::{BLOCK_SIDE, BLOCKS, Binned, SEGMENT, TILE_SIDE, pattern};
+use super::binning::{BLOCK_SIDE, BLOCKS, Binned, REGION_SEGMENT, SEGMENT, TILE_SIDE, pattern};
 use super::passes::{Folding, Gathering, TileWalk, TilesPush};
 use crate::gpu::{Dispatch, Pass, Recorder, Run, Slice, Variant};
 use crate::passes::Error;
@@ -65,13 +65,16 @@ impl<'a> OrderedTiles<'a> {
 /// The variant of stages that go through tiles with whole splats, from that of shape and falloff; `later`: a run that goes on
 /// from what earlier ones left.
 pub(crate) fn fold_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
-    blocks(shape, subgroup).with("LATER", u32::from(later))
+    blocks(shape, SEGMENT, subgroup).with("LATER", u32::from(later))
 }
 
 /// As [`fold_variant`], of stages that go through each tile region by region (shaders/shared/region_fold.wgsl).
 pub(crate) fn region_variant(shape: Variant, later: bool, subgroup: u32) -> Variant {
     let columns = pattern(subgroup)[0];
-    fold_variant(shape, later, subgroup).constant("PICKED", SEGMENT).constant("REGION_COLUMNS", columns)
+    blocks(shape, REGION_SEGMENT, subgroup)
+        .with("LATER", u32::from(later))
+        .constant("PICKED", REGION_SEGMENT)
+        .constant("REGION_COLUMNS", columns)
 }
 
 /// The same where each block of a tile has a subgroup of its own ([`Binned::blocks`]): for stages that hold much for each pixel.
@@ -85,13 +88,13 @@ pub(crate) fn fold_blocks_variant(shape: Variant, later: bool, subgroup: u32) ->
 
 /// The variant of stages that go through ordered tiles.
 pub(crate) fn gather_variant(subgroup: u32) -> Variant {
-    blocks(Variant::plain(), subgroup).with("SHAPE", Footprint::Disc as u32)
+    blocks(Variant::plain(), SEGMENT, subgroup).with("SHAPE", Footprint::Disc as u32)
 }
 
 /// Adds the constants of shaders/shared/blocks.wgsl, and the number of a tile's splats that a run takes.
-fn blocks(variant: Variant, subgroup: u32) -> Variant {
+fn blocks(variant: Variant, taken: u32, subgroup: u32) -> Variant {
     variant
-        .with("TAKEN", SEGMENT)
+        .with("TAKEN", taken)
         .subgroup(subgroup)
         .each("block", BLOCKS)
         .each("held", BLOCKS * BLOCK_SIDE * BLOCK_SIDE / subgroup)

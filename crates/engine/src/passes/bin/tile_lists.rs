@@ -3,8 +3,9 @@
 use super::binning::{Binning, pattern};
 use super::passes::{Measure, MeasurePush, TileCount, TileStore};
 use super::{Bins, Job};
-use crate::gpu::{Dispatch, Expected, Recorder, Run, Variant};
+use crate::gpu::{Dispatch, Expected, Recorder, Run, Slice, Variant};
 use crate::passes::Error;
+use crate::passes::project::View;
 
 impl Bins {
     /// Records the counts of the tiles, their prefix sums, and the copy of the total to the host.
@@ -37,11 +38,11 @@ impl Bins {
     pub(super) fn record_tile_store<'a>(
         &'a self,
         recorder: &mut Recorder<'a>,
-        job: &Job<'a>,
+        view: Slice<'a, View>,
         binning: &Binning,
     ) -> Result<(), Error> {
         let store = TileStore {
-            view: job.raster.cloud.view(),
+            view,
             rectangles: self.rectangles.get().all(),
             cursors: self.cursors.get().slice(0, binning.cells()),
             entries: self.entries.get().all(),

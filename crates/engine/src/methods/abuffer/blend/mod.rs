@@ -116,8 +116,9 @@ impl Blender {
         let variant = compose::variant(cut, job.raster.footprint, job.discs.falloff);
         let composing = Composing::new(job.raster.cloud, cut);
         let (image, depths) = (target.image(), target.depths());
-        if let Storing::Ordered(tiles) = &job.storing {
-            return Ok(Self::record_ordered(recorder, job, stored, tiles, target, band, counted)?);
+        if let Storing::Ordered(bins, binned) = job.storing {
+            let tiles = bins.tiles(binned);
+            return Ok(Self::record_ordered(recorder, job, stored, &tiles, target, band, counted)?);
         }
         if let Storing::Spheres(spheres) = &job.storing {
             return self.record_spheres(recorder, job, stored, spheres, target, band, counted);

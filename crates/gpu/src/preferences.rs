@@ -1,0 +1,33 @@
+//! How work is shaped to fit a device. Decided here alone, by what a device says of itself and never by its name.
+
+use ash::vk;
+
+/// The shapes of work that a device prefers. Images have the same bytes whatever they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Preferences {
+    /// The number of sequential pieces that work is cut into to occupy the device: few on CPUs, where more only cost.
+    pub concurrent_runs: u64,
+    /// True if the invocations of a workgroup go through neighbouring words together and share sums, so that a GPU reads whole
+    /// stretches of memory; false if each goes through words of its own, as the threads of a CPU should.
+    pub shared_work: bool,
+}
+
+impl Preferences {
+    /// Those of drivers that run on a CPU.
+    pub const CPU: Self = Self { concurrent_runs: 32, shared_work: false };
+    /// Those of GPUs.
+    pub const GPU: Self = Self { concurrent_runs: 4096, shared_work: true };
+
+    pub(super) fn of(device_type: vk::PhysicalDeviceType) -> Self {
+        if device_type == vk::PhysicalDeviceType::CPU { Self::CPU } else { Self::GPU }
+    }
+
+    /// What `PELLUCID_PREFER` asks for: `cpu` or `gpu`.
+    pub(super) fn from_env() -> Option<Self> {
+        match std::env::var("PELLUCID_PREFER").as_deref() {
+            Ok("cpu") => Some(Self::CPU),
+            Ok("gpu") => Some(Self::GPU),
+            _ => None,
+        }
+    }
+}
