@@ -260,6 +260,45 @@ mod tests {
         }
     }
 
+    /// Every window and number of splats with every device: windows from one tile to a million of them.
+    fn all_binnings() -> Vec<(u64, Binning)> {
+        let mut all = Vec::new();
+        for side in [1, 16, 17, 512, 1920, 4096, 16_384] {
+            for (drawn, extent) in [1, 31, 255, 8192, 100_000, 30_000_000, 1 << 28]
+                .iter()
+                .flat_map(|drawn| [1, 16, 700].map(|n| (*drawn, n)))
+            {
+                for (concurrent, subgroup) in [1, 32, 4096].iter().flat_map(|runs| [4, 32].map(|size| (*runs, size))) {
+                    let extent = [extent.min(side); 2];
+                    all.push((concurrent, Binning::new(concurrent, [0, 0, side, side], drawn, extent, subgroup)));
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn counters_are_a_few_for_each_splat_or_those_of_a_few_runs() {
+        let mut cut = 0;
+        for (concurrent, binning) in all_binnings() {
+            let (tiles, drawn, runs) = (binning.tiles(), binning.drawn, u64::from(binning.runs.runs));
+            assert_eq!(binning.cells(), tiles * runs + 1, "{binning:?}");
+            let most = (COUNTERS_PER_SPLAT * drawn).max(LEAST_RUNS * tiles);
+            // Runs that an invocation would loop over too long are cut into more.
+            let is_full = iterations(&binning) > MOST_ITERATIONS / 2;
+            assert!(tiles * runs <= most || is_full, "{tiles} × {runs} counters, {most}: {binning:?}");
+            assert!(runs <= concurrent || is_full, "no more than the device runs at once, {concurrent}: {binning:?}");
+            let wanted = u64::from(Runs::new(concurrent, drawn, SHORTEST_RUN, drawn.max(SHORTEST_RUN)).runs);
+            assert!(runs >= wanted.min(LEAST_RUNS), "however many tiles, {wanted} wanted: {binning:?}");
+            if tiles * wanted <= most {
+                assert!(runs >= wanted, "as many as keep the device busy, {wanted}: {binning:?}");
+            } else {
+                cut += 1;
+            }
+        }
+        assert!(cut > 0, "some are cut off");
+    }
+
     #[test]
     fn a_splat_never_meets_more_tiles_than_binning_expects() {
         for extent in 1..=70u32 {
