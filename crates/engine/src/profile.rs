@@ -1,12 +1,15 @@
 //! The cost of frames: the profile as JSON and as a Chrome trace.
 
+mod host;
+mod trace;
+
 use std::time::Duration;
 
 use serde_json::{Value, json};
 
 use crate::gpu::{self, Device, Memory};
 use crate::methods::{Facts, Frame, FrameProfile, PassProfile, Rendered};
-use crate::progress::Phase;
+use crate::progress::Span;
 
 /// Frames of one scene on one device.
 #[derive(Debug, Clone)]
@@ -23,8 +26,9 @@ pub struct Profile {
     pub facts: Facts,
     /// List length and number of pixels with it, ascending; empty for methods without lists.
     pub list_histogram: Vec<(u32, u64)>,
-    /// The time of each phase of the command, by [`Phase::ALL`].
-    pub host: [Duration; Phase::ALL.len()],
+    /// The phases of the command, each where it happened. Those of [`Phase::Compile`](crate::progress::Phase::Compile) lie within
+    /// others.
+    pub host: Vec<Span>,
     /// The frames.
     pub frames: Vec<FrameProfile>,
 }
@@ -40,7 +44,7 @@ impl Profile {
             pixels: u64::from(frame.size[0]) * u64::from(frame.size[1]),
             facts: Facts::default(),
             list_histogram: Vec::new(),
-            host: Default::default(),
+            host: Vec::new(),
             frames: Vec::new(),
         }
     }
@@ -52,24 +56,6 @@ impl Profile {
         }
         self.facts = rendered.facts.clone();
         self.frames.push(rendered.profile.clone());
-    }
-
-    /// Adds the phases of a command that rendered on a device. Making pipelines happens within frames.
-    pub fn add_host(&mut self, phases: [Duration; Phase::ALL.len()], device: &Device) {
-        let compile = device.compile_time().min(phases[Phase::Frame as usize]);
-        for (sum, phase) in self.host.iter_mut().zip(phases) {
-            *sum += phase;
-        }
-        self.host[Phase::Compile as usize] += compile;
-        self.host[Phase::Frame as usize] -= compile;
-    }
-
-    /// The phases that took time, and those that every command has, with their milliseconds.
-    fn host_json(&self) -> Vec<Value> {
-        let is_shown =
-            |(phase, time): &(Phase, Duration)| !time.is_zero() || matches!(phase, Phase::Read | Phase::Frame);
-        let shown = Phase::ALL.into_iter().zip(self.host).filter(is_shown);
-        shown.map(|(phase, time)| json!({"name": phase.name(), "ms": time.as_secs_f64() * 1e3})).collect()
     }
 
     /// The profile in the form that the interface documents, version 1.
@@ -102,25 +88,6 @@ impl Profile {
             "host": self.host_json(),
             "frames": frames,
         })
-    }
-
-    /// The dispatches of all frames in the Chrome trace event format, microseconds, frames one after another.
-    pub fn to_trace(&self) -> Value {
-        let micros = |d: Duration| d.as_secs_f64() * 1e6;
-        let mut events = Vec::new();
-        let mut begin = Duration::ZERO;
-        for (number, frame) in self.frames.iter().enumerate() {
-            let event = |name: &str, start: Duration, length: Duration, thread: u32, args: Value| json!({"name": name, "ph": "X", "ts": micros(begin + start), "dur": micros(length), "pid": 0, "tid": thread, "args": args});
-            events.push(event(&format!("frame {number}"), Duration::ZERO, frame.wall, 0, json!({})));
-            for (pass, start) in &frame.timeline {
-                events.push(event(pass.name, *start, pass.gpu, 1, json!({"invocations": pass.invocations})));
-            }
-            begin += frame.wall;
-        }
-        for (thread, name) in ["host", "device"].iter().enumerate() {
-            events.push(json!({"name": "thread_name", "ph": "M", "pid": 0, "tid": thread, "args": {"name": name}}));
-        }
-        json!({"traceEvents": events, "displayTimeUnit": "ms"})
     }
 
     /// Device times of each pass over all frames, in the order of their first run.

@@ -63,19 +63,38 @@ impl Phase {
     }
 }
 
-/// Times of phases, by their order.
+/// A stretch of time that belongs to one phase.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    /// The phase.
+    pub phase: Phase,
+    /// When it began.
+    pub begin: Instant,
+    /// How long it took.
+    pub length: Duration,
+}
+
+/// The phases so far.
 #[derive(Debug, Default)]
 struct Clock {
-    times: [Duration; Phase::ALL.len()],
+    ended: Vec<Span>,
     running: Option<(Phase, Instant)>,
 }
 
 impl Clock {
-    /// Ends the phase that runs.
-    fn stop(&mut self) {
-        if let Some((phase, begin)) = self.running.take() {
-            self.times[phase as usize] += begin.elapsed();
+    /// Begins a phase, which ends the one before it.
+    fn begin(&mut self, phase: Phase) {
+        if self.running.is_some_and(|(running, _)| running == phase) {
+            return;
         }
+        let now = Instant::now();
+        self.ended.extend(self.running(now));
+        self.running = Some((phase, now));
+    }
+
+    /// The phase that runs, up to now.
+    fn running(&self, now: Instant) -> Option<Span> {
+        self.running.map(|(phase, begin)| Span { phase, begin, length: now - begin })
     }
 }
 
@@ -118,21 +137,17 @@ impl Progress {
         if self.0.observer.as_ref().is_some_and(|observer| observer.is_cancelled()) { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Begins a phase and ends the one before it.
+    /// Begins a phase and ends the one before it. A phase that runs already goes on.
     pub fn begin(&self, phase: Phase) {
-        let mut clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
-        clock.stop();
-        clock.running = Some((phase, Instant::now()));
+        self.0.clock.lock().unwrap_or_else(PoisonError::into_inner).begin(phase);
     }
 
-    /// The time spent in each phase so far, by [`Phase::ALL`]; the one that runs goes on. [`Phase::Compile`] is for those who
-    /// know a device to tell apart ([`Device::compile_time`](crate::gpu::Device::compile_time)).
-    pub fn phases(&self) -> [Duration; Phase::ALL.len()] {
-        let mut clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
-        let running = clock.running;
-        clock.stop();
-        clock.running = running.map(|(phase, _)| (phase, Instant::now()));
-        clock.times
+    /// The phases so far, one after another; the one that runs goes on, and is there up to now. [`Phase::Compile`] is for those
+    /// who know a device to tell apart ([`Device::compilations`](crate::gpu::Device::compilations)).
+    pub fn spans(&self) -> Vec<Span> {
+        let clock = self.0.clock.lock().unwrap_or_else(PoisonError::into_inner);
+        let running = clock.running(Instant::now());
+        clock.ended.iter().copied().chain(running).collect()
     }
 
     /// Names the stage.
@@ -219,17 +234,21 @@ mod tests {
     fn each_moment_counts_for_one_phase() {
         let pause = || std::thread::sleep(Duration::from_millis(2));
         let (progress, begin) = (Progress::hidden(), Instant::now());
-        for phase in [Phase::Read, Phase::Frame, Phase::Read] {
+        assert_eq!(progress.spans(), []);
+        for phase in [Phase::Read, Phase::Frame, Phase::Frame, Phase::Read] {
             progress.begin(phase);
             pause();
         }
-        let times = progress.phases();
-        assert!(times.iter().sum::<Duration>() <= begin.elapsed());
-        assert!(times[Phase::Read as usize] >= Duration::from_millis(4), "{times:?}");
-        assert!(times[Phase::Frame as usize] >= Duration::from_millis(2), "{times:?}");
-        assert_eq!(times.iter().filter(|time| !time.is_zero()).count(), 2);
+        let spans = progress.spans();
+        assert!(spans[0].begin >= begin && spans.iter().map(|span| span.length).sum::<Duration>() <= begin.elapsed());
+        assert_eq!(spans.iter().map(|span| span.phase).collect::<Vec<_>>(), [Phase::Read, Phase::Frame, Phase::Read]);
+        assert!(spans.windows(2).all(|pair| pair[0].begin + pair[0].length == pair[1].begin), "{spans:?}");
+        let at_least = [2, 4, 2].map(Duration::from_millis);
+        assert!(spans.iter().zip(at_least).all(|(span, least)| span.length >= least), "{spans:?}");
         pause();
-        assert!(progress.phases()[Phase::Read as usize] >= times[Phase::Read as usize] + Duration::from_millis(2));
+        let later = progress.spans();
+        assert_eq!(later[..2], spans[..2], "they have ended");
+        assert!(later[2].length >= spans[2].length + Duration::from_millis(2), "it runs");
         assert_eq!(Phase::ALL.map(|phase| Phase::ALL[phase as usize]), Phase::ALL);
     }
 

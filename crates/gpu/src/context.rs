@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -11,7 +11,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::device::{DeviceInfo, DeviceOptions, Limits, queue_family};
 use super::instance::Instance;
-use super::pipeline::{Made, Pipeline, PipelineKey};
+use super::pipeline::{Compilation, Made, Pipeline, PipelineKey};
 use super::{Error, cache, compiled, guard};
 
 /// Bytes of one block of sub-allocated memory: small, so that the reserved peak stays near what is used.
@@ -53,8 +53,8 @@ pub struct Context {
     /// Submissions that may still be made.
     pub allowed: AtomicU64,
     pipelines: Mutex<HashMap<PipelineKey, Arc<Pipeline>>>,
-    /// Nanoseconds that making them took.
-    compiling: AtomicU64,
+    /// When each of them was made.
+    compilations: Mutex<Vec<Compilation>>,
     cache_key: String,
 }
 
@@ -120,14 +120,14 @@ impl Context {
             uploaded: AtomicU64::new(0),
             waits: AtomicU64::new(0),
             pipelines: Mutex::default(),
-            compiling: AtomicU64::new(0),
+            compilations: Mutex::default(),
             cache_key,
         })
     }
 
-    /// How long making pipelines took so far.
-    pub fn compile_time(&self) -> Duration {
-        Duration::from_nanos(self.compiling.load(Ordering::Relaxed))
+    /// When each pipeline so far was made, and how long that took.
+    pub fn compilations(&self) -> Vec<Compilation> {
+        lock(&self.compilations).clone()
     }
 
     /// What all pipelines were made from.
@@ -224,7 +224,7 @@ impl Context {
         }
         let begin = Instant::now();
         let pipeline = Arc::new(build()?);
-        self.compiling.fetch_add(begin.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        lock(&self.compilations).push(Compilation { begin, time: begin.elapsed() });
         lock(&self.pipelines).insert(key, pipeline.clone());
         Ok(pipeline)
     }

@@ -3,14 +3,13 @@
 use std::ffi::CStr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 use ash::vk;
 
 use super::context::Context;
 use super::image::{self, Attachment, Format};
 use super::instance::{Instance, Messages};
-use super::{Buffer, Error, GpuType, Made, Memory, Preferences, Recorder};
+use super::{Buffer, Compilation, Error, GpuType, Made, Memory, Preferences, Recorder};
 
 /// Options for opening a device.
 #[derive(Debug, Clone, Default)]
@@ -358,9 +357,10 @@ impl Device {
         self.0.live_allocations()
     }
 
-    /// How long making pipelines took so far, from WGSL to what the driver makes of it.
-    pub fn compile_time(&self) -> Duration {
-        self.0.compile_time()
+    /// When each pipeline so far was made, and how long that took, from WGSL to what the driver makes of it. In the order in
+    /// which they were done.
+    pub fn compilations(&self) -> Vec<Compilation> {
+        self.0.compilations()
     }
 
     /// What every pipeline so far was made from; in no order.

@@ -35,7 +35,7 @@ pub use image::{Attachment, DepthSamples, Format, KeptAttachment, NumberSamples,
 pub use kept::Kept;
 pub use layout::{GpuType, Member, Shape};
 pub use pass::{Access, Binding, Group, PARTS, Pass, PushConstants, Resource};
-pub use pipeline::{Blend, Made, Outputs};
+pub use pipeline::{Blend, Compilation, Made, Outputs};
 pub use preferences::Preferences;
 pub use recorder::{Dispatch, Draw, PassTime, Recorder, Run, Submitted, Targets, Vertices};
 pub use shader::Variant;

@@ -1,6 +1,7 @@
 //! Vulkan pipelines of passes, built once for each pass and variant.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
@@ -34,6 +35,15 @@ pub struct Outputs {
 impl Outputs {
     /// None.
     pub const NONE: Self = Self { color: None, depth: false, samples: 1 };
+}
+
+/// The making of a pipeline.
+#[derive(Debug, Clone, Copy)]
+pub struct Compilation {
+    /// When it began.
+    pub begin: Instant,
+    /// How long it took.
+    pub time: Duration,
 }
 
 /// What a pipeline was made from.

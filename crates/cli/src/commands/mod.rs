@@ -114,10 +114,10 @@ struct DeviceArgs {
 /// Measurements of a frame, as files.
 #[derive(Debug, Args)]
 struct MeasureArgs {
-    /// Write the per-pass measurements as JSON.
+    /// Write the measurements as JSON: each pass of each frame, and the phases of the host.
     #[arg(long, value_name = "FILE.json")]
     profile: Option<PathBuf>,
-    /// Write a Chrome trace, which opens in Perfetto.
+    /// Write a Chrome trace, which opens in Perfetto: phases of the host, frames and passes, each where it happened.
     #[arg(long, value_name = "FILE.json")]
     trace: Option<PathBuf>,
 }

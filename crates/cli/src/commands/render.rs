@@ -278,6 +278,7 @@ pub fn run(args: RenderArgs, console: Console) -> Result<ExitCode> {
         }
     }
     if let Some(profile) = profile {
+        console.detail(profile.host_text());
         args.measure.write(&profile)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -296,12 +297,16 @@ fn steps(
     (1..=count).try_for_each(|step| output::check_target(&pattern.file(step)))?;
     let mut whole = loaded.clone().resolve(None, console, progress)?;
     legend::check(&whole, console)?;
+    let mut compilations = Vec::new();
     if whole.see_through.is_some() {
         // As with the camera, what is there already stays as it is when a cloud joins.
         let mut session = Session::upload(&args.device, &whole, false, Stop::Exact, progress)?;
         session.find_opacity(&whole, progress)?;
         whole.opacity_found = session.see_through;
+        compilations = session.device.compilations();
     }
+    // Each picture has a progress of its own.
+    let phases = progress.spans();
     progress.finish_and_clear();
     // Messages about the scene were printed already.
     let silent = Console::new(true, false);
@@ -312,7 +317,11 @@ fn steps(
         let part = Resolved { opacity_found: whole.opacity_found, ..part };
         picture(args, &part, &pattern.file(step), Some((step, count)), profile, &progress, console)?;
     }
-    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &console.progress(), console)
+    picture(args, &whole, &pattern.file(count), Some((count, count)), profile, &console.progress(), console)?;
+    if let Some(profile) = profile {
+        profile.add_host(phases, &compilations);
+    }
+    Ok(())
 }
 
 /// Renders and writes a picture; `step` is its number and the number of all pictures, if it is one of several.

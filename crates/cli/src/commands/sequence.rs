@@ -181,6 +181,9 @@ impl Records {
 
     /// Writes the requested files.
     fn finish(self, args: &RenderArgs, session: &Session, count: usize, console: Console) -> Result<()> {
+        let mut host = session.profile();
+        session.add_phases(&mut host);
+        console.detail(host.host_text());
         if let Some(journal) = self.journal {
             let missing = self.measured.missing(count);
             if let Some(first) = missing.first() {
@@ -190,11 +193,15 @@ impl Records {
                      --profile; `pellucid profile` measures all of them along the same path"
                 ));
             }
-            let mut empty = session.profile();
-            session.add_phases(&mut empty);
-            journal.finish(&self.measured.to_json(&empty))?;
+            journal.finish(&self.measured.to_json(&host))?;
         }
-        self.trace.map_or(Ok(()), |trace| args.measure.write_trace(&trace))
+        match self.trace {
+            Some(mut trace) => {
+                trace.host = host.host;
+                args.measure.write_trace(&trace)
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use pellucid_engine::image::Image;
 use pellucid_engine::methods::brightness::{self, Applied};
 use pellucid_engine::methods::see_through::{self, Found};
 use pellucid_engine::methods::spbr;
-use pellucid_engine::methods::{Frame, Rendered, Renderer, Stop};
+use pellucid_engine::methods::{Frame, PassProfile, Rendered, Renderer, Stop};
 use pellucid_engine::passes::project::DeviceCloud;
 use pellucid_engine::profile::Profile;
 use pellucid_engine::progress::{Phase, Progress};
@@ -141,6 +141,9 @@ impl Session {
             profile.gpu().as_secs_f64() * 1e3,
             bytesize::ByteSize(facts.peak_device_bytes)
         ));
+        let pass = |pass: &PassProfile| format!("{} {:.1} ms", pass.name, pass.gpu.as_secs_f64() * 1e3);
+        let passes: Vec<String> = profile.passes.iter().map(pass).collect();
+        console.detail(format_args!("passes: {}", passes.join(", ")));
     }
 
     /// Renders one frame; validation messages are an error.
@@ -170,7 +173,7 @@ impl Session {
 
     /// Adds the phases of the command so far to a profile.
     pub fn add_phases(&self, profile: &mut Profile) {
-        profile.add_host(self.progress.phases(), &self.device);
+        profile.add_host(self.progress.spans(), &self.device.compilations());
     }
 }
 

@@ -99,7 +99,66 @@ fn profiles_have_the_documented_shape() {
     assert_trace(&read(&folder, "trace.json"), &rendered);
 }
 
-/// Asserts that a Chrome trace shows the passes of a profile of one frame.
+/// The line of standard error that begins with a word, cut into its parts: names with milliseconds.
+#[track_caller]
+fn times(stderr: &str, word: &str) -> Vec<String> {
+    let line = stderr.lines().find_map(|line| line.strip_prefix(word)).unwrap_or_else(|| panic!("{word} in {stderr}"));
+    let part = |part: &str| {
+        let (name, ms) = part.strip_suffix(" ms").unwrap().rsplit_once(' ').unwrap();
+        assert!(ms.parse::<f64>().unwrap() >= 0.0, "{part}");
+        name.trim().to_owned()
+    };
+    line.split(", ").map(part).collect()
+}
+
+#[test]
+fn a_verbose_run_says_what_host_and_device_took() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    let args = ["render", &tori, "--size", "40x30", "-o", "a.png", "--profile", "p.json"];
+    let (code, _, stderr) = run(&folder, &[&["-v"], &args[..]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let profile = read(&folder, "p.json");
+    let names = |list: &Value| -> Vec<String> {
+        list.as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(times(&stderr, "host:"), names(&profile["host"]));
+    assert_eq!(times(&stderr, "passes:"), names(&profile["frames"][0]["passes"]));
+    let (_, _, quiet) = run(&folder, &args);
+    assert!(!quiet.contains("host:") && !quiet.contains("passes:"), "{quiet}");
+}
+
+#[test]
+fn phases_of_a_sequence_and_of_a_time_series_are_those_of_the_whole_command() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let tori = builtin(&folder, "tori", &["points=2000"]);
+    for (frames, output) in [(&["--turntable", "--frames", "2"][..], "a_%d.png"), (&["--frames"], "b_%d.png")] {
+        let files = ["--profile", "p.json", "--trace", "t.json", "-o", output, "-v"];
+        let args = [&["render", &tori, "--size", "40x30"], frames, &files].concat();
+        let (code, _, stderr) = run(&folder, &args);
+        assert_eq!(code, 0, "{stderr}");
+        let (trace, profile) = (read(&folder, "t.json"), read(&folder, "p.json"));
+        let events = trace["traceEvents"].as_array().unwrap();
+        assert!(times(&stderr, "host:").iter().all(|name| events.iter().any(|event| event["name"] == name.as_str())));
+        let read = profile["host"].as_array().unwrap().iter().find(|phase| phase["name"] == "read").unwrap();
+        assert!(read["ms"].as_f64().unwrap() > 0.0, "{read}");
+        let is_frame = |event: &&Value| event["name"].as_str().unwrap().starts_with("frame ");
+        let frames: Vec<_> = events.iter().filter(is_frame).collect();
+        assert_eq!(frames.len(), profile["frames"].as_array().unwrap().len());
+        let writes = events.iter().filter(|event| event["name"] == "write").count();
+        assert_eq!(writes, frames.len(), "each picture is a span of its own");
+        assert!(frames.windows(2).all(|pair| end(pair[0]) <= begin(pair[1])), "one after another: {frames:?}");
+    }
+}
+
+/// Asserts that a Chrome trace shows the phases and the passes of a profile of one frame.
+#[track_caller]
 fn assert_trace(trace: &Value, profile: &Value) {
     let events = trace["traceEvents"].as_array().unwrap();
     let mut passes = Vec::new();
@@ -114,7 +173,6 @@ fn assert_trace(trace: &Value, profile: &Value) {
             passes.push(event);
         }
     }
-    let end = |event: &Value| event["ts"].as_f64().unwrap() + event["dur"].as_f64().unwrap();
     // Both are sums of nanoseconds in microseconds.
     assert!(passes.windows(2).all(|pair| end(pair[0]) <= pair[1]["ts"].as_f64().unwrap() + 1e-3), "one after another");
     for pass in profile["frames"][0]["passes"].as_array().unwrap() {
@@ -122,6 +180,44 @@ fn assert_trace(trace: &Value, profile: &Value) {
         let micros: f64 = runs.map(|event| event["dur"].as_f64().unwrap()).sum();
         assert!((micros - 1e3 * pass["gpu_ms"].as_f64().unwrap()).abs() < 1e-3, "{pass}");
     }
+    assert_phases(events, profile);
+    let named = |name: &str| events.iter().find(|event| event["name"] == name).unwrap();
+    let (frame, phase) = (named("frame 0"), named("frame"));
+    assert!(frame["tid"] == phase["tid"] && frame["tid"] != passes[0]["tid"], "rows of the host and of the device");
+    assert!(begin(frame) >= begin(phase) && end(frame) <= end(phase) + 1e-3, "{frame} in {phase}");
+    assert!(passes.iter().all(|pass| begin(pass) >= begin(frame) - 1e-3), "passes begin in {frame}");
+}
+
+/// Asserts that the phases of the host follow one another in a trace, and that they add up to those of a profile.
+#[track_caller]
+fn assert_phases(events: &[Value], profile: &Value) {
+    let mut phases = Vec::new();
+    for phase in profile["host"].as_array().unwrap() {
+        let spans: Vec<_> = events.iter().filter(|event| event["name"] == phase["name"]).collect();
+        assert!(!spans.is_empty() && spans.iter().all(|span| span["tid"] == 0), "{phase}");
+        phases.extend(spans);
+    }
+    let micros = |phases: &[&Value]| phases.iter().map(|phase| end(phase) - begin(phase)).sum::<f64>();
+    let (compile, others): (Vec<_>, Vec<_>) = phases.into_iter().partition(|phase| phase["name"] == "compile");
+    let sum: f64 = profile["host"].as_array().unwrap().iter().map(|phase| 1e3 * phase["ms"].as_f64().unwrap()).sum();
+    // What made pipelines lies within other phases.
+    assert!((micros(&others) - sum).abs() < 1.0, "{others:?} for {sum} µs");
+    let within = |span: &Value| others.iter().any(|o| begin(o) <= begin(span) && end(span) <= end(o) + 1e-3);
+    assert!(!compile.is_empty() && compile.iter().all(|span| within(span)), "{compile:?} in {others:?}");
+    let mut others = others;
+    others.sort_by(|a, b| begin(a).total_cmp(&begin(b)));
+    assert_eq!(begin(others[0]), 0.0, "time counts from the first phase");
+    assert!(others.windows(2).all(|pair| (end(pair[0]) - begin(pair[1])).abs() < 1e-3), "without a gap: {others:?}");
+}
+
+/// Start of an event of a trace in microseconds.
+fn begin(event: &Value) -> f64 {
+    event["ts"].as_f64().unwrap()
+}
+
+/// End of an event of a trace in microseconds.
+fn end(event: &Value) -> f64 {
+    begin(event) + event["dur"].as_f64().unwrap()
 }
 
 #[test]

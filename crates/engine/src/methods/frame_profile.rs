@@ -1,6 +1,6 @@
 //! The times of a frame.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::gpu::PassTime;
 
@@ -22,6 +22,8 @@ pub struct PassProfile {
 pub struct FrameProfile {
     /// The passes in order of their first run.
     pub passes: Vec<PassProfile>,
+    /// When the first submission began.
+    pub begin: Instant,
     /// Each dispatch in order with its start relative to the frame's, for the trace.
     pub timeline: Vec<(PassTime, Duration)>,
     /// From the first submission to the end of the last one's wait, without the host's work between them.

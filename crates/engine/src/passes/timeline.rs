@@ -11,7 +11,8 @@ pub struct Timeline {
     progress: Progress,
     /// When the first submission began.
     pub start: Option<Instant>,
-    /// Each pass with its start, counted from the first submission's without the host's work between submissions.
+    /// Each pass with its start, counted from the first submission's. The passes of a submission follow one another from its
+    /// beginning on.
     pub passes: Vec<(PassTime, Duration)>,
     /// The submissions' times together.
     pub submitted: Duration,
@@ -35,8 +36,7 @@ impl Timeline {
 
     /// Adds a finished submission.
     fn add(&mut self, submission: Submitted) {
-        self.start.get_or_insert_with(|| Instant::now() - submission.wall);
-        let mut start = self.submitted;
+        let mut start = submission.begin - *self.start.get_or_insert(submission.begin);
         for pass in submission.passes {
             let gpu = pass.gpu;
             self.passes.push((pass, start));

@@ -61,6 +61,8 @@ impl<'a> Run<'a> {
 pub struct Submitted {
     /// The passes in order.
     pub passes: Vec<PassTime>,
+    /// When it was submitted.
+    pub begin: Instant,
     /// From the submission to the end of waiting for it.
     pub wall: Duration,
 }
@@ -272,12 +274,12 @@ impl<'a> Recorder<'a> {
         let guard = lock(&context.submission);
         let device = &context.device;
         // SAFETY: the command buffer is complete; the fence is waited for and destroyed here.
-        let wall = unsafe {
+        let (begin, wall) = unsafe {
             device.end_command_buffer(self.commands).map_err(lost("vkEndCommandBuffer"))?;
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(lost("vkCreateFence"))?;
             let command = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&command);
-            let start = Instant::now();
+            let begin = Instant::now();
             let submitted =
                 crate::fault::vulkan("submit").and_then(|()| device.queue_submit2(context.queue, &[submit], fence));
             // Whoever shows pictures in a window may submit while this one waits.
@@ -286,14 +288,14 @@ impl<'a> Recorder<'a> {
             let result = submitted
                 .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX))
                 .and_then(|()| crate::fault::vulkan("wait"));
-            let wall = start.elapsed();
+            let wall = begin.elapsed();
             device.destroy_fence(fence, None);
             result.map_err(lost("vkQueueSubmit2"))?;
-            wall
+            (begin, wall)
         };
         self.guards.check(&context)?;
         self.agreements.iter().try_for_each(Agreement::check)?;
-        Ok(Submitted { passes: self.read_times()?, wall })
+        Ok(Submitted { passes: self.read_times()?, begin, wall })
     }
 }
 

@@ -1,17 +1,20 @@
 //! Measurements: JSON, trace and table of a profile made by hand, and what must hold of measured ones.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pellucid_engine::gpu::PassTime;
 use pellucid_engine::methods::{Facts, FrameProfile, PassProfile, Renderer};
 use pellucid_engine::profile::{Profile, copy_rate, histogram};
+use pellucid_engine::progress::{Phase, Span};
 use pellucid_engine::scene::{Discs, Method};
 use pellucid_testing::{frame, perspective, scene, soup, with_device};
 use serde_json::json;
 
-/// Two frames of two passes; the second one ran twice in the first frame.
+/// Two frames of two passes; the second one ran twice in the first frame. Pipelines were made before the first frame and within
+/// the second.
 fn by_hand() -> Profile {
-    let ms = Duration::from_millis;
+    let (ms, origin) = (Duration::from_millis, Instant::now());
+    let span = |phase, begin, length| Span { phase, begin: origin + ms(begin), length: ms(length) };
     let pass = |name, gpu, invocations, bytes| PassProfile { name, gpu: ms(gpu), invocations, bytes };
     let run = |name, gpu, start| (PassTime { name, gpu: ms(gpu), invocations: Some(64) }, ms(start));
     Profile {
@@ -28,11 +31,19 @@ fn by_hand() -> Profile {
             peak_device_bytes: 1 << 20,
             ..Facts::default()
         },
-        host: [3, 0, 0, 0, 2, 8, 1].map(ms),
+        host: vec![
+            span(Phase::Read, 0, 3),
+            span(Phase::Frame, 3, 37),
+            span(Phase::Read, 40, 2),
+            span(Phase::Write, 42, 1),
+            span(Phase::Compile, 4, 2),
+            span(Phase::Compile, 25, 4),
+        ],
         list_histogram: histogram(&[0, 4, 3, 3, 4, 4, 4, 4, 4, 0, 0, 0]),
         frames: vec![
             FrameProfile {
                 passes: vec![pass("x/a", 1, None, None), pass("x/b", 5, Some(128), Some(1 << 20))],
+                begin: origin + ms(7),
                 timeline: vec![run("x/a", 1, 0), run("x/b", 2, 1), run("x/b", 3, 4)],
                 submitted: ms(8),
                 wall: ms(10),
@@ -40,6 +51,7 @@ fn by_hand() -> Profile {
             },
             FrameProfile {
                 passes: vec![pass("x/a", 3, None, None), pass("x/b", 7, Some(128), Some(1 << 20))],
+                begin: origin + ms(18),
                 timeline: vec![run("x/a", 3, 0), run("x/b", 7, 3)],
                 submitted: ms(12),
                 wall: ms(20),
@@ -58,9 +70,9 @@ fn the_json_is_the_documented_one() {
         "scene": { "points": 5, "pixels": 12, "fragments": 30, "max_list": 4, "list_histogram": [[0, 4], [3, 2], [4, 6]] },
         "memory": { "peak_device_bytes": 1_048_576, "fragment_bytes": 240, "bands": 2 },
         "host": [
-            { "name": "read", "ms": 3.0 },
-            { "name": "compile", "ms": 2.0 },
-            { "name": "frame", "ms": 8.0 },
+            { "name": "read", "ms": 5.0 },
+            { "name": "compile", "ms": 6.0 },
+            { "name": "frame", "ms": 31.0 },
             { "name": "write", "ms": 1.0 },
         ],
         "frames": [
@@ -74,24 +86,51 @@ fn the_json_is_the_documented_one() {
 }
 
 #[test]
-fn the_trace_has_an_event_for_every_dispatch_and_frame() {
-    let trace = by_hand().to_trace();
-    let events = trace["traceEvents"].as_array().unwrap();
-    let row = |event: &serde_json::Value| {
-        (event["name"].as_str().unwrap().to_owned(), event["ts"].as_f64().unwrap(), event["dur"].as_f64().unwrap())
-    };
-    let found: Vec<_> = events.iter().filter(|event| event["ph"] == "X").map(row).collect();
+fn the_trace_has_phases_frames_and_dispatches_where_they_happened() {
+    let found = events(&by_hand());
     let expected = [
-        ("frame 0", 0.0, 10_000.0),
-        ("x/a", 0.0, 1000.0),
-        ("x/b", 1000.0, 2000.0),
-        ("x/b", 4000.0, 3000.0),
-        // The second frame begins where the first one ended.
-        ("frame 1", 10_000.0, 20_000.0),
-        ("x/a", 10_000.0, 3000.0),
-        ("x/b", 13_000.0, 7000.0),
+        (0, "read", 0.0, 3000.0),
+        (0, "frame", 3000.0, 37_000.0),
+        (0, "read", 40_000.0, 2000.0),
+        (0, "write", 42_000.0, 1000.0),
+        (0, "compile", 4000.0, 2000.0),
+        (0, "compile", 25_000.0, 4000.0),
+        (0, "frame 0", 7000.0, 10_000.0),
+        (1, "x/a", 7000.0, 1000.0),
+        (1, "x/b", 8000.0, 2000.0),
+        (1, "x/b", 11_000.0, 3000.0),
+        (0, "frame 1", 18_000.0, 20_000.0),
+        (1, "x/a", 18_000.0, 3000.0),
+        (1, "x/b", 21_000.0, 7000.0),
     ];
-    assert_eq!(found, expected.map(|(name, ts, dur)| (name.to_owned(), ts, dur)));
+    assert_eq!(found, expected.map(|(row, name, ts, dur)| (row, name.to_owned(), ts, dur)));
+}
+
+#[test]
+fn a_trace_without_phases_begins_with_its_first_frame() {
+    let found = events(&Profile { host: Vec::new(), ..by_hand() });
+    assert_eq!(found[0], (0, "frame 0".to_owned(), 0.0, 10_000.0));
+    assert_eq!(found[4], (0, "frame 1".to_owned(), 11_000.0, 20_000.0));
+    assert_eq!(events(&Profile { host: Vec::new(), frames: Vec::new(), ..by_hand() }), []);
+}
+
+/// The events of a trace: the number of the row, the name, start and length in microseconds.
+fn events(profile: &Profile) -> Vec<(u64, String, f64, f64)> {
+    let trace = profile.to_trace();
+    let event = |event: &serde_json::Value| {
+        let micros = |key: &str| event[key].as_f64().unwrap();
+        (event["tid"].as_u64().unwrap(), event["name"].as_str().unwrap().to_owned(), micros("ts"), micros("dur"))
+    };
+    let all = trace["traceEvents"].as_array().unwrap();
+    all.iter().filter(|event| event["ph"] == "X").map(event).collect()
+}
+
+#[test]
+fn making_pipelines_counts_for_no_other_phase() {
+    let ms = Duration::from_millis;
+    // 37 ms of frames, in which 2 ms and 4 ms went into pipelines.
+    assert_eq!(by_hand().host_times(), [5, 0, 0, 0, 6, 31, 1].map(ms));
+    assert_eq!(by_hand().host_text(), "host: read 5.0 ms, compile 6.0 ms, frame 31.0 ms, write 1.0 ms");
 }
 
 #[test]
@@ -105,7 +144,13 @@ fn the_table_has_least_median_and_greatest_times_and_rates() {
     assert_eq!(columns("x/a"), ["x/a", "1.000", "2.000", "3.000", "25.0%"]);
     assert_eq!(columns("x/b"), ["x/b", "5.000", "6.000", "7.000", "75.0%", "128", "1.0", "0.17", "35%"]);
     // Medians of 6 and 10, of 8 and 12, of 10 and 20.
-    for part in ["passes 8.00 ms of 10.00 ms submitted (80.0%)", "read-back 15.00 ms", "2 frame(s)", "12 pixels"] {
+    for part in [
+        "passes 8.00 ms of 10.00 ms submitted (80.0%)",
+        "read-back 15.00 ms",
+        "2 frame(s)",
+        "12 pixels",
+        "host: read 5.0 ms",
+    ] {
         assert!(table.contains(part), "{part:?} in {table}");
     }
     assert!(!pellucid_lab::profile_table(&by_hand(), None).contains("copy rate of this device"));

@@ -2,7 +2,7 @@
 
 mod arranged;
 
-use std::time::Duration;
+use std::time::Instant;
 
 use crate::progress::Progress;
 
@@ -148,13 +148,14 @@ impl Renderer {
             let surface = Surface { size: frame.size, depths: medians.as_deref().unwrap_or(depth) };
             self.eye_dome.apply(&self.device, &frame.shading.edl, shading, surface, rgba, &mut timeline)?;
         }
-        let wall = timeline.start.map_or(Duration::ZERO, |start| start.elapsed());
+        let begin = timeline.start.unwrap_or_else(Instant::now);
+        let wall = begin.elapsed();
         facts.peak_device_bytes = self.device.peak_bytes();
         let lengths = image.fragments.as_deref().unwrap_or_default();
         let passes = aggregate(engine, &timeline.passes, &facts, frame, cloud, lengths);
         let submitted = timeline.submitted;
         let waits = self.device.waits() - waits;
-        let profile = FrameProfile { passes, timeline: timeline.passes, submitted, wall, waits };
+        let profile = FrameProfile { passes, begin, timeline: timeline.passes, submitted, wall, waits };
         Ok(Rendered { image, profile, facts })
     }
 
