@@ -90,8 +90,15 @@ fn compare(device: &Device, name: &str, keys: &[(&str, &str)]) -> Result<()> {
 
 fn search(device: &Device, subject: &Subject<'_>) -> Result<Tradeoff> {
     let seconds = std::env::var("PELLUCID_BENCH_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(240.0);
-    let options =
-        Options { ladders: Ladders::FINE, only: Vec::new(), seconds, rounds: 7, seeds: 2, command: String::new() };
+    let options = Options {
+        ladders: Ladders::FINE,
+        only: Vec::new(),
+        seconds,
+        end: None,
+        rounds: 7,
+        seeds: 2,
+        command: String::new(),
+    };
     let folder = tempfile::tempdir()
         .map_err(|source| pellucid_engine::output::Error::Write { path: std::env::temp_dir(), source })?;
     tradeoff::run(device, subject, &options, folder.path(), &Progress::hidden())

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -12,7 +13,7 @@ use pellucid_engine::points::Points;
 use pellucid_engine::scene::{Discs, Interpolated, Method, ScreenSplats, Soft, Spbr};
 use pellucid_engine::{Result, output};
 use pellucid_lab::report::tradeoff::settings::{self, Formation, Ladders, Occasion, Surfaces};
-use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Subject, Tradeoff};
+use pellucid_lab::report::tradeoff::{self, Options, Row, Shaded, ShadedStep, Skipped, Subject, Tradeoff};
 
 use super::DeviceArgs;
 use super::console::{Console, print, print_json};
@@ -55,6 +56,9 @@ their differences from reference.png 10 times as bright, as .png.";
 /// Frames behind a median, and images with seeds of their own, if time permits: for the full run and for a quick look.
 const REPEATS: (usize, u32) = (10, 8);
 const QUICK_REPEATS: (usize, u32) = (3, 4);
+/// Default of --time: for frames of the full run, and for all of a quick look.
+const SECONDS: f64 = 360.0;
+const QUICK_SECONDS: f64 = 55.0;
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT)]
@@ -64,17 +68,19 @@ pub struct TradeoffArgs {
     /// Folder for the report; created if it isn't there, files of the same names are replaced.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// A part of it for a first look and for CI: three samples, two k and two layers, 3 frames, 4 seeds.
+    /// A part of it for a first look and for CI: three samples, two k and two layers, 3 frames, 4 seeds. --time then bounds
+    /// all of it, and settings that would not fit are left out, with the reason: first one setting of each method is measured, then
+    /// a second one, and so on.
     #[arg(long)]
     quick: bool,
     /// Compare this method only; repeatable. By default all. (--method, like a scene file's, says only which discs.)
     #[arg(long, value_name = "NAME", value_parser = method_names())]
     only: Vec<String>,
-    /// About how long frames may be rendered. Slow settings get fewer frames and seeds; one whose frame takes more than a 60th
-    /// of it is timed once, by itself, and one is skipped if its own ladder predicts that a frame takes more than an 8th, or
-    /// more than is left.
-    #[arg(long, value_name = "SECONDS", default_value_t = 360.0, value_parser = seconds)]
-    time: f64,
+    /// About how long frames may be rendered, by default 360; with --quick how long all may take, by default 55. Slow settings
+    /// get fewer frames and seeds; one whose frame takes more than a 60th of it is timed once, by itself, and one is skipped if its
+    /// own ladder predicts that a frame takes more than an 8th, or more than is left.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time: Option<f64>,
     #[command(flatten)]
     device: DeviceArgs,
     /// Print what tradeoff.json holds instead of the summary.
@@ -103,16 +109,22 @@ fn method_names() -> PossibleValuesParser {
 }
 
 impl TradeoffArgs {
-    fn options(&self) -> Options {
+    /// The extent of a comparison by a command that began at this time.
+    fn options(&self, begin: Instant) -> Options {
         let (ladders, (rounds, seeds)) =
             if self.quick { (Ladders::QUICK, QUICK_REPEATS) } else { (Ladders::FULL, REPEATS) };
         let command: Vec<_> = std::env::args().skip(1).collect();
         let command = format!("pellucid {}", command.join(" "));
-        Options { ladders, only: self.only.clone(), seconds: self.time, rounds, seeds, command }
+        let seconds = self.time.unwrap_or(if self.quick { QUICK_SECONDS } else { SECONDS });
+        // A time beyond what a clock can hold is no limit.
+        let end = Duration::try_from_secs_f64(seconds).ok().and_then(|time| begin.checked_add(time));
+        let end = end.filter(|_| self.quick);
+        Options { ladders, only: self.only.clone(), seconds, end, rounds, seeds, command }
     }
 }
 
 pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
+    let begin = Instant::now();
     output::check_report_folder(&args.output)?;
     let progress = console.progress();
     let resolved = read(&args.input, None, console, &progress)?.resolve_with_radii(console, &progress)?;
@@ -154,11 +166,12 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
     let background = resolved.scene.image.background;
     let subject = Subject { arranged: &resolved.arranged, frame, background, scene: &resolved.name };
     progress.counted("tradeoff", 1);
-    let report = tradeoff::run(&device, &subject, &args.options(), &args.output, &progress)?;
+    let report = tradeoff::run(&device, &subject, &args.options(begin), &args.output, &progress)?;
     progress.stage("writing the report");
     tradeoff::write(&args.output, &report)?;
     tradeoff::discard(&args.output)?;
     progress.finish_and_clear();
+    warn_of_left_out(&report, console);
     if report.sittings > 1 {
         console.detail(format_args!("measured in {} runs: what earlier ones had stored was kept", report.sittings));
     }
@@ -170,6 +183,16 @@ pub fn run(args: TradeoffArgs, console: Console) -> Result<ExitCode> {
         print(&summary(&report, &args))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Names the settings that were left out because of the time.
+fn warn_of_left_out(report: &Tradeoff, console: Console) {
+    let name = |skipped: &Skipped| format!("{} {}", skipped.method, skipped.setting.replace("method.", ""));
+    let late: Vec<String> = report.skipped.iter().filter(|skipped| skipped.for_time).map(name).collect();
+    if !late.is_empty() {
+        let (count, late) = (late.len(), late.iter().map(|name| name.trim_end()).collect::<Vec<_>>().join(", "));
+        console.note(format_args!("{count} setting(s) left out because of the time (--time): {late}"));
+    }
 }
 
 /// All rows, how much was skipped, and where the rest is.

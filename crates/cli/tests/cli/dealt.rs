@@ -151,7 +151,9 @@ fn the_error_falls_as_one_over_the_root_of_ensembles() {
     }
     let folder = folder();
     let plane = builtin(&folder, "plane", &[DENSE]);
-    let args = ["tradeoff", &plane, "--size", "24x24", "--method", "spbr", "--quick", "--json", "-o", "report"];
+    let args = [
+        "tradeoff", &plane, "--size", "24x24", "--method", "spbr", "--quick", "--time", "900", "--json", "-o", "report",
+    ];
     let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     let rows = report["rows"].as_array().unwrap();
     let of = |row: &Value, path: &str| {

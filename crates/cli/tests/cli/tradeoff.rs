@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{assert_refused, builtin, device, done, folder, has_device, inside, pellucid};
+use crate::{assert_refused, builtin, device, done, folder, has_device, inside, pellucid, run};
 
 const PARTIAL: &str = "report/tradeoff.partial.json";
 
@@ -29,9 +29,12 @@ fn tori(folder: &TempDir) -> String {
     builtin(folder, "tori", &["points=1500"])
 }
 
+/// A quick look with time for everything, on a busy machine, too.
+const QUICK: [&str; 6] = ["-o", "report", "--quick", "--time", "900", "--json"];
+
 fn args(scene: &str) -> Vec<&str> {
     let flat = ["--set", "method.shape=flat", "--set", "method.falloff=flat"];
-    [&["tradeoff", scene, "--size", "48x32", "-o", "report", "--quick", "--json"][..], &flat].concat()
+    [&["tradeoff", scene, "--size", "48x32"], &QUICK[..], &flat].concat()
 }
 
 fn assert_row(folder: &TempDir, row: &Value) {
@@ -117,6 +120,34 @@ fn a_report_holds_every_setting_once() {
 }
 
 #[test]
+fn a_quick_look_leaves_out_what_does_not_fit() {
+    if !has_device() {
+        return;
+    }
+    let folder = folder();
+    let scene = tori(&folder);
+    let args = ["tradeoff", &scene, "--size", "48x32", "-o", "report", "--quick", "--time", "0.001", "--json"];
+    let (code, stdout, stderr) = run(&folder, &args);
+    assert_eq!(code, 0, "{stderr}");
+    let report: Value = serde_json::from_str(&stdout).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    // The first setting is measured whatever the time, so that there is a report.
+    assert_eq!(rows.iter().map(|row| text(row, "method")).collect::<Vec<_>>(), ["abuffer"], "{rows:?}");
+    assert_eq!((&rows[0]["frames"], &rows[0]["front"]), (&1.into(), &true.into()));
+    let (late, others): (Vec<&Value>, Vec<&Value>) =
+        report["skipped"].as_array().unwrap().iter().partition(|skipped| skipped["for_time"] == true);
+    for method in ["linked-list", "sorted", "peel", "stochastic", "hybrid", "weighted", "average", "unsorted"] {
+        assert!(late.iter().any(|skipped| text(skipped, "method") == method), "{method}: {late:?}");
+    }
+    assert!(late.iter().all(|skipped| text(skipped, "reason").contains(" s are left of 0.001 s")), "{late:?}");
+    assert!(others.iter().any(|skipped| text(skipped, "method") == "splats"), "another image: {others:?}");
+    let told = format!("{} setting(s) left out because of the time (--time): ", late.len());
+    assert!(stderr.contains(&told) && stderr.contains("linked-list, sorted, peel layers=1"), "{stderr}");
+    let page = fs::read_to_string(inside(&folder, "report/report.html")).unwrap();
+    assert!(page.contains(&format!("{} settings were left out because of the time", late.len())));
+}
+
+#[test]
 fn only_some_methods_and_opaque_points() {
     if !has_device() {
         return;
@@ -142,7 +173,7 @@ fn the_models_of_soft_spheres() {
     let soft =
         ["--method", "soft-concentric", "--set", "method.threshold=0.4", "--set", "cloud.*.field=distance-to-axis"];
     // Quiet: the scene's shape and falloff have no effect.
-    let args = ["tradeoff", &scene, "-q", "--size", "48x32", "-o", "report", "--quick", "--json"];
+    let args = [&["tradeoff", &scene, "-q", "--size", "48x32"], &QUICK[..]].concat();
     let report: Value = serde_json::from_str(&done(&folder, &[&args[..], &soft].concat())).unwrap();
     assert!(text(&report["reference"], "method").contains("float64"), "{report}");
     let list = |key: &str| report[key].as_array().unwrap().clone();
@@ -182,7 +213,7 @@ fn ensembles_of_planes_against_alpha_blending() {
     let sets = ["planes=2", "points=20000", "size=32", "opacity=0.4", "back=0.6"];
     let scene = builtin(&folder, "planes", &sets);
     let report = |more: &[&str]| -> Value {
-        let args = ["tradeoff", &scene, "-q", "-o", "report", "--quick", "--json"];
+        let args = [&["tradeoff", &scene, "-q"], &QUICK[..]].concat();
         serde_json::from_str(&done(&folder, &[&args[..], more].concat())).unwrap()
     };
     let found = report(&[]);
@@ -228,7 +259,7 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
     }
     let folder = folder();
     let scene = builtin(&folder, "tori", &["points=12000"]);
-    let start = ["tradeoff", &scene, "-q", "--size", "64x48", "-o", "report", "--quick", "--json"];
+    let start = [&["tradeoff", &scene, "-q", "--size", "64x48"], &QUICK[..]].concat();
     let args = [&start[..], &["--method", "cone", "--set", "method.shape=circle"]].concat();
     let report: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     assert_eq!(Some(&report), json(&folder, "report/tradeoff.json").as_ref());
@@ -286,7 +317,9 @@ fn opaque_points_against_the_surfaces_they_stand_for() {
     // Soft shadows have a ladder of their own.
     let light =
         ["--set", "shading.light=[0.5, 0.3, -1]", "--set", "shadows.light_radius=8", "--set", "shadows.resolution=64"];
-    let args = [&start[..], &["--only", "points", "--method", "points", "--time", "5"], &light].concat();
+    // Little time, so that the reference has few samples.
+    let start = ["tradeoff", &scene, "-q", "--size", "64x48", "-o", "report", "--quick", "--json", "--time", "5"];
+    let args = [&start[..], &["--only", "points", "--method", "points"], &light].concat();
     let shaded: Value = serde_json::from_str(&done(&folder, &args)).unwrap();
     let shaded = &shaded["shaded"];
     assert_eq!(shaded["method"], "points");

@@ -104,7 +104,7 @@ impl<'a> Line<'a> {
     }
 
     fn skipped(skipped: &'a Skipped) -> Self {
-        let Skipped { method, setting, reason } = skipped;
+        let Skipped { method, setting, reason, .. } = skipped;
         Self { method, setting, skipped: reason, ..Self::default() }
     }
 }

@@ -116,6 +116,8 @@ pub struct Skipped {
     pub setting: String,
     /// Why.
     pub reason: String,
+    /// True if it would have taken too long; another limit of time may let it in.
+    pub for_time: bool,
 }
 
 /// The fall of a method's error along its ladder.

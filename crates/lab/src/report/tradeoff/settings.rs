@@ -176,7 +176,13 @@ impl Setting {
 
     /// The setting of a ladder.
     pub fn skipped(&self, reason: impl Into<String>) -> Skipped {
-        Skipped { method: self.method.name().to_owned(), setting: self.text.clone(), reason: reason.into() }
+        let (method, setting) = (self.method.name().to_owned(), self.text.clone());
+        Skipped { method, setting, reason: reason.into(), for_time: false }
+    }
+
+    /// The setting of a ladder, of which there is no time to measure it.
+    pub fn too_slow(&self, reason: String) -> Skipped {
+        Skipped { for_time: true, ..self.skipped(reason) }
     }
 }
 

@@ -61,6 +61,7 @@ pub fn report(size: [u32; 2]) -> Tradeoff {
         method: method.into(),
         setting: setting.into(),
         reason: reason.into(),
+        for_time: reason.contains("s are left"),
     };
     Tradeoff {
         version: 1,

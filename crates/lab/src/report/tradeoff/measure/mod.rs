@@ -1,10 +1,12 @@
 //! Measures the settings of a scene on a device.
 
+mod limit;
 mod reference;
 mod rounds;
 mod trial;
 
 use std::path::Path;
+use std::time::Instant;
 
 use glam::Vec3;
 use pellucid_engine::gpu::Device;
@@ -15,6 +17,7 @@ use pellucid_engine::prepare::Arranged;
 use pellucid_engine::progress::Progress;
 use pellucid_engine::{Result, identity};
 
+use self::limit::Spent;
 use self::reference::Made;
 use super::analytic::{self, Planes};
 use super::partial::Partial;
@@ -47,6 +50,9 @@ pub struct Options {
     /// Approximate limit on the total rendering time, in seconds. A setting is skipped if one frame is predicted to
     /// take more than a [`FRAME_SHARE`]th of it, or if no time is left.
     pub seconds: f64,
+    /// When all of it should be over, the report included; then `seconds` are those of the whole comparison. Settings that
+    /// don't fit, by what was measured so far, are skipped; the first one is not. `None` limits the rendering time alone.
+    pub end: Option<Instant>,
     /// Frames behind a median, if time permits, at least 1.
     pub rounds: usize,
     /// Images of a stochastic setting with seeds of their own, if time permits, at least 2.
@@ -98,9 +104,22 @@ pub fn run(
         silhouette: silhouette.pixels,
         clouds: thinning.iter().map(|one_of| (*one_of, clouds.len(*one_of))).collect(),
     });
-    let skipped = Vec::new();
-    let mut run =
-        Run { device, subject, options, folder, progress, frame, partial, clouds, made, analytic, surveyed, skipped };
+    let (skipped, tried) = (Vec::new(), Vec::new());
+    let mut run = Run {
+        device,
+        subject,
+        options,
+        folder,
+        progress,
+        frame,
+        partial,
+        clouds,
+        made,
+        analytic,
+        surveyed,
+        skipped,
+        tried,
+    };
     run.keep_reference()?;
 
     let (mut settings, skipped) = settings(&occasion, &options.ladders);
@@ -108,14 +127,7 @@ pub fn run(
     settings.retain(|setting| asked(setting.method.name()));
     run.skipped = skipped.into_iter().filter(|skipped| asked(&skipped.method)).collect();
     progress.set_length(settings.len() as u64);
-    let mut taken = Vec::new();
-    for setting in settings {
-        progress.set_message(format!("errors, {}", setting.key()));
-        if run.trial(&setting, &taken)? {
-            taken.push(setting);
-        }
-        progress.inc(1);
-    }
+    let taken = run.trials(&settings)?;
     run.rounds(&taken)?;
     run.shade()?;
     Ok(run.report(&taken))
@@ -135,6 +147,8 @@ struct Run<'a> {
     analytic: Option<Analytic>,
     surveyed: Option<Surveyed>,
     skipped: Vec<Skipped>,
+    /// What the settings took that this run tried.
+    tried: Vec<Spent>,
 }
 
 impl Run<'_> {
@@ -180,10 +194,11 @@ impl Run<'_> {
     /// Shadows of more and fewer samples, unless an earlier run has them.
     fn shade(&mut self) -> Result<()> {
         let Options { ladders, rounds, seconds, .. } = self.options;
+        let seconds = self.left().map_or(*seconds, |left| left.clamp(0.0, *seconds));
         let has_all = |shaded: &Shaded| shaded.steps.iter().map(|step| &step.samples).eq(ladders.shadow_samples);
         if self.surveyed.is_some() && !self.partial.content.shaded.as_ref().is_some_and(has_all) {
             self.progress.set_message("shadows");
-            let effort = Effort { samples: ladders.shadow_samples, frames: *rounds, seconds: *seconds };
+            let effort = Effort { samples: ladders.shadow_samples, frames: *rounds, seconds };
             let frame = Frame { method: self.subject.frame.method, ..self.frame };
             self.partial.content.shaded =
                 shadows::measure(self.device, &mut self.clouds, &frame, self.subject.background, effort)?;

@@ -40,7 +40,7 @@ impl Run<'_> {
         }
         for round in 0..rounds {
             for setting in &due {
-                if missing(self, setting, round) {
+                if missing(self, setting, round) && !self.is_late(setting) {
                     self.progress.set_message(format!("times, {}", setting.key()));
                     let renderer = renderers.for_method(setting.method.name())?;
                     self.time(renderer, setting, round)?;
@@ -49,6 +49,12 @@ impl Run<'_> {
             }
         }
         Ok(self.device.check_validation()?)
+    }
+
+    /// True if no time is left for a further frame of a setting.
+    fn is_late(&self, setting: &Setting) -> bool {
+        let is_timed = !self.partial.content.settings[&setting.key()].frames.is_empty();
+        is_timed && self.left().is_some_and(|left| left <= 0.0)
     }
 
     fn time(&mut self, renderer: &mut Renderer, setting: &Setting, round: usize) -> Result<()> {
@@ -67,14 +73,15 @@ impl Run<'_> {
     }
 
     /// The number of timed frames per setting: one per round, but fewer for the slowest settings, so that all fit the
-    /// time, and one for those that are timed alone. It depends only on the trials, so that an interrupted run arrives
-    /// at the same numbers.
+    /// time, and one for those that are timed alone. Without an end it depends only on the trials, so that an interrupted run
+    /// arrives at the same numbers.
     fn wanted(&self, settings: &[Setting]) -> BTreeMap<String, usize> {
         let seconds = |setting: &Setting| self.partial.content.settings[&setting.key()].trial.seconds;
         let most = self.options.seconds / ALONE_SHARE;
         let (in_turns, alone): (Vec<&Setting>, Vec<&Setting>) = settings.iter().partition(|s| seconds(s) <= most);
         let costs: Vec<f64> = in_turns.iter().map(|setting| seconds(setting)).collect();
-        let counts = summary::frames(&costs, self.options.rounds, ROUNDS_SHARE * self.options.seconds);
+        let share = ROUNDS_SHARE * self.options.seconds;
+        let counts = summary::frames(&costs, self.options.rounds, self.left().map_or(share, |left| left.min(share)));
         let in_turns = in_turns.iter().map(|setting| setting.key()).zip(counts);
         in_turns.chain(alone.iter().map(|setting| (setting.key(), 1))).collect()
     }

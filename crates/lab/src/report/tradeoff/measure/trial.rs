@@ -8,7 +8,8 @@ use pellucid_engine::methods::{self, Facts, Rendered, Renderer};
 use pellucid_engine::metrics::{self, difference_picture};
 use pellucid_engine::prepare::Arranged;
 
-use super::{ALONE_SHARE, FRAME_SHARE, Run};
+use super::limit::{self, Account, Spent};
+use super::{ALONE_SHARE, FRAME_SHARE, Options, Run};
 use crate::report::tradeoff::partial::{Measured, Timed, Trial};
 use crate::report::tradeoff::repeats::Seeds;
 use crate::report::tradeoff::settings::Setting;
@@ -20,19 +21,40 @@ const SEEDS_SHARE: f64 = 80.0;
 const TRIALS_SHARE: f64 = 0.6;
 
 impl Run<'_> {
+    /// The first frames of all settings; those that were not skipped, in their order.
+    pub(super) fn trials(&mut self, settings: &[Setting]) -> Result<Vec<Setting>> {
+        let order = match self.options.end {
+            Some(_) => limit::method_by_method(settings),
+            None => (0..settings.len()).collect(),
+        };
+        let mut taken: Vec<usize> = Vec::new();
+        for at in order {
+            let before: Vec<&Setting> = taken.iter().map(|at| &settings[*at]).collect();
+            self.progress.set_message(format!("errors, {}", settings[at].key()));
+            if self.trial(&settings[at], &before)? {
+                taken.push(at);
+            }
+            self.progress.inc(1);
+        }
+        taken.sort_unstable();
+        Ok(taken.into_iter().map(|at| settings[at].clone()).collect())
+    }
+
     /// The first frames of a setting, unless they are there already; false if it was skipped. `before` are the settings that
     /// were not.
-    pub(super) fn trial(&mut self, setting: &Setting, before: &[Setting]) -> Result<bool> {
+    fn trial(&mut self, setting: &Setting, before: &[&Setting]) -> Result<bool> {
         if self.partial.content.settings.contains_key(&setting.key()) {
             return Ok(true);
         }
         if let Some(reason) = self.too_slow(setting, before) {
-            self.skipped.push(setting.skipped(reason));
+            self.skipped.push(setting.too_slow(reason));
             return Ok(false);
         }
+        let begin = Instant::now();
         match self.first_frames(setting) {
             Ok(measured) => {
                 self.device.check_validation()?;
+                self.tried.push(Spent { frame: measured.trial.seconds, whole: begin.elapsed().as_secs_f64() });
                 self.partial.content.settings.insert(setting.key(), measured);
                 self.partial.save()?;
                 Ok(true)
@@ -45,23 +67,55 @@ impl Run<'_> {
         }
     }
 
-    /// Why a setting would take too long, by the steps of its ladder before.
-    fn too_slow(&self, setting: &Setting, before: &[Setting]) -> Option<String> {
-        let all = self.options.seconds;
-        let trial = |other: &Setting| Some(&self.partial.content.settings.get(&other.key())?.trial);
+    /// Why a setting would take too long, by those before.
+    fn too_slow(&self, setting: &Setting, before: &[&Setting]) -> Option<String> {
+        let frame = self.predicted(setting, before);
+        frame.and_then(|seconds| self.slow_frame(seconds, before)).or_else(|| self.late(frame, before))
+    }
+
+    /// Seconds of a frame of a setting, by the steps of its ladder before.
+    fn predicted(&self, setting: &Setting, before: &[&Setting]) -> Option<f64> {
         let times: Vec<(f64, f64)> = before
             .iter()
             .filter(|other| other.series == setting.series)
-            .filter_map(|other| Some((other.effort?, trial(other)?.seconds)))
+            .filter_map(|other| Some((other.effort?, self.first(other)?.seconds)))
             .collect();
-        let seconds = predict(&times, setting.effort?)?;
+        predict(&times, setting.effort?)
+    }
+
+    /// The first frames of a setting, if they are there.
+    fn first(&self, setting: &Setting) -> Option<&Trial> {
+        Some(&self.partial.content.settings.get(&setting.key())?.trial)
+    }
+
+    /// Why a setting does not fit the time that is left for everything; `frame` are the predicted seconds of a frame.
+    fn late(&self, frame: Option<f64>, before: &[&Setting]) -> Option<String> {
+        let left = self.left()?;
+        let Options { seconds, rounds, .. } = *self.options;
+        let account = Account { tried: &self.tried, alone: seconds / ALONE_SHARE, rounds };
+        let owed: f64 = before.iter().filter_map(|other| Some(account.in_turns(self.first(other)?.seconds))).sum();
+        limit::refusal(account.needed(frame)?, left - owed, seconds)
+    }
+
+    /// Seconds that are left before the report is written; `None` without an end.
+    pub(super) fn left(&self) -> Option<f64> {
+        Some(limit::left(self.options.end?, Instant::now(), self.options.seconds))
+    }
+
+    /// Why a frame of so many seconds takes too long.
+    fn slow_frame(&self, seconds: f64, before: &[&Setting]) -> Option<String> {
+        let all = self.options.seconds;
         let about = format!("a frame would take about {seconds:.1} s by the settings before; of {all} s in all");
         let most = all / FRAME_SHARE;
         if seconds > most {
             return Some(format!("{about} one may take {most:.1} s"));
         }
         let images = |trial: &Trial| trial.repeats.as_ref().map_or(2, |repeats| repeats.seeds.max(2));
-        let spent: f64 = before.iter().filter_map(trial).map(|trial| f64::from(images(trial)) * trial.seconds).sum();
+        let spent: f64 = before
+            .iter()
+            .filter_map(|other| self.first(other))
+            .map(|trial| f64::from(images(trial)) * trial.seconds)
+            .sum();
         // Two of them, as of every setting.
         let left = TRIALS_SHARE * all - spent;
         (2.0 * seconds > left).then(|| format!("{about} {:.1} s are left for first frames", left.max(0.0)))

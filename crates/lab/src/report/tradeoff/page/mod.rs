@@ -259,7 +259,16 @@ fn skipped(report: &Tradeoff) -> Markup {
     let columns = [Column::text("method"), Column::text("setting"), Column::text("why")];
     let row = |s: &super::Skipped| vec![s.method.clone(), short(&s.setting), s.reason.clone()];
     let rows: Vec<_> = report.skipped.iter().map(row).collect();
-    html! { @if rows.is_empty() { p { "None." } } @else { (table(&columns, &rows)) } }
+    let late = report.skipped.iter().filter(|skipped| skipped.for_time).count();
+    html! {
+        @if late > 0 { p { (left_out(late)) } }
+        @if rows.is_empty() { p { "None." } } @else { (table(&columns, &rows)) }
+    }
+}
+
+fn left_out(late: usize) -> String {
+    let (settings, them) = if late == 1 { ("setting was", "it") } else { ("settings were", "them") };
+    format!("{late} {settings} left out because of the time; more of it (--time) lets {them} in.")
 }
 
 fn method(report: &Tradeoff) -> Markup {
